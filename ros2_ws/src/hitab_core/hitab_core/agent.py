@@ -1,0 +1,437 @@
+"""One agent without its robot or its middleware: what it knows, does, and is being taught.
+
+A node (`hitab_agent.agent_node`) gives it percepts and a demonstrator's wishes, and takes its
+actions. Everything here raises `HitabError` for what a user has to mend and changes nothing then.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from enum import StrEnum
+from pathlib import Path
+
+from hitab_core.automaton import Automaton
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import Domain
+from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.example import Example
+from hitab_core.example_journal import ExampleJournal
+from hitab_core.example_log import ExampleLog
+from hitab_core.repertoire import Repertoire
+from hitab_core.running_automaton import Running, RunningAutomaton, Stage
+from hitab_core.seeding import agent_seed
+from hitab_core.senses import Senses
+from hitab_core.training_session import Curriculum, TrainingSession, example_record, replay
+from hitab_core.trimming import rebind, trim
+from hitab_core.use import Use
+
+
+class Mode(StrEnum):
+    """What decides what an agent does."""
+
+    IDLE = "idle"
+    PERFORMING = "performing"
+    TRAINING = "training"
+    TESTING = "testing"
+
+
+Observer = Callable[[RunningAutomaton, str, str], None]
+
+
+class Agent:
+    """An agent: a body, a repertoire and, at any time, one top-level behavior or one training.
+
+    A training is kept, with all its examples, while something else is performed, and across
+    restarts of the process if there is a journal folder.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        domain: Domain,
+        library: BehaviorLibrary,
+        journal_folder: Path | None = None,
+        *,
+        seed: int = 0,
+        most_probable: bool = False,
+        observe: Observer | None = None,
+    ) -> None:
+        """Load the library and, from the journal, a training that was interrupted.
+
+        Raises:
+            LibraryError: if the library or the journal cannot be read.
+            VocabularyError: if a behavior in the library uses what does not exist.
+        """
+        self.name = name
+        self.domain = domain
+        self.library = library
+        self.body = domain.body(name)
+        self.cycle = 0
+        self.mode = Mode.IDLE
+        self.top: Use | None = None
+        self.session: TrainingSession | None = None
+        self._random = random.Random(agent_seed(seed, 0, name))
+        self._performance: Running | None = None
+        self._stage = Stage(
+            Repertoire(domain, library.load()),
+            self.body,
+            Senses(self.body, domain),
+            self._random.random,
+            most_probable,
+            observe,
+        )
+        self._journal_path = None if journal_folder is None else journal_folder / "training.jsonl"
+        self._journal: ExampleJournal | None = None
+        self.library_digest = library.digest
+        self._resume_interrupted_training()
+
+    # -- what it knows ----------------------------------------------------------------------
+
+    @property
+    def repertoire(self) -> Repertoire:
+        """All behaviors that it can perform."""
+        return self._stage.repertoire
+
+    @property
+    def active_path(self) -> list[str]:
+        """Labels of the active states, from the top-level behavior's inwards."""
+        running = self._running
+        return running.active_path if isinstance(running, RunningAutomaton) else []
+
+    @property
+    def behavior(self) -> str:
+        """The top-level behavior, or the automaton being trained; empty if idle."""
+        if self.mode in (Mode.TRAINING, Mode.TESTING) and self.session is not None:
+            return self.session.curriculum.name
+        return "" if self.mode is Mode.IDLE or self.top is None else str(self.top)
+
+    @property
+    def _running(self) -> Running | None:
+        if self.mode is Mode.IDLE:
+            return None
+        if self.mode is Mode.PERFORMING or self.session is None:
+            return self._performance
+        return self.session.running
+
+    # -- perceiving and acting --------------------------------------------------------------
+
+    def sense(self, values: Sequence[float], heard: Sequence[str], cycle: int = 0) -> None:
+        """Take a percept, in the layout of the domain."""
+        self.cycle = cycle
+        self.body.sense(values, heard)
+        self._stage.senses.forget()
+
+    def restart(self, seed: int, episode: int) -> None:
+        """Begin an episode: the agent's own random numbers afresh, the behavior at Start."""
+        self._random.seed(agent_seed(seed, episode, self.name))
+        running = self._running
+        if running is not None:
+            running.stop()
+            running.start()
+
+    def tick(self) -> None:
+        """Perform one timestep on the last percept.
+
+        Raises:
+            FeatureValueError: if a feature that a decision needs has no value.
+        """
+        if self.mode is Mode.PERFORMING:
+            if self._performance is not None:
+                self._performance.tick()
+        elif self.mode is not Mode.IDLE and self.session is not None:
+            self.session.tick()
+
+    def act(self) -> tuple[Sequence[float], str]:
+        """Return what the body does now, and what it says."""
+        values, say = self.body.act()
+        return values, say
+
+    # -- performing -------------------------------------------------------------------------
+
+    def perform(self, use: Use | None) -> None:
+        """Perform a behavior as the top-level one, from its beginning; None: nothing.
+
+        Raises:
+            VocabularyError: if there is no such behavior or target.
+        """
+        performance = None
+        if use is not None:
+            self._check_performable(use)
+            performance = self._stage.perform(use)
+        self._stop()
+        self.top = use
+        self._performance = performance
+        self.mode = Mode.IDLE if performance is None else Mode.PERFORMING
+        if performance is not None:
+            performance.start()
+
+    def _check_performable(self, use: Use) -> None:
+        if use.name not in self.repertoire:
+            raise VocabularyError(
+                f'unknown behavior "{use.name}" {has(self.repertoire.names())}'
+            )
+        self.repertoire.check_state(use)
+
+    def _stop(self) -> None:
+        running = self._running
+        if running is not None:
+            running.stop()
+
+    # -- training ---------------------------------------------------------------------------
+
+    def begin(
+        self, curriculum: Curriculum, *, resume: str = "", discard: bool = False
+    ) -> TrainingSession:
+        """Begin to train an automaton, in Start.
+
+        Args:
+            curriculum: what is to be trained; without features, those of ``resume``.
+            resume: a trained behavior whose examples to go on from.
+            discard: give up a training that has not been saved.
+
+        Raises:
+            TrainingError: if there is an unsaved training, or ``resume`` has no examples.
+            VocabularyError: if the curriculum names what does not exist.
+        """
+        if self.session is not None and len(self.session.log) and not discard:
+            raise TrainingError(
+                f'"{self.session.curriculum.name}" has {len(self.session.log)} unsaved examples; '
+                "save it first, or discard it"
+            )
+        examples: tuple[Example, ...] = ()
+        if resume:
+            earlier = self.repertoire.get(resume)
+            if not isinstance(earlier, Automaton) or not earlier.examples:
+                raise TrainingError(f'"{resume}" was not trained; there is nothing to go on from')
+            features = curriculum.features or earlier.features
+            curriculum = Curriculum(
+                curriculum.name or resume, features, curriculum.states,
+                curriculum.parameters or earlier.parameters, curriculum.arguments,
+                curriculum.classifier,
+            )
+            examples = _with_features(earlier, features)
+        session = TrainingSession(self._stage, curriculum, examples, self._write)
+        self._stop()
+        self._open_journal(curriculum, examples)
+        self.session = session
+        self.mode = Mode.TRAINING
+        return session
+
+    def command(self, use: Use) -> list[Example]:
+        """Obey a demonstrator; see `TrainingSession.command`.
+
+        Raises:
+            TrainingError: if the agent is not in training mode.
+        """
+        session = self._session()
+        if self.mode in (Mode.IDLE, Mode.PERFORMING):
+            raise TrainingError(
+                f'{self.name} is not in training mode but {self.mode}; '
+                "go to training mode before commanding"
+            )
+        return session.command(use, self.cycle)
+
+    def test(self, *, restart: bool = False) -> None:
+        """Learn from the examples and give control to what was learned.
+
+        Raises:
+            TrainingError: if there is no training, or no example leaves Start.
+        """
+        session = self._session()
+        session.test(restart=restart)
+        if self.mode not in (Mode.TRAINING, Mode.TESTING):
+            self._stop()
+            session.restart()
+        self.mode = Mode.TESTING
+
+    def take_over(self) -> None:
+        """Give control to the demonstrator, at the active state.
+
+        Raises:
+            TrainingError: if there is no training.
+        """
+        session = self._session()
+        session.take_over()
+        if self.mode not in (Mode.TRAINING, Mode.TESTING):
+            self._stop()
+            session.restart()
+        self.mode = Mode.TRAINING
+
+    def save(
+        self, name: str = "", bindings: Mapping[str, str] | None = None, description: str = ""
+    ) -> tuple[Automaton, Path, list[str]]:
+        """Trim what was learned, add it to the library and end the training.
+
+        Args:
+            name: what to call it; empty: as it was begun.
+            bindings: targets or parameters to replace, with what.
+            description: for people who browse the library.
+
+        Returns:
+            The automaton, its file, and what was trimmed.
+
+        Raises:
+            TrainingError: if there is no training, or no example leaves Start.
+            LibraryError: if it cannot be written.
+            VocabularyError: if it does not fit into the repertoire.
+        """
+        session = self._session()
+        learned = session.automaton()
+        if name or description:
+            learned = Automaton(
+                name or learned.name, learned.states, learned.features, learned.transitions,
+                learned.parameters, learned.examples, description,
+            )
+        if bindings:
+            learned = rebind(learned, bindings, self.repertoire)
+        automaton, trimmed = trim(
+            learned, self.repertoire, classifier=session.curriculum.classifier
+        )
+        before = self.repertoire.automata.get(automaton.name)
+        self.repertoire.add(automaton)
+        try:
+            path = self.library.save(
+                automaton, agent=self.name, classifier=session.curriculum.classifier
+            )
+        except Exception:
+            self.repertoire.discard(automaton.name)
+            if before is not None:
+                self.repertoire.add(before)
+            raise
+        was_testing = self.mode is Mode.TESTING
+        self._stop()
+        self._close_journal()
+        self.session = None
+        self.library_digest = self.library.digest
+        use = Use(automaton.name, session.curriculum.arguments)
+        if was_testing and automaton.parameters == session.curriculum.parameters:
+            self.mode = Mode.IDLE
+            self.perform(use)
+        else:
+            self._rebuild()
+            self.mode = Mode.IDLE
+        return automaton, path, trimmed
+
+    def discard(self) -> None:
+        """Give up the training under way.
+
+        Raises:
+            TrainingError: if there is none.
+        """
+        self._session()
+        self._stop()
+        self._close_journal()
+        self.session = None
+        self.mode = Mode.IDLE
+
+    def _session(self) -> TrainingSession:
+        if self.session is None:
+            raise TrainingError(
+                f"{self.name} is not training anything; begin a training first"
+            )
+        return self.session
+
+    # -- library ----------------------------------------------------------------------------
+
+    def reload(self, library: BehaviorLibrary | None = None) -> list[str]:
+        """Read the library again, or another one; what is performed begins at Start.
+
+        Returns:
+            The names of the trained behaviors.
+
+        Raises:
+            LibraryError, VocabularyError: if a file is bad; then nothing changes.
+        """
+        library = library or self.library
+        repertoire = Repertoire(self.domain, library.load())
+        if self.top is not None:
+            if self.top.name not in repertoire:
+                raise VocabularyError(
+                    f'"{self.top}", which {self.name} performs, is not in {library.folder}'
+                )
+            repertoire.check_state(self.top)
+        self._stop()
+        stage = self._stage
+        self._stage = Stage(
+            repertoire, stage.body, stage.senses, stage.draw, stage.most_probable, stage.observe
+        )
+        self.library = library
+        self._rebuild()
+        return sorted(library.names())
+
+    def _rebuild(self) -> None:
+        """Perform afresh, since behaviors may have changed underneath."""
+        self.library_digest = self.library.digest
+        if self.top is not None:
+            self._performance = self._stage.perform(self.top)
+            self._performance.start()
+        if self.session is not None:
+            self.session.rebuild(self._stage)
+
+    # -- the journal of a training ----------------------------------------------------------
+
+    def _open_journal(self, curriculum: Curriculum, examples: Iterable[Example]) -> None:
+        if self._journal_path is None:
+            return
+        self._close_journal()
+        self._journal_path.parent.mkdir(parents=True, exist_ok=True)
+        self._journal = ExampleJournal.open(self._journal_path)
+        self._journal.append(
+            {
+                "do": "begin",
+                "domain": self.domain.name,
+                "curriculum": curriculum.to_record(),
+                "examples": [example_record(e) for e in examples],
+            }
+        )
+
+    def _write(self, record: Mapping[str, object]) -> None:
+        if self._journal is not None:
+            self._journal.append(dict(record))
+
+    def _close_journal(self) -> None:
+        if self._journal is not None:
+            self._journal.archive()
+            self._journal = None
+
+    def _resume_interrupted_training(self) -> None:
+        path = self._journal_path
+        if path is None or not path.exists():
+            return
+        journal = ExampleJournal.open(path)
+        records = list(journal.records())
+        if not records:
+            journal.discard()
+            return
+        begin, *rest = records
+        curriculum = Curriculum.from_record(begin["curriculum"])
+        log = replay([{"do": "command", "examples": begin["examples"]}], ExampleLog())
+        session = TrainingSession(self._stage, curriculum, log.examples, self._write)
+        replay(rest, session.log)
+        session.rebuild(self._stage)
+        self._journal = journal
+        self.session = session
+        self.mode = Mode.TRAINING
+
+
+def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example, ...]:
+    """Return the examples of ``earlier`` for a training with ``features``.
+
+    Raises:
+        TrainingError: if its examples do not have a value for one of them.
+    """
+    if tuple(features) == earlier.features:
+        return earlier.examples
+    missing = [str(f) for f in features if f not in earlier.features]
+    if missing:
+        raise TrainingError(
+            f'the examples of "{earlier.name}" have no value for {", ".join(missing)} '
+            f"{has(earlier.features)}; go on with the same features, or begin without them"
+        )
+    columns = [earlier.features.index(f) for f in features]
+    return tuple(
+        Example(e.state, tuple(e.features[c] for c in columns), e.next_state, e.kind, e.number,
+                e.command, e.cycle)
+        for e in earlier.examples
+    )

@@ -1,0 +1,80 @@
+"""Automata as they are learned and stored: the tuple ⟨S, B, F, T, G⟩ of the paper, frozen.
+
+`hitab_core.running_automaton` is one being performed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from hitab_core.errors import VocabularyError
+from hitab_core.example import Example
+from hitab_core.transition_function import TransitionFunction
+from hitab_core.use import Use
+
+START = "Start"
+"""The blank state in which every automaton begins and which it leaves at once."""
+
+FLAGS = ("Done", "Failed")
+"""The flag states: entering one tells the parent automaton, then goes back to Start."""
+
+RESERVED = frozenset((START, *FLAGS))
+
+
+@dataclass(frozen=True)
+class Automaton:
+    """A learned or hand-written hierarchical finite-state automaton.
+
+    Attributes:
+        name: what it is called as a behavior.
+        states: S without Start: flags and uses of basic behaviors or other automata (B).
+        features: F, in the order of the examples' values; a flag's name is the feature that the
+            active sub-behavior has raised that flag.
+        transitions: T, a transition function for each state that has one, by label, Start
+            included. In a state without one the automaton stays.
+        parameters: G, the free variables, bound by whoever uses the automaton.
+        examples: what the transition functions were learned from; none for a hand-written one.
+    """
+
+    name: str
+    states: tuple[Use, ...]
+    features: tuple[Use, ...]
+    transitions: Mapping[str, TransitionFunction]
+    parameters: tuple[str, ...] = ()
+    examples: tuple[Example, ...] = ()
+    description: str = ""
+    _labels: tuple[str, ...] = field(init=False, repr=False, compare=False, default=())
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without knowing the behaviors that are used."""
+        labels = tuple(str(state) for state in self.states)
+        for label in labels:
+            if labels.count(label) > 1:
+                raise VocabularyError(f'automaton "{self.name}" has state "{label}" twice')
+        if START in labels:
+            raise VocabularyError(f'automaton "{self.name}": {START} is always there, not listed')
+        for state, _ in self.transitions.items():
+            if state != START and state not in labels:
+                raise VocabularyError(
+                    f'automaton "{self.name}" has a transition function for "{state}", '
+                    "which is not one of its states"
+                )
+        object.__setattr__(self, "_labels", labels)
+        object.__setattr__(self, "transitions", MappingProxyType(dict(self.transitions)))
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The states' labels, without Start."""
+        return self._labels
+
+    @property
+    def behaviors_used(self) -> frozenset[str]:
+        """Names of the behaviors that its states perform."""
+        return frozenset(state.name for state in self.states if state.name not in FLAGS)
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """The flags that it can raise."""
+        return tuple(label for label in self._labels if label in FLAGS)

@@ -1,0 +1,237 @@
+"""A domain: the basic behaviors, features and targets that a robot or a simulated body has.
+
+A domain is written once per kind of robot and found under the entry-point group
+``hitab.domains``. Everything in it acts on a *body*: an object of the domain's own that holds
+what one agent perceives now and takes what it does next. The engine never looks inside it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Any, Protocol
+
+from hitab_core.errors import VocabularyError, has
+from hitab_core.use import NAME, Use
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from hitab_core.automaton import Automaton
+
+ENTRY_POINT_GROUP = "hitab.domains"
+
+
+class FeatureKind(StrEnum):
+    """How a feature's values are compared, and so how a transition tree may split on it."""
+
+    CONTINUOUS = "continuous"
+    TOROIDAL = "toroidal"  # wraps around after `period`, like an angle
+    CATEGORICAL = "categorical"
+    BOOLEAN = "boolean"
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Something in the world that a parameter can be bound to, such as the closest taker.
+
+    ``resolve(body)`` returns whatever the domain's features and behaviors expect, afresh at each
+    use, since what is closest changes.
+    """
+
+    name: str
+    resolve: Callable[[Any], Any]
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Feature:
+    """One observable number: ``read(body, *targets)`` gives its value now.
+
+    A categorical feature's value is an index into ``categories``; a boolean one's is 0 or 1.
+    ``period`` is the length of a toroidal feature's circle, in its own ``unit``.
+    """
+
+    name: str
+    read: Callable[..., float]
+    kind: FeatureKind = FeatureKind.CONTINUOUS
+    parameters: tuple[str, ...] = ()
+    unit: str = ""
+    period: float = 2 * math.pi
+    categories: tuple[str, ...] = ()
+    description: str = ""
+
+    @property
+    def scale(self) -> Scale:
+        """How values of this feature compare, without how they are read."""
+        return Scale(self.kind, self.period if self.kind is FeatureKind.TOROIDAL else 0.0,
+                     self.categories)
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """How the values of a feature compare: all that a classifier needs to know of it."""
+
+    kind: FeatureKind = FeatureKind.CONTINUOUS
+    period: float = 0.0
+    categories: tuple[str, ...] = ()
+
+
+BOOLEAN_SCALE = Scale(FeatureKind.BOOLEAN)
+
+
+def _nothing(body: Any, *targets: Any) -> None:
+    """Do nothing: the default start and stop of a basic behavior."""
+
+
+@dataclass(frozen=True, slots=True)
+class BasicBehavior:
+    """A behavior hard-coded in the agent.
+
+    ``start``, ``pulse`` and ``stop`` are called with the body and the resolved targets: start
+    once when its state is entered, pulse once per tick, stop when the state is left. What must
+    be remembered between pulses is kept in the body, never in the behavior, which all agents
+    share. A ``one_shot`` behavior is pulsed once per entry and records no default example.
+    """
+
+    name: str
+    pulse: Callable[..., None] = _nothing
+    start: Callable[..., None] = _nothing
+    stop: Callable[..., None] = _nothing
+    parameters: tuple[str, ...] = ()
+    one_shot: bool = False
+    description: str = ""
+
+
+class Body(Protocol):
+    """What the basic behaviors and features of a domain act on: one agent's percept and action."""
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        """Take this cycle's percept; the layout of ``values`` is the domain's own."""
+
+    def act(self) -> tuple[Sequence[float], str]:
+        """Return this cycle's action, in the domain's own layout, and what to say ("" = nothing)."""
+
+
+def _by_name(things: Iterable[Any]) -> dict[str, Any]:
+    return {thing.name: thing for thing in things}
+
+
+@dataclass(frozen=True)
+class Domain:
+    """All that is particular to a kind of robot.
+
+    Attributes:
+        name: identifier, as registered under the entry-point group.
+        version: raised when the meaning of a behavior, feature or target changes.
+        body: makes the body of one agent, given the agent's name.
+        behaviors, features, targets: the vocabulary, by name.
+        automata: hand-written automata, usable beside trained ones, by name.
+        link: ``"module:Class"`` of the ROS side of the body, where it is not the standard link
+            to a world node (percepts in, actions out).
+    """
+
+    name: str
+    version: str
+    body: Callable[[str], Any]
+    behaviors: Mapping[str, BasicBehavior]
+    features: Mapping[str, Feature]
+    targets: Mapping[str, Target] = field(default_factory=dict)
+    automata: Mapping[str, Automaton] = field(default_factory=dict)
+    link: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        version: str,
+        body: Callable[[str], Any],
+        *,
+        behaviors: Iterable[BasicBehavior],
+        features: Iterable[Feature],
+        targets: Iterable[Target] = (),
+        automata: Iterable[Automaton] = (),
+        link: str = "",
+    ) -> Domain:
+        """Make a domain from lists; names must be well formed and, within a list, unique."""
+        groups = [list(g) for g in (behaviors, features, targets, automata)]
+        for group in groups:
+            names = [thing.name for thing in group]
+            for thing_name in names:
+                if NAME.match(thing_name) is None:
+                    raise VocabularyError(
+                        f'domain "{name}": "{thing_name}" is not a name; use letters, digits and _'
+                    )
+                if names.count(thing_name) > 1:
+                    raise VocabularyError(f'domain "{name}" has "{thing_name}" twice')
+        made = [_by_name(group) for group in groups]
+        return cls(name, version, body, made[0], made[1], made[2], made[3], link)
+
+    @property
+    def signature(self) -> str:
+        """A short digest of the vocabulary: two domains with the same one fit the same library."""
+        described = {
+            "name": self.name,
+            "behaviors": sorted(
+                (b.name, list(b.parameters), b.one_shot) for b in self.behaviors.values()
+            ),
+            "features": sorted(
+                (f.name, list(f.parameters), f.kind.value, f.period, list(f.categories))
+                for f in self.features.values()
+            ),
+            "targets": sorted(self.targets),
+        }
+        return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
+
+    def check_use(self, use: Use, known: Mapping[str, tuple[str, ...]],
+                  parameters: Iterable[str] = (), *, what: str) -> None:
+        """Check that ``use`` names something in ``known`` with arguments that exist.
+
+        Args:
+            use: the use to check.
+            known: the parameters of everything that may be used, by name.
+            parameters: the parameters of the automaton in which the use stands.
+            what: what ``known`` holds, for the error message: "behavior" or "feature".
+
+        Raises:
+            VocabularyError: naming what is unknown and what there is instead.
+        """
+        if use.name not in known:
+            raise VocabularyError(f'unknown {what} "{use.name}" {has(known)}')
+        expected = known[use.name]
+        if len(use.arguments) != len(expected):
+            wanted = ", ".join(expected) if expected else "none"
+            raise VocabularyError(
+                f'{what} "{use.name}" takes {len(expected)} target(s) ({wanted}), '
+                f"not {len(use.arguments)}"
+            )
+        parameters = tuple(parameters)
+        for argument in use.arguments:
+            if argument not in self.targets and argument not in parameters:
+                raise VocabularyError(
+                    f'unknown target "{argument}" for {what} "{use.name}" '
+                    f"{has([*self.targets, *parameters])}"
+                )
+
+
+def load_domain(name: str) -> Domain:
+    """Return the installed domain called ``name``.
+
+    Raises:
+        VocabularyError: if no installed package provides it.
+    """
+    found = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+    if name not in found:
+        raise VocabularyError(
+            f'no domain "{name}" is installed {has(found)}; '
+            f'a package provides one under the entry-point group "{ENTRY_POINT_GROUP}"'
+        )
+    domain = found[name].load()
+    if not isinstance(domain, Domain):
+        raise VocabularyError(f'entry point "{name}" ({found[name].value}) is not a Domain')
+    return domain

@@ -1,0 +1,369 @@
+"""Training one automaton: a demonstrator commands, examples are recorded, functions are learned.
+
+Source: the paper, section 3, "Training with HiTAB".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.example import Example, ExampleKind
+from hitab_core.example_log import ExampleLog
+from hitab_core.learning import learn_transitions
+from hitab_core.running_automaton import RunningAutomaton, Stage
+from hitab_core.use import NAME, Use
+
+Journal = Callable[[Mapping[str, Any]], None]
+"""Writes a record to disk before it returns."""
+
+
+def _forget(record: Mapping[str, Any]) -> None:
+    """Keep no journal."""
+
+
+@dataclass(frozen=True)
+class Curriculum:
+    """What is chosen before training begins.
+
+    Attributes:
+        name: of the automaton to be trained.
+        features: what its transition functions may look at.
+        states: what may be commanded; empty: anything in the repertoire.
+        parameters: its free variables.
+        arguments: the targets to which they are bound while it is being trained.
+        classifier: ``"tree"``, or a scikit-learn classifier (`classifier_replacement`).
+    """
+
+    name: str
+    features: tuple[Use, ...]
+    states: tuple[Use, ...] = ()
+    parameters: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()
+    classifier: str = "tree"
+
+    def to_record(self) -> dict[str, Any]:
+        """Return it as plain data for the journal."""
+        return {
+            "automaton": self.name,
+            "features": [str(f) for f in self.features],
+            "states": [str(s) for s in self.states],
+            "parameters": list(self.parameters),
+            "arguments": list(self.arguments),
+            "classifier": self.classifier,
+        }
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
+        """Read what `to_record` wrote."""
+        return cls(
+            record["automaton"],
+            tuple(Use.parse(text) for text in record["features"]),
+            tuple(Use.parse(text) for text in record["states"]),
+            tuple(record["parameters"]),
+            tuple(record["arguments"]),
+            record["classifier"],
+        )
+
+
+class TrainingSession:
+    """One automaton being trained by one agent.
+
+    In training the demonstrator decides: `command` changes the state and records examples. In
+    testing the learned transition functions decide. Changing between the two leaves the active
+    state, and what it performs, as they are.
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        curriculum: Curriculum,
+        examples: Iterable[Example] = (),
+        journal: Journal = _forget,
+    ) -> None:
+        """Begin in training mode, in Start.
+
+        Raises:
+            VocabularyError: if the curriculum names what does not exist.
+        """
+        check(stage, curriculum)
+        self.stage = stage
+        self.curriculum = curriculum
+        self.log = ExampleLog(examples)
+        self.testing = False
+        self._tested = False
+        self._journal = journal
+        self.running = self._perform(())
+
+    def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
+        bindings = dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
+        blank = Automaton(
+            self.curriculum.name, tuple(states), self.curriculum.features, {},
+            self.curriculum.parameters,
+        )
+        running = RunningAutomaton(self.stage, blank, bindings)
+        for label in _labels(self.log.examples):
+            running.add_state(Use.parse(label))
+        return running
+
+    @property
+    def examples(self) -> tuple[Example, ...]:
+        """What has been recorded so far."""
+        return self.log.examples
+
+    def tick(self) -> None:
+        """Perform one timestep."""
+        if self.testing:
+            self.running.tick()
+        else:
+            self.running.pulse()
+
+    def restart(self) -> None:
+        """Stop what is active and go back to Start, as at the beginning of an episode."""
+        self.running.stop()
+        self.running.start()
+
+    def rebuild(self, stage: Stage) -> None:
+        """Perform afresh, at Start, since behaviors of the repertoire may have changed."""
+        self.stage = stage
+        self.running = self._perform(())
+        if self.testing:
+            self.running.set_transitions(self.automaton().transitions)
+
+    def command(self, state: Use, cycle: int = 0) -> list[Example]:
+        """Perform a behavior now, and record the examples that this teaches.
+
+        Args:
+            state: the behavior with its arguments, or a flag.
+            cycle: the world's cycle, kept with the examples.
+
+        Returns:
+            The examples recorded: one, and a default one unless the behavior is one-shot or
+            was running already.
+
+        Raises:
+            TrainingError: in testing mode, or if the behavior is not among the chosen ones.
+            VocabularyError: if there is no such behavior or target.
+            FeatureValueError: if a feature has no value now.
+        """
+        if self.testing:
+            raise TrainingError(
+                f'"{self.curriculum.name}" is being tested; take over by going to training mode '
+                "before commanding"
+            )
+        self._check_state(state)
+        running = self.running
+        label = str(state)
+        source = START if running.active in FLAGS else running.active
+        again = label == source
+        features = running.observe_features()
+        taught = self.log.preview(
+            source,
+            features,
+            label,
+            kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
+            with_default=not again and not self.stage.repertoire.is_one_shot(state),
+            cycle=cycle,
+        )
+        # On disk first: what is acknowledged must survive the agent.
+        self._journal({"do": "command", "examples": [example_record(e) for e in taught]})
+        self.log.add(taught)
+        running.add_state(state)
+        running.go_to(label)
+        return taught
+
+    def test(self, *, restart: bool = False) -> None:
+        """Learn the transition functions and let them decide from now on.
+
+        Raises:
+            TrainingError: if no example leaves Start.
+        """
+        automaton = self.automaton()
+        self.running.set_transitions(automaton.transitions)
+        if restart:
+            self.restart()
+        self._journal({"do": "test"})
+        self.testing = self._tested = True
+
+    def take_over(self) -> None:
+        """Give control to the demonstrator, at the active state."""
+        self._journal({"do": "train"})
+        self.testing = False
+
+    def undo(self) -> None:
+        """Take back the last command, deletion or relabelling.
+
+        Raises:
+            TrainingError: if there is nothing to take back.
+        """
+        self._edit({"do": "undo"})
+
+    def delete(self, numbers: Iterable[int]) -> None:
+        """Delete examples by number.
+
+        Raises:
+            TrainingError: if one of them is not there.
+        """
+        self._edit({"do": "delete", "numbers": sorted(set(numbers))})
+
+    def relabel(self, numbers: Iterable[int], next_state: Use) -> None:
+        """Change where examples lead to.
+
+        Raises:
+            TrainingError: if one of them is not there.
+            VocabularyError: if there is no such behavior.
+        """
+        self._check_state(next_state)
+        self._edit(
+            {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(next_state)}
+        )
+
+    def _edit(self, record: Mapping[str, Any]) -> None:
+        trial = ExampleLog(self.log.examples)
+        if record["do"] != "undo":
+            apply_edit(trial, record)  # refuses what cannot be done before it is written
+        elif not self.log.can_undo:
+            raise TrainingError("nothing to undo")
+        self._journal(record)
+        apply_edit(self.log, record)
+        for label in _labels(self.log.examples):
+            self.running.add_state(Use.parse(label))
+        if self.testing:
+            self.running.set_transitions(self.automaton().transitions)
+
+    def automaton(self) -> Automaton:
+        """Return what has been learned so far, untrimmed.
+
+        Raises:
+            TrainingError: if no example leaves Start.
+        """
+        examples = self.log.examples
+        if not any(e.state == START for e in examples):
+            raise TrainingError(
+                f'"{self.curriculum.name}" cannot be tested: no example leaves {START}; '
+                "command the behavior that it should begin with"
+            )
+        repertoire = self.stage.repertoire
+        scales = [repertoire.scale_of(feature) for feature in self.curriculum.features]
+        return Automaton(
+            self.curriculum.name,
+            tuple(Use.parse(label) for label in _labels(examples)),
+            self.curriculum.features,
+            learn_transitions(examples, scales, self.curriculum.classifier),
+            self.curriculum.parameters,
+            examples,
+        )
+
+    def _check_state(self, state: Use) -> None:
+        if state.name == self.curriculum.name:
+            raise VocabularyError(
+                f'recursive automaton: "{state.name}" is what is being trained; '
+                "a behavior cannot use itself"
+            )
+        self.stage.repertoire.check_state(state, self.curriculum.parameters)
+        needed = self.stage.repertoire
+        if state.name not in FLAGS and self.curriculum.name in needed.needed_by(state.name):
+            raise VocabularyError(
+                f'recursive automaton: "{state.name}" uses "{self.curriculum.name}", '
+                "which is being trained"
+            )
+        chosen = self.curriculum.states
+        if chosen and state not in chosen:
+            raise TrainingError(
+                f'"{state}" is not among the states chosen for "{self.curriculum.name}" '
+                f"{has(chosen)}; begin again with it, or without choosing states"
+            )
+
+
+def check(stage: Stage, curriculum: Curriculum) -> None:
+    """Check that all that a curriculum names exists.
+
+    Raises:
+        VocabularyError: naming what does not.
+    """
+    repertoire = stage.repertoire
+    name = curriculum.name
+    if NAME.match(name) is None:
+        raise VocabularyError(f'"{name}" is not a name; use letters, digits and _')
+    if len(curriculum.parameters) != len(curriculum.arguments):
+        raise VocabularyError(
+            f'"{name}" has {len(curriculum.parameters)} parameter(s) but '
+            f"{len(curriculum.arguments)} target(s) to train with"
+        )
+    for argument in curriculum.arguments:
+        if argument not in repertoire.domain.targets:
+            raise VocabularyError(
+                f'unknown target "{argument}" {has(repertoire.domain.targets)}'
+            )
+    if len(set(curriculum.features)) < len(curriculum.features):
+        raise VocabularyError(f'"{name}" has a feature twice')
+    for feature in curriculum.features:
+        repertoire.check_feature(feature, curriculum.parameters)
+    for state in curriculum.states:
+        repertoire.check_state(state, curriculum.parameters)
+    # The empty automaton is checked as any other: reserved names, parameters that are targets.
+    blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
+    repertoire.check_new(blank)
+
+
+def _labels(examples: Iterable[Example]) -> list[str]:
+    """Return the states that examples mention, in order of appearance, without Start."""
+    seen: dict[str, None] = {}
+    for example in examples:
+        for label in (example.state, example.next_state):
+            if label != START:
+                seen.setdefault(label)
+    return list(seen)
+
+
+def example_record(example: Example) -> dict[str, Any]:
+    """Return an example as plain data for the journal."""
+    return {
+        "state": example.state,
+        "features": list(example.features),
+        "next_state": example.next_state,
+        "kind": example.kind.value,
+        "number": example.number,
+        "command": example.command,
+        "cycle": example.cycle,
+    }
+
+
+def example_from_record(record: Mapping[str, Any]) -> Example:
+    """Read what `example_record` wrote."""
+    return Example(
+        record["state"],
+        tuple(float(v) for v in record["features"]),
+        record["next_state"],
+        ExampleKind(record["kind"]),
+        int(record["number"]),
+        int(record["command"]),
+        int(record["cycle"]),
+    )
+
+
+def apply_edit(log: ExampleLog, record: Mapping[str, Any]) -> None:
+    """Do to a log what one record of the journal says.
+
+    Raises:
+        TrainingError: if it cannot be done.
+    """
+    match record["do"]:
+        case "command":
+            log.add([example_from_record(e) for e in record["examples"]])
+        case "undo":
+            log.undo()
+        case "delete":
+            log.delete(record["numbers"])
+        case "relabel":
+            log.relabel(record["numbers"], record["next_state"])
+
+
+def replay(records: Iterable[Mapping[str, Any]], log: ExampleLog) -> ExampleLog:
+    """Do again to ``log`` everything that a journal tells was done after it was begun."""
+    for record in records:
+        apply_edit(log, record)
+    return log

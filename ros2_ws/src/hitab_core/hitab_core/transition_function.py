@@ -1,0 +1,93 @@
+"""The seam between automata and whatever decides their transitions.
+
+A transition function belongs to one state: it maps a feature vector to a distribution over next
+states. `TransitionTree` learns one; `HandWritten` is one that a programmer wrote.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+Values = list[float | None]
+"""Feature values by slot; None where the feature has not been read in this tick."""
+
+Decide = Callable[[Values, Callable[[int], float], Callable[[], float]], int]
+"""``decide(values, read, draw)`` returns the index of the next state.
+
+``values[slot]`` is None until ``read(slot)`` was called; ``draw()`` is uniform on [0, 1).
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Why a state was chosen: the tests that held, and the distribution that was drawn from.
+
+    Attributes:
+        tests: readable conditions in the order they were tested, such as
+            ``"DistanceTo(ball) <= 4"``.
+        features: indices of the automaton's features that were looked at.
+        distribution: probability of each next state, by label.
+    """
+
+    tests: tuple[str, ...]
+    features: tuple[int, ...]
+    distribution: Mapping[str, float]
+
+
+class TransitionFunction(Protocol):
+    """Decides what to do next in one state."""
+
+    @property
+    def features_used(self) -> tuple[int, ...]:
+        """Indices, into the automaton's features, of those that can matter to the decision."""
+
+    def compile(
+        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
+    ) -> Decide:
+        """Return the decision as a fast function.
+
+        Args:
+            slots: for each feature of the automaton, its slot in the values.
+            states: the index of each state, by label.
+            most_probable: always take the most probable state instead of drawing one.
+        """
+
+    def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
+        """Explain the decision for a full feature vector; ``names`` name its features."""
+
+
+@dataclass(frozen=True)
+class HandWritten:
+    """A transition function that a programmer wrote.
+
+    ``choose(*values)`` is given the values of ``features_used``, in that order, and returns the
+    label of the next state.
+    """
+
+    choose: Callable[..., str]
+    features_used: tuple[int, ...] = ()
+
+    def compile(
+        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
+    ) -> Decide:
+        """Return the decision as a function of slots; see `TransitionFunction.compile`."""
+        used = tuple(slots[i] for i in self.features_used)
+        choose = self.choose
+
+        def decide(
+            values: Values, read: Callable[[int], float], draw: Callable[[], float]
+        ) -> int:
+            arguments = []
+            for slot in used:
+                value = values[slot]
+                arguments.append(read(slot) if value is None else value)
+            return states[choose(*arguments)]
+
+        return decide
+
+    def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
+        """Explain the decision for a full feature vector."""
+        chosen = self.choose(*(values[i] for i in self.features_used))
+        return Explanation(("hand-written",), self.features_used, {chosen: 1.0})

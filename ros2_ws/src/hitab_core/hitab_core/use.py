@@ -1,0 +1,53 @@
+"""How a behavior or feature is used in an automaton: its name and what it is bound to.
+
+Written ``DistanceTo(ball)``; without parameters just ``Stop``. An argument is the name of a
+target of the domain or of a parameter of the automaton in which the use stands.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hitab_core.errors import VocabularyError
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
+_USE = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Use:
+    """A behavior or feature together with its arguments, in the order of its parameters."""
+
+    name: str
+    arguments: tuple[str, ...] = ()
+
+    @classmethod
+    def parse(cls, text: str) -> Use:
+        """Read ``Name`` or ``Name(argument, ...)``.
+
+        Raises:
+            VocabularyError: if the text has another form.
+        """
+        match = _USE.match(text)
+        if match is None:
+            raise VocabularyError(
+                f'"{text}" is not a use of a behavior or feature; write Name or Name(target)'
+            )
+        inner = match.group(2)
+        arguments = tuple(part.strip() for part in inner.split(",")) if inner else ()
+        for argument in arguments:
+            if NAME.match(argument) is None:
+                raise VocabularyError(f'"{argument}" in "{text}" is not a target or parameter')
+        return cls(match.group(1), arguments)
+
+    def bound(self, parameters: Mapping[str, str]) -> Use:
+        """Return this use with each automaton parameter replaced by what it is bound to."""
+        if not self.arguments:
+            return self
+        return Use(self.name, tuple(parameters.get(a, a) for a in self.arguments))
+
+    def __str__(self) -> str:
+        """Return the text that :meth:`parse` reads."""
+        return f"{self.name}({', '.join(self.arguments)})" if self.arguments else self.name
