@@ -1,0 +1,83 @@
+"""Where a boundary between two neighbouring examples is placed, on a line and on a circle.
+
+It lies half-way between them; but between a default example and one that is not, it lies
+immediately beside the one that is not, at the next representable number on the default's side,
+so that the behavior is kept everywhere else (paper, section 3, footnote 1).
+
+"Default" is said here of a value at which there may be several examples: a value is default if
+all examples there are. So a boundary is placed beside a value only if some example there is not
+default while every example at the neighbouring value is.
+"""
+
+from __future__ import annotations
+
+import math
+
+
+def threshold_between(
+    below: float, above: float, *, below_is_default: bool = False, above_is_default: bool = False
+) -> float:
+    """Return a threshold ``t`` with ``below <= t < above``, for the test ``value <= t``.
+
+    The two sides are told apart whatever the values are, next to each other or far beyond what
+    can be added without overflow.
+
+    Args:
+        below, above: two finite values, ``below < above``.
+        below_is_default, above_is_default: whether all examples at that value are default ones.
+    """
+    if below_is_default == above_is_default:
+        middle = (below + above) / 2
+        if not math.isfinite(middle):
+            middle = below / 2 + above / 2
+        threshold = middle if below <= middle < above else below
+    elif above_is_default:
+        beside = math.nextafter(below, math.inf)
+        threshold = beside if beside < above else below
+    else:
+        threshold = math.nextafter(above, -math.inf)
+    return threshold + 0.0  # no negative zero, which would print and digest differently
+
+
+def end_between(
+    before: float,
+    after: float,
+    period: float,
+    *,
+    before_is_default: bool = False,
+    after_is_default: bool = False,
+) -> float:
+    """Return an end of an arc, in ``(before, after]`` on the circle, counting upwards.
+
+    A value at the end or after it lies on the side of ``after``.
+
+    Args:
+        before, after: two different values in [0, period); ``after`` is the next one upwards,
+            which may lead through zero.
+        period: the length of the circle.
+        before_is_default, after_is_default: whether all examples at that value are default ones.
+    """
+    if before_is_default == after_is_default:
+        gap = after - before if before < after else after - before + period
+        end = before + gap / 2
+        if end >= period:
+            end -= period
+    elif after_is_default:
+        end = math.nextafter(before, math.inf)
+        if end >= period:
+            end = 0.0
+    else:
+        end = math.nextafter(after if after > 0 else period, 0.0)
+    reached = end <= after
+    apart = (before < end and reached) if before < after else (before < end or reached)
+    return end if apart else after
+
+
+def on_circle(value: float, period: float) -> float:
+    """Return the place of ``value`` in [0, period).
+
+    Python's remainder of a tiny negative number is ``period`` itself, which is the same place as
+    zero.
+    """
+    place = value % period
+    return place if place < period else 0.0
