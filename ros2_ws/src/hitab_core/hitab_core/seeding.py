@@ -1,0 +1,34 @@
+"""Seeds for random generators, derived so that they are the same everywhere and always.
+
+An episode is identified by the seed of its run and its number in the run. Worlds and agents
+derive the seeds of their own generators from these two, whether they run in one process or in
+many, so that the same seed and the same answers give the same episode. SHA-256 and not ``hash``
+is used: the latter changes with the version of Python and, for text, with each process.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+
+def derived_seed(*parts: int | str) -> int:
+    """Return a 64-bit seed that depends on all ``parts`` and on their order."""
+    text = json.dumps(parts, separators=(",", ":"))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big")
+
+
+def agent_seed(seed: int, episode: int, name: str) -> int:
+    """Return the seed of the generator from which one agent draws during one episode.
+
+    Args:
+        seed: of the run, as every percept carries it.
+        episode: number of the episode in the run, as every percept carries it.
+        name: of the agent.
+    """
+    return derived_seed("agent", seed, episode, name)
+
+
+def world_seed(seed: int, episode: int) -> int:
+    """Return the seed of the generator from which a world draws during one episode."""
+    return derived_seed("world", seed, episode)

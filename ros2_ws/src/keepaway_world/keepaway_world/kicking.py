@@ -1,0 +1,70 @@
+"""The kick model of rcssserver, and how hard to kick for a pass.
+
+Used by the physics, by the takers and by the keepers' Pass. Speeds are in m/cycle.
+"""
+
+from __future__ import annotations
+
+import math
+
+from keepaway_world.parameters import KeepawayParameters
+
+PASS_ARRIVAL_SPEED = 1.2  # m/cycle at which a pass reaches its receiver (UT Austin keepaway)
+
+
+def off_place(p: KeepawayParameters, distance: float, direction: float) -> float:
+    """Return how badly the ball is placed for a kick: the part of the power that is lost.
+
+    0 for a ball that touches the player in front, 0.25 for one behind or at the edge of the
+    kickable area, 0.5 for both. A ball inside the player, which there is only without
+    collisions, is kicked like one that touches.
+
+    Args:
+        p: the mechanics.
+        distance: between the centres, m.
+        direction: of the ball relative to the body, rad on [-pi, pi].
+    """
+    away = max(distance - p.contact, 0.0) / p.kickable_margin
+    return 0.25 * abs(direction) / math.pi + 0.25 * away
+
+
+def kick_power(
+    p: KeepawayParameters, acceleration: float, distance: float, direction: float
+) -> float:
+    """Return the power that accelerates a ball so placed by so many m/cycle²; may exceed 100."""
+    return acceleration / (p.kick_rate * (1.0 - off_place(p, distance, direction)))
+
+
+def pass_speed(p: KeepawayParameters, distance: float) -> float:
+    """Return the speed, m/cycle, with which a ball must start to arrive at 1.2 m/cycle.
+
+    As the UT Austin players compute it (the paper, section 6, footnote 2): the number of cycles
+    for which the ball rolls is rounded.
+    """
+    growth = 1.0 / p.ball_decay
+    cycles = math.log(1.0 + distance * (growth - 1.0) / PASS_ARRIVAL_SPEED) / math.log(growth)
+    return min(PASS_ARRIVAL_SPEED * growth ** round(cycles), p.ball_speed_max)
+
+
+def kick_acceleration(
+    p: KeepawayParameters, vx: float, vy: float, wanted: float, reachable: float
+) -> tuple[float, float]:
+    """Return the acceleration, m/cycle², of one kick that sends the ball along +x.
+
+    If one kick cannot bring the ball to ``wanted``, the direction counts more than the speed:
+    the ball is kicked as hard as can be so that it leaves along +x, only slower. If not even the
+    ball's speed across can be undone, that is undone as far as it goes.
+
+    Args:
+        p: the mechanics.
+        vx, vy: the ball's velocity along and across the wanted direction, m/cycle.
+        wanted: speed along +x that it should have after the kick, m/cycle.
+        reachable: largest acceleration of a kick with full power, m/cycle².
+    """
+    reachable = min(reachable, p.ball_acceleration_max)
+    ax, ay = wanted - vx, -vy
+    if math.hypot(ax, ay) <= reachable:
+        return ax, ay
+    if abs(vy) >= reachable:
+        return 0.0, -math.copysign(reachable, vy)
+    return math.sqrt(reachable * reachable - vy * vy), -vy

@@ -1,0 +1,126 @@
+"""The keepaway referee: when an episode ends, how the next one begins, and what is counted.
+
+The rules are those of rcssserver's keepaway mode, mirrored to y pointing up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from random import Random
+from typing import Any
+
+from keepaway_world.parameters import KeepawayParameters
+from keepaway_world.physics import Mover, Physics
+
+OUT = "out"
+TAKEN = "taken"
+
+CORNER_SPREAD = 3.0  # m: players begin up to so far inside their corner, in x and in y
+BALL_INSET = 4.0  # m: the ball begins so far inside its corner
+KEEPER_CORNERS = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0))
+TAKER_CORNER = (-1.0, -1.0)
+
+
+class Referee:
+    """Watches one episode at a time.
+
+    Attributes:
+        possession: cycles of possession by takers so far; see `judge`.
+        passes: completed passes: a keeper kicked and the next kick was another keeper's.
+    """
+
+    def __init__(self, parameters: KeepawayParameters) -> None:
+        self._turnover = parameters.turnover_cycles
+        self._half_width = parameters.width / 2.0
+        self._half_height = parameters.height / 2.0
+        self._kickable_squared = parameters.kickable**2
+        self.possession = 0
+        self.passes = 0
+        self._last_kick: Mover | None = None
+
+    def begin(self) -> None:
+        """Forget the last episode."""
+        self.possession = self.passes = 0
+        self._last_kick = None
+
+    def saw_kick(self, player: Mover) -> None:
+        """Note that ``player`` kicked the ball."""
+        last = self._last_kick
+        if (
+            last is not None
+            and last is not player
+            and last.kind == player.kind == "keeper"
+        ):
+            self.passes += 1
+        self._last_kick = player
+
+    def judge(self, physics: Physics) -> str | None:
+        """Check the state after a cycle; return `OUT`, `TAKEN` or None.
+
+        The ball is out when its centre reaches an edge. Possession rises in each cycle in which
+        some taker can kick, returns to 0 in one in which a keeper and no taker can, and stays
+        when nobody can; the ball is taken on the check after it has reached the limit.
+        """
+        ball = physics.ball
+        bx, by = ball.x, ball.y
+        if abs(bx) >= self._half_width or abs(by) >= self._half_height:
+            return OUT
+        if self.possession >= self._turnover:
+            return TAKEN
+        reach = self._kickable_squared
+        for taker in physics.takers:
+            dx, dy = taker.x - bx, taker.y - by
+            if dx * dx + dy * dy < reach:
+                self.possession += 1
+                return None
+        for keeper in physics.keepers:
+            dx, dy = keeper.x - bx, keeper.y - by
+            if dx * dx + dy * dy < reach:
+                self.possession = 0
+                return None
+        return None
+
+    def state(self) -> dict[str, Any]:
+        """Return what it has counted, as JSON-able data."""
+        last = self._last_kick.name if self._last_kick else ""
+        return {"possession": self.possession, "passes": self.passes, "last_kick": last}
+
+    def restore(self, state: dict[str, Any], players: Sequence[Mover]) -> None:
+        """Bring back what `state` returned."""
+        self.possession, self.passes = state["possession"], state["passes"]
+        by_name = {player.name: player for player in players}
+        self._last_kick = by_name.get(state["last_kick"])
+
+
+def set_up(physics: Physics, random: Random) -> None:
+    """Put everybody where an episode begins, at rest.
+
+    The keepers stand in three corners, in a random rotation; any beyond three near the centre.
+    The takers stand in the fourth corner, the ball 4 m inside the first.
+    """
+    p = physics.parameters
+    drawn = p.reset_angles == "drawn"
+    rotation = random.randrange(p.keepers)
+    for number, player in enumerate(physics.players):
+        if player.kind == "taker":
+            x, y = _in_corner(TAKER_CORNER, p, random)
+        else:
+            place = (rotation + number) % p.keepers
+            if place < len(KEEPER_CORNERS):
+                x, y = _in_corner(KEEPER_CORNERS[place], p, random)
+            else:
+                x, y = random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)
+        heading = random.uniform(-math.pi, math.pi) if drawn else player.heading
+        physics.put(player, x, y, heading)
+    corner_x, corner_y = KEEPER_CORNERS[0]
+    physics.put(physics.ball, corner_x * (p.width / 2.0 - BALL_INSET),
+                corner_y * (p.height / 2.0 - BALL_INSET))
+
+
+def _in_corner(
+    corner: tuple[float, float], p: KeepawayParameters, random: Random
+) -> tuple[float, float]:
+    x = corner[0] * (p.width / 2.0 - random.uniform(0.0, CORNER_SPREAD))
+    y = corner[1] * (p.height / 2.0 - random.uniform(0.0, CORNER_SPREAD))
+    return x, y

@@ -1,0 +1,295 @@
+"""The keepaway world: bodies, referee, takers and what the keepers perceive, cycle by cycle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from random import Random
+from typing import Any
+
+from hitab_core.seeding import world_seed
+
+from keepaway_world import action, referee
+from keepaway_world.parameters import PAPER, KeepawayParameters
+from keepaway_world.percept import CYCLES_PER_SECOND, perceive
+from keepaway_world.physics import Mover, Physics
+from keepaway_world.takers import TakerTeam
+from keepaway_world.world_interface import (
+    Action,
+    Entity,
+    EpisodeResult,
+    Placement,
+    Sensed,
+    WorldError,
+)
+
+SNAPSHOT_VERSION = 1
+
+
+class KeepawayWorld:
+    """A game of keepaway; see `keepaway_world.world_interface.World` for what can be done.
+
+    What keepers perceive is laid out as `keepaway_world.percept` tells, what they do as
+    `keepaway_world.action` does. The takers are part of the world.
+
+    Args:
+        parameters: figures of the game; the paper's by default.
+        seed: of the run. Episode i draws from a generator seeded by the two, so that it can be
+            played again by itself.
+    """
+
+    name = "keepaway"
+    cycle_seconds = 0.1
+
+    def __init__(self, parameters: KeepawayParameters = PAPER, seed: int = 0) -> None:
+        self.parameters = parameters
+        self.size = (parameters.width, parameters.height)
+        self.seed = seed
+        self.episode = 0
+        self.cycle = 0
+        self.episode_cycle = 0
+        self.ended = ""
+        self.refused: dict[str, str] = {}
+        self._random = Random()
+        self._physics = Physics(parameters, self._random)
+        self._referee = referee.Referee(parameters)
+        self._team = TakerTeam(parameters)
+        self._movers = {mover.name: mover for mover in self._physics.movers}
+        self._keepers = {mover.name: mover for mover in self._physics.keepers}
+        self.agents: tuple[str, ...] = tuple(self._keepers)
+        self._said: dict[str, str] = {}
+        self._heard: dict[str, list[str]] = {}
+        self.reset(0)
+
+    def reset(self, episode: int | None = None, seed: int | None = None) -> None:
+        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+        if seed is not None:
+            self.seed = int(seed)
+        self.episode = self.episode + 1 if episode is None else int(episode)
+        self.episode_cycle = 0
+        self.ended = ""
+        self.refused = {}
+        self._said.clear()
+        self._heard.clear()
+        self._random.seed(world_seed(self.seed, self.episode))
+        self._referee.begin()
+        referee.set_up(self._physics, self._random)
+
+    def percept(self, agent: str) -> Sensed:
+        """Return what a keeper perceives now.
+
+        Raises:
+            WorldError: if there is no such keeper.
+        """
+        keeper = self._keepers.get(agent)
+        if keeper is None:
+            raise WorldError(f'no keeper "{agent}" (has: {", ".join(self.agents)})')
+        return perceive(self._physics, keeper), list(self._heard.get(agent, ()))
+
+    def step(self, actions: Mapping[str, Action]) -> str | None:
+        """Play one cycle; return "out" or "taken" if the episode ended with it, else None."""
+        if self.ended:
+            raise WorldError(
+                f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
+            )
+        self.refused = {}
+        takers = self._team.decide(self._physics)  # on what was true when the cycle began
+        said = self._perform(actions)
+        self._perform_takers(takers)
+        self._physics.advance()
+        self._said = said
+        self._heard = self._hear(said) if said else {}
+        self.cycle += 1
+        self.episode_cycle += 1
+        happened = self._referee.judge(self._physics)
+        if happened is not None:
+            self.ended = happened
+        return happened
+
+    def _perform(self, actions: Mapping[str, Action]) -> dict[str, str]:
+        """Carry out the keepers' commands; return what they say."""
+        physics = self._physics
+        said: dict[str, str] = {}
+        for name, keeper in self._keepers.items():
+            if name not in actions:
+                continue
+            try:
+                values, say = actions[name]
+                kind, amount, direction = action.parse(values)
+            except (ValueError, TypeError) as error:
+                self.refused[name] = f"{name}: {error}; taken as no action"
+                continue
+            if kind == action.DASH:
+                physics.dash(keeper, amount)
+            elif kind == action.TURN:
+                physics.turn(keeper, amount)
+            elif kind == action.KICK and physics.kick(keeper, amount, direction):
+                self._referee.saw_kick(keeper)
+            if say:
+                if not isinstance(say, str) or len(say) > self.parameters.say_length:
+                    self.refused[name] = (
+                        f"{name}: cannot say {say!r}: a message is text of at most "
+                        f"{self.parameters.say_length} characters; it is not heard"
+                    )
+                else:
+                    said[name] = say
+        for name in actions:
+            if name not in self._keepers:
+                self.refused[name] = f'no keeper "{name}" (has: {", ".join(self.agents)})'
+        return said
+
+    def _perform_takers(self, commands: Iterable[tuple[str, float, float]]) -> None:
+        physics = self._physics
+        for taker, (kind, amount, direction) in zip(physics.takers, commands, strict=True):
+            if kind == "dash":
+                physics.dash(taker, amount * self.parameters.taker_speed)
+            elif kind == "turn":
+                physics.turn(taker, amount)
+            elif physics.kick(taker, amount, direction):
+                self._referee.saw_kick(taker)
+
+    def _hear(self, said: Mapping[str, str]) -> dict[str, list[str]]:
+        """Return what each keeper hears: one message per cycle, drawn if there are several."""
+        heard: dict[str, list[str]] = {}
+        reach = self.parameters.say_range
+        for name, keeper in self._keepers.items():
+            messages = [
+                message
+                for speaker, message in said.items()
+                if speaker != name and _distance(self._keepers[speaker], keeper) <= reach
+            ]
+            if len(messages) > 1:
+                messages = [self._random.choice(messages)]
+            if messages:
+                heard[name] = messages
+        return heard
+
+    def entities(self) -> list[Entity]:
+        """Return the ball and the players as they truly are now, in SI units."""
+        return [
+            Entity(
+                mover.name,
+                mover.kind,
+                mover.x,
+                mover.y,
+                mover.heading,
+                mover.vx * CYCLES_PER_SECOND,
+                mover.vy * CYCLES_PER_SECOND,
+                mover.radius,
+                self._said.get(mover.name, ""),
+            )
+            for mover in self._physics.movers
+        ]
+
+    def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
+        """Put players or the ball somewhere else; nothing is placed if anything is refused.
+
+        Raises:
+            WorldError: naming what does not exist or cannot be.
+        """
+        placements = list(placements)
+        for placement in placements:
+            mover = self._movers.get(placement.name)
+            if mover is None:
+                raise WorldError(
+                    f'nothing is called "{placement.name}" (has: {", ".join(self._movers)})'
+                )
+            _check(placement, mover)
+        if new_episode:
+            self.reset()
+        for placement in placements:
+            mover = self._movers[placement.name]
+            self._physics.put(
+                mover,
+                _or(placement.x, mover.x),
+                _or(placement.y, mover.y),
+                math.remainder(_or(placement.heading, mover.heading), 2.0 * math.pi),
+                _or(placement.vx / CYCLES_PER_SECOND, mover.vx),
+                _or(placement.vy / CYCLES_PER_SECOND, mover.vy),
+            )
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return the complete state, random generator included, as JSON-able data."""
+        version, internal, gauss = self._random.getstate()
+        return {
+            "world": self.name,
+            "version": SNAPSHOT_VERSION,
+            "parameters": self.parameters.as_dict(),
+            "seed": self.seed,
+            "episode": self.episode,
+            "cycle": self.cycle,
+            "episode_cycle": self.episode_cycle,
+            "ended": self.ended,
+            "movers": {
+                m.name: [m.x, m.y, m.heading, m.vx, m.vy] for m in self._physics.movers
+            },
+            "said": dict(self._said),
+            "heard": {name: list(messages) for name, messages in self._heard.items()},
+            "referee": self._referee.state(),
+            "random": [version, list(internal), gauss],
+        }
+
+    def restore(self, snapshot: Mapping[str, Any]) -> None:
+        """Bring back a state that `snapshot` returned.
+
+        Raises:
+            WorldError: if it is of another kind of world or of one with other parameters.
+        """
+        for key, mine in (
+            ("world", self.name),
+            ("version", SNAPSHOT_VERSION),
+            ("parameters", self.parameters.as_dict()),
+        ):
+            if snapshot.get(key) != mine:
+                raise WorldError(
+                    f"the snapshot's {key} is {snapshot.get(key)}, this world's is {mine}; "
+                    "restore it in a world like the one that it was taken of"
+                )
+        version, internal, gauss = snapshot["random"]
+        self._random.setstate((version, tuple(internal), gauss))
+        for name, (x, y, heading, vx, vy) in snapshot["movers"].items():
+            self._physics.put(self._movers[name], x, y, heading, vx, vy)
+        self._referee.restore(snapshot["referee"], self._physics.players)
+        self.seed, self.episode = snapshot["seed"], snapshot["episode"]
+        self.cycle, self.episode_cycle = snapshot["cycle"], snapshot["episode_cycle"]
+        self.ended = snapshot["ended"]
+        self._said = dict(snapshot["said"])
+        self._heard = {name: list(messages) for name, messages in snapshot["heard"].items()}
+        self.refused = {}
+
+    def result(self) -> EpisodeResult:
+        """Return how the present episode went so far; its measure is the number of passes."""
+        return EpisodeResult(
+            self.episode,
+            self.seed,
+            self.episode_cycle,
+            self.episode_cycle * self.cycle_seconds,
+            self.ended,
+            {"passes": float(self._referee.passes)},
+        )
+
+
+def _distance(a: Mover, b: Mover) -> float:
+    return math.hypot(a.x - b.x, a.y - b.y)
+
+
+def _or(value: float, otherwise: float) -> float:
+    """Return ``value``, or what there was if it is NaN."""
+    return otherwise if math.isnan(value) else float(value)
+
+
+def _check(placement: Placement, mover: Mover) -> None:
+    """Refuse what cannot be: infinite figures, and speeds that nothing in the world reaches."""
+    for field in ("x", "y", "heading", "vx", "vy"):
+        if math.isinf(getattr(placement, field)):
+            raise WorldError(f"{placement.name}: {field} is infinite; give a number or NaN")
+    vx = _or(placement.vx, mover.vx * CYCLES_PER_SECOND)
+    vy = _or(placement.vy, mover.vy * CYCLES_PER_SECOND)
+    fastest = mover.speed_max * CYCLES_PER_SECOND
+    if math.hypot(vx, vy) > fastest * 1.001 and not (
+        math.isnan(placement.vx) and math.isnan(placement.vy)
+    ):
+        raise WorldError(
+            f"{placement.name}: a speed of {math.hypot(vx, vy):.2f} m/s is beyond its largest, "
+            f"{fastest:g} m/s"
+        )
