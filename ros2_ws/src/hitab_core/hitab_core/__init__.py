@@ -1,0 +1,1 @@
+"""The HiTAB engine: automata, learning, training sessions and the library, without ROS."""

@@ -1,0 +1,64 @@
+# Sourced by bash or zsh: the environment that scripts/setup has made, for this shell.
+#
+#     . scripts/env.sh
+#
+# HITAB_VENV  where the environment is, instead of .venv in the checkout
+# HITAB_ROS   "wheels" for ROS 2 from wheels even where it is installed, or the folder of an
+#             installed ROS 2 Jazzy, instead of /opt/ros/jazzy
+#
+# What another ROS distribution has put into this shell is taken out: the two do not mix.
+# shellcheck shell=bash
+
+_hitab_scripts=$(cd "$(dirname "${BASH_SOURCE[0]:-$0}")" && pwd -P)
+_hitab_venv=${HITAB_VENV:-${_hitab_scripts%/*}/.venv}
+_hitab_ros=${HITAB_ROS:-/opt/ros/jazzy}
+
+# Prints a list of folders without those inside the folders of another list.
+_hitab_without() {
+  printf '%s' "$1" | awk -v RS=: -v others="$2" '
+    BEGIN { count = split(others, other, ":") }
+    {
+      for (i = 1; i <= count; i++)
+        if (other[i] != "" && index($0 "/", other[i] "/") == 1) next
+      if ($0 != "") { printf "%s%s", separator, $0; separator = ":" }
+    }'
+}
+
+if [ -f "$_hitab_ros/setup.bash" ]; then _hitab_installed=1; else _hitab_installed=; fi
+
+if [ -z "$_hitab_installed" ] || [ "${ROS_DISTRO:-jazzy}" != jazzy ]; then
+  _hitab_foreign=${AMENT_PREFIX_PATH:-}:${COLCON_PREFIX_PATH:-}:/opt/ros
+  PATH=$(_hitab_without "$PATH" "$_hitab_foreign")
+  LD_LIBRARY_PATH=$(_hitab_without "${LD_LIBRARY_PATH:-}" "$_hitab_foreign")
+  [ -n "$LD_LIBRARY_PATH" ] || unset LD_LIBRARY_PATH
+  unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH PYTHONPATH RMW_IMPLEMENTATION
+  unset ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION ROS_ETC_DIR ROS_PACKAGE_PATH ROS_ROOT _hitab_foreign
+fi
+# The wheels' start-up file sets the library path unless this says that it has: maybe for another
+# environment, so it has to do it again.
+unset PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
+PATH=$_hitab_venv/bin:$(_hitab_without "$PATH" "$_hitab_venv")
+if [ -n "$_hitab_installed" ]; then
+  case $- in *u*) _hitab_unset=u ;; *) _hitab_unset= ;; esac
+  set +u # the installed setup file reads unset variables
+  if [ -n "${ZSH_VERSION:-}" ]; then
+    . "$_hitab_ros/setup.zsh"
+  else
+    . "$_hitab_ros/setup.bash"
+  fi
+  AMENT_PREFIX_PATH=$_hitab_venv:$(_hitab_without "${AMENT_PREFIX_PATH:-}" "$_hitab_venv")
+  LD_LIBRARY_PATH=$_hitab_venv/lib:$(_hitab_without "${LD_LIBRARY_PATH:-}" "$_hitab_venv")
+  PATH=$_hitab_venv/bin:$(_hitab_without "$PATH" "$_hitab_venv")
+  [ -z "$_hitab_unset" ] || set -u
+  export LD_LIBRARY_PATH
+else
+  AMENT_PREFIX_PATH=$_hitab_venv
+  export CMAKE_PREFIX_PATH=$_hitab_venv ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
+fi
+export PATH AMENT_PREFIX_PATH VIRTUAL_ENV="$_hitab_venv" PYTHONNOUSERSITE=1
+# Nobody else's robots on the network are meant, unless the user says so.
+export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
+
+unset -f _hitab_without
+unset _hitab_scripts _hitab_venv _hitab_ros _hitab_installed _hitab_unset
