@@ -1,0 +1,44 @@
+"""ROS domain ids: which one a swarm lives in, so that two at once do not hear each other."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+
+from hitab_bringup.run_folder import running_swarms
+
+LOCALHOST = ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+"""Variable and default: what this project starts stays on this machine unless the user says."""
+
+
+def chosen_by_user() -> int | None:
+    """Return the user's own ROS_DOMAIN_ID, if there is one."""
+    value = os.environ.get("ROS_DOMAIN_ID", "")
+    return int(value) if value.isdigit() else None
+
+
+def for_swarm() -> int:
+    """Return the domain id for a swarm to be started: the user's, else 0, else a free one."""
+    own = chosen_by_user()
+    if own is not None:
+        return own
+    taken = {record.domain_id for _, record in running_swarms()}
+    return next(number for number in range(102) if number not in taken)
+
+
+@contextlib.contextmanager
+def reserved() -> Iterator[int]:
+    """Reserve a domain id that nobody else on this machine uses, for as long as this lasts."""
+    from domain_coordinator import domain_id
+
+    taken = {record.domain_id for _, record in running_swarms()} | {chosen_by_user()}
+    with contextlib.ExitStack() as refused:
+        while True:
+            stack = contextlib.ExitStack()
+            number = stack.enter_context(domain_id())
+            if number not in taken:
+                break
+            refused.push(stack)
+        with stack:
+            yield number

@@ -1,0 +1,326 @@
+"""Plays a lesson as a demonstrator would: through the public topics and services, while it runs.
+
+The world is stepped cycle by cycle and every condition looked at in every cycle, so that a lesson
+gives the same examples whenever it is played, as fast as the agents answer.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from hitab_core.errors import HitabError
+from hitab_msgs.msg import AgentStatus, WorldState
+from hitab_msgs.srv import Control, EditExamples
+
+from hitab_bringup.conditions import Condition
+from hitab_bringup.errors import LessonError, SwarmError
+from hitab_bringup.lesson import (
+    Begin,
+    Check,
+    Command,
+    Distribute,
+    Lesson,
+    Never,
+    NewEpisode,
+    Perform,
+    Place,
+    Save,
+    Say,
+    Step,
+    TakeOver,
+    Test,
+    Undo,
+    Until,
+)
+from hitab_bringup.swarm_client import SwarmClient
+from hitab_bringup.world_client import WorldClient
+from hitab_bringup.world_view import WorldView, speakers
+
+
+@dataclass
+class LessonReport:
+    """What a lesson took.
+
+    Attributes:
+        examples: of the saved automaton, default ones counted.
+        commands: given by the demonstrator.
+        simulated_s: training time as the robots see it, s.
+        wall_s: time that it took here, s.
+        digest: of the file that was saved.
+    """
+
+    lesson: str
+    budget: int | None = None
+    examples: int = 0
+    default_examples: int = 0
+    commands: int = 0
+    simulated_s: float = 0.0
+    wall_s: float = 0.0
+    digest: str = ""
+    path: str = ""
+    trimmed: list[str] = field(default_factory=list)
+    checks: list[str] = field(default_factory=list)
+
+
+Progress = Callable[[int, int, str], None]
+"""Called with the number of the step, of all steps, and what is being done."""
+
+
+class LessonPlayer:
+    """Plays one lesson.
+
+    Args:
+        lesson: the lesson.
+        swarm: the agents.
+        world: the world, which is driven.
+        progress: told about every step.
+        factor: play at so many times real time, for people who watch; 0: as fast as can be.
+    """
+
+    def __init__(
+        self,
+        lesson: Lesson,
+        swarm: SwarmClient,
+        world: WorldClient,
+        *,
+        progress: Progress | None = None,
+        factor: float = 0.0,
+    ) -> None:
+        self.lesson = lesson
+        self.swarm = swarm
+        self.world = world
+        self.report = LessonReport(lesson.name, lesson.budget)
+        self._progress = progress
+        self._factor = factor
+        self._saved = ""
+        self._begun_at = 0.0
+        self._said: frozenset[str] = frozenset()
+        self._ended: tuple[str, ...] = ()
+        self._due = 0.0
+
+    def play(self) -> LessonReport:
+        """Play all steps, and leave the world's pace and mode as they were.
+
+        Raises:
+            LessonError: naming the lesson's file and line, if something is refused or does not
+                come out as expected, or if it took more examples than its budget.
+        """
+        began = time.monotonic()
+        before = self.world.wait()
+        running, pace = before.mode == WorldState.RUNNING, before.pace
+        self.world.control(Control.Request.PAUSE)
+        self.world.control(Control.Request.PACE, pace="lockstep")
+        start = self._seconds(self._step_world())
+        try:
+            for index, step in enumerate(self.lesson.steps):
+                if self._progress is not None:
+                    self._progress(index, len(self.lesson.steps), _told(step))
+                self._play(step)
+        finally:
+            self._hand_back(pace, running)
+        self.report.simulated_s = round(self._seconds(self._state()) - start, 3)
+        self.report.wall_s = round(time.monotonic() - began, 3)
+        self._check_budget()
+        return self.report
+
+    def _hand_back(self, pace: str, running: bool) -> None:
+        try:
+            self.world.control(Control.Request.PACE, pace=pace)
+            if running:
+                self.world.control(Control.Request.RESUME)
+        except SwarmError:
+            pass  # it went away; what was wrong has been told
+
+    def _play(self, step: Step) -> None:
+        self._said, self._ended = frozenset(), ()
+        self._begun_at = self._seconds(self._state())
+        try:
+            _PLAYERS[type(step)](self, step)
+        except HitabError as error:
+            place = f"{self.lesson.file}:{step.line}: step `{step.kind}`: "
+            raise LessonError(f"{place}{error}") from None
+
+    # -- the world --------------------------------------------------------------------------
+
+    def _state(self) -> WorldState:
+        assert self.world.state is not None
+        return self.world.state
+
+    @staticmethod
+    def _seconds(state: WorldState) -> float:
+        return float(state.stamp.sec + state.stamp.nanosec * 1e-9)
+
+    def _step_world(self) -> WorldState:
+        """Let one cycle pass, no faster than the watcher wishes."""
+        earlier = self.world.state
+        state = self.world.step()
+        self._said |= speakers(state.entities)
+        if earlier is not None and state.note and state.note not in (earlier.note, "reset"):
+            self._ended += (state.note,)
+        if self._factor and earlier is not None:
+            now = time.monotonic()
+            self._due = max(self._due, now - 0.5)
+            self._due += max(0.0, self._seconds(state) - self._seconds(earlier)) / self._factor
+            self.swarm.link.spin_until(lambda: False, self._due - now)
+        return state
+
+    def _view(self) -> WorldView:
+        state = self._state()
+        paths = {name: status.active_path for name, status in self.swarm.statuses.items()}
+        return WorldView(
+            state.entities,
+            self._seconds(state) - self._begun_at,
+            paths,
+            self._said,
+            self._ended,
+        )
+
+    def _await(self, condition: Condition, within: float) -> bool:
+        while not condition.holds(self._view()):
+            if self._view().seconds >= within:
+                return False
+            self._step_world()
+        return True
+
+    # -- the steps --------------------------------------------------------------------------
+
+    def _place(self, step: Place) -> None:
+        self.world.place(step.things, new_episode=step.new_episode)
+        self._step_world()  # everybody perceives it
+
+    def _new_episode(self, step: NewEpisode) -> None:
+        self.world.control(Control.Request.RESET)
+        self._step_world()
+
+    def _begin(self, step: Begin) -> None:
+        self.swarm.begin(
+            step.agent,
+            step.automaton,
+            features=list(step.features),
+            states=list(step.states),
+            parameters=list(step.parameters),
+            arguments=list(step.parameters.values()),
+            resume=step.resume,
+            classifier=step.classifier,
+        )
+
+    def _command(self, step: Command) -> None:
+        self.swarm.command(step.agent, step.use.name, step.use.arguments)
+        self.report.commands += 1
+
+    def _until(self, step: Until) -> None:
+        if not self._await(step.condition, step.within):
+            raise LessonError(
+                f"{step.condition.describe(self._view())} did not come within {step.within:g} s"
+            )
+
+    def _check(self, step: Check) -> None:
+        if not self._await(step.condition, step.within):
+            raise LessonError(
+                f"what was learned does not do it: {step.condition.describe(self._view())} was "
+                f"expected within {step.within:g} s; teach more examples before this"
+            )
+        self.report.checks.append(
+            f"{step.condition.describe()} after {self._view().seconds:.1f} s"
+        )
+
+    def _never(self, step: Never) -> None:
+        if self._await(step.condition, step.within):
+            raise LessonError(
+                f"{step.condition.describe(self._view())} came after "
+                f"{self._view().seconds:.1f} s and should not"
+            )
+        self.report.checks.append(f"never {step.condition.describe()} in {step.within:g} s")
+
+    def _test(self, step: Test) -> None:
+        self.swarm.set_mode(step.agent, AgentStatus.TESTING, restart=step.restart)
+
+    def _take_over(self, step: TakeOver) -> None:
+        self.swarm.set_mode(step.agent, AgentStatus.TRAINING)
+
+    def _undo(self, step: Undo) -> None:
+        self.swarm.edit_examples(step.agent, EditExamples.Request.UNDO)
+
+    def _save(self, step: Save) -> None:
+        answer = self.swarm.save(
+            step.agent,
+            name=step.name,
+            bind_from=list(step.bind),
+            bind_to=list(step.bind.values()),
+            description=step.description,
+        )
+        name = step.name or self.lesson.name
+        examples = self.swarm.list_examples(step.agent, name).examples
+        self.report.examples = len(examples)
+        self.report.default_examples = sum(e.kind == e.DEFAULT for e in examples)
+        self.report.digest = answer.digest
+        self.report.path = answer.path
+        self.report.trimmed = list(answer.trimmed)
+
+    def _distribute(self, step: Distribute) -> None:
+        report = self.swarm.distribute(
+            step.agent,
+            step.use.name,
+            arguments=step.use.arguments,
+            receivers=step.receivers,
+            start=step.start,
+        )
+        if not report.complete:
+            reasons = [f"{name} refuses: {why}" for name, why in report.refused.items()]
+            reasons += [f"{name} does not answer" for name in report.silent]
+            raise LessonError("; ".join(reasons))
+
+    def _perform(self, step: Perform) -> None:
+        for agent in step.agents:
+            if step.use is None:
+                self.swarm.perform(agent, "")
+            else:
+                self.swarm.perform(agent, step.use.name, step.use.arguments)
+
+    def _say(self, step: Say) -> None:
+        """Nothing to do: it has been told as progress."""
+
+    def _check_budget(self) -> None:
+        budget, examples = self.lesson.budget, self.report.examples
+        if budget is not None and examples > budget:
+            raise LessonError(
+                f"{self.lesson.file}: took {examples} examples, default ones counted, and its "
+                f"budget is {budget}"
+            )
+
+
+def _told(step: Step) -> str:
+    """Return a step in words."""
+    match step:
+        case Say():
+            return step.text
+        case Command():
+            return f"{step.agent}: {step.use}"
+        case Until():
+            return f"{step.kind} {step.condition.describe()}"
+        case Begin():
+            return f"{step.agent} begins {step.automaton}"
+        case Distribute():
+            return f"distribute {step.use}"
+    return step.kind.replace("_", " ")
+
+
+_PLAYERS: dict[type[Step], Callable[[LessonPlayer, Any], None]] = {
+    Say: LessonPlayer._say,
+    Place: LessonPlayer._place,
+    Begin: LessonPlayer._begin,
+    Command: LessonPlayer._command,
+    Until: LessonPlayer._until,
+    Check: LessonPlayer._check,
+    Never: LessonPlayer._never,
+    Test: LessonPlayer._test,
+    TakeOver: LessonPlayer._take_over,
+    Undo: LessonPlayer._undo,
+    Save: LessonPlayer._save,
+    Distribute: LessonPlayer._distribute,
+    Perform: LessonPlayer._perform,
+    NewEpisode: LessonPlayer._new_episode,
+}

@@ -1,0 +1,138 @@
+"""A node of this process's own with which to talk to a swarm: spin until, subscribe, call."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from types import TracebackType
+from typing import Any, Self
+
+import rclpy
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from hitab_bringup.domain_ids import LOCALHOST
+from hitab_bringup.errors import SwarmError
+
+CALL_SECONDS = 15.0
+"""How long to wait for the answer of a service that is there."""
+
+
+class RosLink:
+    """A node, its executor and its clients; used with ``with``."""
+
+    def __init__(self, domain_id: int | None = None) -> None:
+        os.environ.setdefault(*LOCALHOST)
+        self._context = Context()
+        rclpy.init(
+            args=["--ros-args", "--disable-external-lib-logs"],
+            context=self._context,
+            domain_id=domain_id,
+            signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
+        )
+        self.node: Node = rclpy.create_node(
+            f"hitab_{os.getpid()}",
+            context=self._context,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+        self._executor = EventsExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._clients: dict[str, Any] = {}
+        self._failure: BaseException | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the ROS graph."""
+        if self._context.ok():
+            self._executor.remove_node(self.node)
+            self.node.destroy_node()
+            self._executor.shutdown()
+            self._context.try_shutdown()
+
+    def spin(self, seconds: float = 0.1) -> None:
+        """Handle what has come; wait at most so long for something to come."""
+        self._executor.spin_once(timeout_sec=seconds)
+        if self._failure is not None:
+            failure, self._failure = self._failure, None
+            raise failure
+
+    def spin_until(self, done: Callable[[], Any], seconds: float, each: float = 0.05) -> bool:
+        """Spin until ``done()`` is true; return whether it became so in time."""
+        deadline = time.monotonic() + seconds
+        while not done():
+            left = deadline - time.monotonic()
+            if left <= 0:
+                return False
+            self.spin(min(each, left))
+        return True
+
+    def subscribe(
+        self, kind: Any, topic: str, take: Callable[[Any], None], qos: QoSProfile
+    ) -> None:
+        """Subscribe; an exception in ``take`` is raised from the next spin."""
+
+        def guarded(message: Any) -> None:
+            # The executor swallows what a callback raises.
+            try:
+                take(message)
+            except BaseException as error:
+                self._failure = error
+
+        self.node.create_subscription(kind, topic, guarded, qos)
+
+    def topics_of_type(self, kind: str) -> Iterator[str]:
+        """Go through the topics that carry a type of message, as far as discovered."""
+        for topic, kinds in self.node.get_topic_names_and_types():
+            if kind in kinds:
+                yield topic
+
+    def call(
+        self,
+        kind: Any,
+        service: str,
+        request: Any,
+        *,
+        missing: Callable[[], str],
+        discovery: float = 5.0,
+        seconds: float = CALL_SECONDS,
+    ) -> Any:
+        """Call a service and return its answer, whatever it says.
+
+        Args:
+            kind: the type of the service.
+            service: its full name.
+            request: what to ask.
+            missing: tells who would have to be there, if nobody is.
+            discovery: seconds to wait for the service to appear.
+            seconds: seconds to wait for its answer.
+
+        Raises:
+            SwarmError: if the service is not there or does not answer.
+        """
+        client = self._clients.get(service)
+        if client is None:
+            client = self._clients[service] = self.node.create_client(kind, service)
+        if not self.spin_until(client.service_is_ready, discovery, 0.01):
+            raise SwarmError(missing())
+        future = client.call_async(request)
+        if not self.spin_until(future.done, seconds):
+            client.remove_pending_request(future)
+            raise SwarmError(
+                f"{service} did not answer within {seconds:g} s; see the log of its process "
+                "(`hitab status` tells where)"
+            )
+        return future.result()

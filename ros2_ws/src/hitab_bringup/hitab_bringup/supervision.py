@@ -1,0 +1,215 @@
+"""Starts a swarm's processes under supervisord, keeps them alive, and stops them all.
+
+The supervisor listens on a socket file only. Every process carries the run folder in its
+environment, so that none is overlooked when the swarm is stopped, not even after the supervisor
+itself was killed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+from xmlrpc.client import Fault, ServerProxy
+
+import psutil
+
+from hitab_bringup.domain_ids import LOCALHOST
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.libraries import fill_libraries
+from hitab_bringup.run_folder import MARK, RunFolder, RunRecord
+from hitab_bringup.shared_memory import remove_stale
+from hitab_bringup.supervisor_config import supervisor_config
+from hitab_bringup.swarm_description import SwarmDescription
+from hitab_bringup.swarm_processes import processes
+
+STOP_SECONDS = 10.0
+
+
+def environment(folder: RunFolder, domain_id: int) -> dict[str, str]:
+    """Return the environment of a swarm's processes."""
+    return {
+        **os.environ,
+        MARK: str(folder.path),
+        "ROS_DOMAIN_ID": str(domain_id),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": os.environ.get(*LOCALHOST),
+        "PYTHONUNBUFFERED": "1",
+        # One core each: numpy's own threads would only get into the others' way.
+        "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1"),
+        "OPENBLAS_NUM_THREADS": os.environ.get("OPENBLAS_NUM_THREADS", "1"),
+    }
+
+
+def launch(
+    swarm: SwarmDescription, folder: RunFolder, domain_id: int, *, temporary: bool = False
+) -> RunRecord:
+    """Start a swarm's processes; they are not ready yet when this returns.
+
+    Args:
+        swarm: the description.
+        folder: where its files go.
+        domain_id: the ROS domain in which it lives.
+        temporary: end it with this process, and do not tell other verbs about it.
+
+    Raises:
+        SwarmError: if it is up already, or the supervisor does not start.
+    """
+    before = folder.read()
+    if before is not None and folder.supervisor(before) is not None:
+        raise SwarmError(
+            f'swarm "{before.swarm}" is already up in {folder.path}; stop it with `hitab down`'
+        )
+    stop(folder)
+    folder.prepare()
+    fill_libraries(swarm, folder.path)
+    socket = folder.socket_path()
+    started = processes(swarm, folder.path)
+    for process in started:
+        folder.log(process.name).unlink(missing_ok=True)
+    config = folder.path / "supervisord.conf"
+    config.write_text(
+        supervisor_config(started, folder.path, folder.path / "logs", socket), encoding="utf-8"
+    )
+    supervisor = _spawn(config, environment(folder, domain_id), folder, temporary)
+    record = RunRecord(
+        swarm.name,
+        str(swarm.file.resolve()),
+        domain_id,
+        os.environ.get(*LOCALHOST),
+        swarm.agent_names,
+        swarm.world is not None,
+        supervisor.pid,
+        str(socket),
+    )
+    folder.write(record, register=not temporary)
+    _await_socket(supervisor, socket, folder)
+    return record
+
+
+def _spawn(
+    config: Path, environment: Mapping[str, str], folder: RunFolder, temporary: bool
+) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "supervisor.supervisord", "-c", str(config)]
+    with (folder.path / "supervisord.out").open("wb") as out:
+        return subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            env=dict(environment),
+            cwd=folder.path,
+            start_new_session=True,  # the terminal's Ctrl-C is for the command, not for these
+            preexec_fn=_end_with_parent if temporary and sys.platform == "linux" else None,
+        )
+
+
+def _end_with_parent() -> None:
+    set_parent_death_signal = 1
+    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGTERM)
+
+
+def _await_socket(supervisor: subprocess.Popen[bytes], socket: Path, folder: RunFolder) -> None:
+    deadline = time.monotonic() + 15
+    while not socket.exists():
+        if supervisor.poll() is not None or time.monotonic() > deadline:
+            out = (folder.path / "supervisord.out").read_text(errors="replace").strip()
+            stop(folder)
+            raise SwarmError(
+                f"supervisord did not start: {out.splitlines()[-1] if out else 'no output'} "
+                f"(see {folder.path}/supervisord.log)"
+            )
+        time.sleep(0.01)
+
+
+def process_states(record: RunRecord) -> list[dict[str, Any]]:
+    """Return what the supervisor knows of each process: name, statename, pid, description.
+
+    Raises:
+        SwarmError: if the supervisor does not answer.
+    """
+    try:
+        found: Any = _rpc(record).supervisor.getAllProcessInfo()
+        return list(found)
+    except (OSError, Fault) as error:
+        raise SwarmError(
+            f'the supervisor of swarm "{record.swarm}" does not answer ({error}); '
+            "stop what is left with `hitab down`, then start it again with `hitab up`"
+        ) from None
+
+
+def _rpc(record: RunRecord) -> ServerProxy:
+    from supervisor.xmlrpc import SupervisorTransport
+
+    transport = SupervisorTransport(None, None, f"unix://{record.socket}")
+    return ServerProxy("http://127.0.0.1", transport=transport)
+
+
+FAILED = ("BACKOFF", "FATAL", "EXITED", "UNKNOWN")
+
+
+def refuse_failed(record: RunRecord, folder: RunFolder) -> None:
+    """Raise if a process of a starting swarm has ended, telling the last lines of its log.
+
+    Raises:
+        SwarmError: naming the process.
+    """
+    for state in process_states(record):
+        if state["statename"] in FAILED:
+            name = state["name"]
+            raise SwarmError(_failure(name, folder))
+
+
+def _failure(process: str, folder: RunFolder) -> str:
+    lines = folder.tail(process)
+    told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (it said nothing)"
+    return f"{process} ended while starting; the end of {folder.log(process)}:\n{told}"
+
+
+def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> list[int]:
+    """Stop whatever was started from a run folder, and make sure that nothing is left.
+
+    Returns:
+        The numbers of processes that had to be killed because they did not stop by themselves.
+
+    Raises:
+        SwarmError: if a process survives even that.
+    """
+    record = folder.read()
+    supervisor = folder.supervisor(record) if record is not None else None
+    if supervisor is not None:
+        if progress is not None:
+            progress("asking the supervisor to stop all processes")
+        with contextlib.suppress(psutil.Error):
+            supervisor.terminate()
+            supervisor.wait(STOP_SECONDS)
+    killed = _end(folder)
+    folder.forget()
+    remove_stale()
+    return killed
+
+
+def _end(folder: RunFolder) -> list[int]:
+    """End all that still lives: first politely, then not. The supervisor goes first."""
+    killed: list[int] = []
+    for end, patience in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 3.0)):
+        left = folder.processes()
+        if not left:
+            return killed
+        left.sort(key=lambda process: process.pid)
+        for process in left:
+            with contextlib.suppress(psutil.Error):
+                end(process)
+                if end is psutil.Process.kill:
+                    killed.append(process.pid)
+        psutil.wait_procs(left, timeout=patience)
+    if left := folder.processes():
+        numbers = ", ".join(str(process.pid) for process in left)
+        raise SwarmError(f"processes {numbers} of {folder.path} cannot be ended; end them by hand")
+    return killed

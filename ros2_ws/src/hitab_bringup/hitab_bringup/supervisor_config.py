@@ -1,0 +1,71 @@
+"""The configuration of supervisord for a swarm."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable
+from pathlib import Path
+
+from hitab_bringup.swarm_processes import Process
+
+HEAD = """\
+[unix_http_server]
+file={socket}
+chmod=0700
+
+[supervisord]
+nodaemon=true
+logfile={folder}/supervisord.log
+logfile_maxbytes=1MB
+logfile_backups=1
+pidfile={folder}/supervisord.pid
+childlogdir={folder}/logs
+
+[rpcinterface:supervisor]
+supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
+"""
+
+# A process counts as started once it has lived for startsecs; one that dies earlier is tried
+# again startretries times, each a second later than the one before; one that dies later is
+# restarted at once. A killed agent is still heard of for up to 20 s, in which a new one of its
+# name is refused.
+PROGRAM = """
+[program:{name}]
+command={command}
+directory={folder}
+priority={priority}
+startsecs=3
+startretries=12
+autorestart=true
+stopsignal=TERM
+stopwaitsecs=5
+stopasgroup=true
+killasgroup=true
+redirect_stderr=true
+stdout_logfile={log}
+stdout_logfile_maxbytes=1MB
+stdout_logfile_backups=2
+"""
+
+
+def supervisor_config(
+    processes: Iterable[Process], folder: Path, logs: Path, socket: Path
+) -> str:
+    """Return the text of ``supervisord.conf``."""
+    parts = [HEAD.format(socket=_plain(socket), folder=_plain(folder))]
+    for priority, process in enumerate(processes):
+        parts.append(
+            PROGRAM.format(
+                name=process.name,
+                command=_plain(shlex.join(process.command)),
+                folder=_plain(folder),
+                priority=priority,
+                log=_plain(logs / f"{process.name}.log"),
+            )
+        )
+    return "".join(parts)
+
+
+def _plain(text: object) -> str:
+    """Escape what supervisord would expand."""
+    return str(text).replace("%", "%%")

@@ -1,0 +1,315 @@
+"""Talks to the agents of a swarm over their public topics and services, as a person's tools do."""
+
+from __future__ import annotations
+
+import getpass
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hitab_core.errors import has
+from hitab_msgs.msg import AgentStatus, Command, DistributionAck
+from hitab_msgs.srv import (
+    BeginTraining,
+    Distribute,
+    EditExamples,
+    GetVocabulary,
+    ListExamples,
+    LoadLibrary,
+    Perform,
+    SaveBehavior,
+    SetMode,
+)
+from hitab_ros import qos
+
+from hitab_bringup import names
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.ros_link import RosLink
+from hitab_bringup.suggest import did_you_mean
+
+DISCOVERY_SECONDS = 5.0
+ACKNOWLEDGE_SECONDS = 10.0
+
+
+@dataclass
+class DistributionReport:
+    """Who took in a distribution, and who did not.
+
+    Attributes:
+        sequence: of the distribution.
+        digest: that the source gave.
+        accepted: receivers that verified the same digest.
+        refused: receivers that did not, with why.
+        silent: receivers that did not answer.
+    """
+
+    sequence: int
+    digest: str
+    accepted: list[str] = field(default_factory=list)
+    refused: dict[str, str] = field(default_factory=dict)
+    silent: list[str] = field(default_factory=list)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every receiver has it."""
+        return not self.refused and not self.silent
+
+
+class SwarmClient:
+    """The agents of a swarm, as seen and commanded over ROS.
+
+    Args:
+        link: the node to use.
+        expected: names of the agents that there should be, if that is known.
+        prefix: namespace of the swarm.
+        demonstrator: who commands; by default, the user.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        expected: Iterable[str] = (),
+        *,
+        prefix: str = "",
+        demonstrator: str = "",
+    ) -> None:
+        self.link = link
+        self.prefix = prefix
+        self.expected = tuple(expected)
+        self.demonstrator = demonstrator or getpass.getuser()
+        self.statuses: dict[str, AgentStatus] = {}
+        self._watched: set[str] = set()
+        self._publishers: dict[str, Any] = {}
+        self._acks: dict[tuple[int, str], DistributionAck] = {}
+        self._sequence = 0
+        for agent in self.expected:
+            self._watch(agent)
+        link.subscribe(
+            DistributionAck, names.of_swarm("distribution_ack", prefix), self._take_ack, qos.EVENTS
+        )
+
+    # -- who is there -----------------------------------------------------------------------
+
+    def _watch(self, agent: str) -> None:
+        if agent not in self._watched:
+            self._watched.add(agent)
+            self.link.subscribe(
+                AgentStatus,
+                names.of_agent(agent, "status", self.prefix),
+                lambda status: self.statuses.__setitem__(agent, status),
+                qos.LATCHED,
+            )
+
+    def _take_ack(self, ack: DistributionAck) -> None:
+        self._acks[ack.sequence, ack.agent] = ack
+
+    def discover(self) -> None:
+        """Look for agents that have appeared since."""
+        for topic in self.link.topics_of_type(names.STATUS_TYPE):
+            agent = names.agent_of_status(topic, self.prefix)
+            if agent is not None:
+                self._watch(agent)
+
+    def agents(self) -> list[str]:
+        """Return the names of the agents heard from so far."""
+        return sorted(self.statuses)
+
+    def await_agents(
+        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
+    ) -> list[str]:
+        """Wait for these agents, else for the expected ones, else for any; return who is there."""
+        wanted = set(agents or self.expected)
+
+        def complete() -> bool:
+            self.discover()
+            return wanted <= self.statuses.keys() if wanted else bool(self.statuses)
+
+        self.link.spin_until(complete, seconds)
+        return self.agents()
+
+    def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
+        """Wait for an agent and return its status.
+
+        Raises:
+            SwarmError: if no such agent answers, naming those that do.
+        """
+        if agent not in self.statuses:
+            self._watch(agent)
+            known = bool(self.expected) and agent not in self.expected
+            # An agent that is not in the description may still have been started by hand.
+            self.await_agents(() if known else (agent,), seconds)
+            if known and agent not in self.statuses:
+                self.link.spin_until(lambda: agent in self.statuses, 0.5)
+        if agent not in self.statuses:
+            raise SwarmError(self._missing(agent))
+        return self.statuses[agent]
+
+    def _missing(self, agent: str) -> str:
+        there = self.agents()
+        if not there:
+            return (
+                f'no agent "{agent}" answers, and no other does; is the swarm up? '
+                "`hitab up SWARM.yaml` starts one"
+            )
+        return (
+            f'no agent "{agent}" answers {has(there)}; is the swarm up? `hitab status`'
+            f"{did_you_mean(agent, there)}"
+        )
+
+    # -- commanding -------------------------------------------------------------------------
+
+    def command(self, agent: str, behavior: str, targets: Sequence[str] = ()) -> AgentStatus:
+        """Command a behavior and wait until the agent has acknowledged it.
+
+        Raises:
+            SwarmError: if the agent is not there, refuses, or does not acknowledge.
+        """
+        self.await_agent(agent)
+        publisher = self._commander(agent)
+        self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
+        sequence = self._sequence
+        publisher.publish(
+            Command(
+                sequence=sequence,
+                demonstrator=self.demonstrator,
+                behavior=behavior,
+                targets=list(targets),
+            )
+        )
+
+        def answered() -> bool:
+            status = self.statuses[agent]
+            return sequence in (status.last_command_sequence, status.last_refused_sequence)
+
+        if not self.link.spin_until(answered, ACKNOWLEDGE_SECONDS):
+            raise SwarmError(
+                f"{agent} did not acknowledge the command within {ACKNOWLEDGE_SECONDS:g} s; "
+                "look with `hitab examples list` whether it was recorded"
+            )
+        status = self.statuses[agent]
+        if status.last_refused_sequence == sequence:
+            raise SwarmError(f"{agent}: {status.last_error}")
+        return status
+
+    def _commander(self, agent: str) -> Any:
+        topic = names.of_agent(agent, "command", self.prefix)
+        publisher = self._publishers.get(agent)
+        if publisher is None:
+            publisher = self.link.node.create_publisher(Command, topic, qos.EVENTS)
+            self._publishers[agent] = publisher
+        # A reliable writer reaches only the readers that it knows: wait for the agent's.
+        if not self.link.spin_until(
+            lambda: publisher.get_subscription_count() > 0, DISCOVERY_SECONDS, 0.01
+        ):
+            raise SwarmError(f"{agent} does not listen on {topic}; see its log")
+        return publisher
+
+    # -- services ---------------------------------------------------------------------------
+
+    def ask(self, agent: str, kind: Any, service: str, **fields: Any) -> Any:
+        """Call one of an agent's services and return its answer.
+
+        Raises:
+            SwarmError: with the agent's message, if it refuses.
+        """
+        self.await_agent(agent)
+        answer = self.link.call(
+            kind,
+            names.of_agent(agent, service, self.prefix),
+            kind.Request(**fields),
+            missing=lambda: self._missing(agent),
+        )
+        if not getattr(answer, "success", True):
+            raise SwarmError(f"{agent}: {answer.message}")
+        return answer
+
+    def begin(self, agent: str, automaton: str, **fields: Any) -> Any:
+        """Begin to train an automaton; see BeginTraining.srv."""
+        return self.ask(agent, BeginTraining, "begin", automaton=automaton, **fields)
+
+    def set_mode(self, agent: str, mode: str, *, restart: bool = False) -> Any:
+        """Change between training and testing."""
+        return self.ask(agent, SetMode, "set_mode", mode=mode, restart=restart)
+
+    def edit_examples(
+        self, agent: str, action: str, numbers: Sequence[int] = (), next_state: str = ""
+    ) -> Any:
+        """Undo, delete or relabel."""
+        return self.ask(
+            agent, EditExamples, "edit_examples", action=action, numbers=list(numbers),
+            next_state=next_state,
+        )
+
+    def list_examples(self, agent: str, automaton: str = "") -> Any:
+        """Return the examples of the training under way, or of a trained behavior."""
+        return self.ask(agent, ListExamples, "list_examples", automaton=automaton)
+
+    def save(self, agent: str, **fields: Any) -> Any:
+        """Save what was trained; see SaveBehavior.srv."""
+        return self.ask(agent, SaveBehavior, "save", **fields)
+
+    def perform(self, agent: str, behavior: str, arguments: Sequence[str] = ()) -> Any:
+        """Have an agent perform a behavior, or nothing if it is empty."""
+        return self.ask(agent, Perform, "perform", behavior=behavior, arguments=list(arguments))
+
+    def load_library(self, agent: str, path: str = "") -> Any:
+        """Have an agent read its library again, or another one."""
+        return self.ask(agent, LoadLibrary, "load_library", path=path)
+
+    def vocabulary(self, agent: str) -> Any:
+        """Return what can be commanded, perceived and targeted."""
+        return self.ask(agent, GetVocabulary, "get_vocabulary")
+
+    # -- distributing -----------------------------------------------------------------------
+
+    def distribute(
+        self,
+        source: str,
+        behavior: str,
+        *,
+        arguments: Sequence[str] = (),
+        receivers: Sequence[str] = (),
+        start: bool = False,
+        seconds: float = 10.0,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> DistributionReport:
+        """Send a behavior from one agent to others and wait for what each of them says.
+
+        Raises:
+            SwarmError: if the source refuses, or a receiver is not there at all.
+        """
+        self.await_agents()
+        self.await_agent(source)
+        for receiver in receivers:
+            self.await_agent(receiver)
+        meant = [name for name in (receivers or self.agents()) if name != source]
+        ack_topic = names.of_swarm("distribution_ack", self.prefix)
+        self.link.spin_until(
+            lambda: self.link.node.count_publishers(ack_topic) >= len(meant), 2.0, 0.01
+        )
+        answer = self.ask(
+            source, Distribute, "distribute", behavior=behavior, arguments=list(arguments),
+            receivers=list(receivers), start=start,
+        )
+        sequence = answer.sequence
+
+        def answers() -> int:
+            return sum((sequence, name) in self._acks for name in meant)
+
+        def complete() -> bool:
+            if progress is not None:
+                progress(answers(), len(meant))
+            return answers() == len(meant)
+
+        self.link.spin_until(complete, seconds)
+        report = DistributionReport(sequence, answer.digest)
+        for name in meant:
+            ack = self._acks.get((sequence, name))
+            if ack is None:
+                report.silent.append(name)
+            elif ack.success and ack.digest == answer.digest:
+                report.accepted.append(name)
+            else:
+                report.refused[name] = ack.message or "it has other files than were sent"
+        return report

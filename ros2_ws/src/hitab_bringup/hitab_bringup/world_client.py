@@ -1,0 +1,165 @@
+"""Talks to a world over its public topics and services."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
+from hitab_msgs.srv import Control, Place, Play, Snapshot
+from hitab_ros import qos
+
+from hitab_bringup import names
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.ros_link import RosLink
+
+NO_WORLD = "no world answers; is the swarm up, and has it one? `hitab up SWARM.yaml` starts it"
+NAN = float("nan")
+
+
+class WorldClient:
+    """The world of a swarm, as seen and driven over ROS."""
+
+    def __init__(self, link: RosLink, *, prefix: str = "") -> None:
+        self.link = link
+        self.prefix = prefix
+        self.status: WorldStatus | None = None
+        self.state: WorldState | None = None
+        self.episodes: list[Episode] = []
+        link.subscribe(WorldStatus, self._name("status"), self._take_status, qos.LATCHED)
+        link.subscribe(WorldState, self._name("state"), self._take_state, qos.STREAM)
+        link.subscribe(Episode, self._name("episodes"), self.episodes.append, qos.EVENTS)
+
+    def _name(self, name: str) -> str:
+        return names.of_world(name, self.prefix)
+
+    def _take_status(self, status: WorldStatus) -> None:
+        self.status = status
+
+    def _take_state(self, state: WorldState) -> None:
+        self.state = state
+
+    def wait(self, seconds: float = 5.0) -> WorldStatus:
+        """Wait for the world and return its status.
+
+        Raises:
+            SwarmError: if there is none.
+        """
+        if not self.link.spin_until(lambda: self.status is not None, seconds):
+            raise SwarmError(NO_WORLD)
+        assert self.status is not None
+        return self.status
+
+    def ask(self, kind: Any, service: str, **fields: Any) -> Any:
+        """Call one of the world's services and return its answer.
+
+        Raises:
+            SwarmError: with the world's message, if it refuses.
+        """
+        answer = self.link.call(
+            kind, self._name(service), kind.Request(**fields), missing=lambda: NO_WORLD
+        )
+        if not answer.success:
+            raise SwarmError(f"the world refuses: {answer.message}")
+        return answer
+
+    def control(
+        self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0
+    ) -> Any:
+        """Pause, resume, step, reset or set the pace."""
+        return self.ask(
+            Control, "control", action=action, cycles=cycles, pace=pace, factor=factor
+        )
+
+    def step(self, cycles: int = 1, seconds: float = 10.0) -> WorldState:
+        """Let a paused world go on for some cycles and return its state afterwards.
+
+        Raises:
+            SwarmError: if it does not get there.
+        """
+        cycle = self.control(Control.Request.STEP, cycles=cycles).cycle
+        return self.state_at(cycle, seconds)
+
+    def state_at(self, cycle: int, seconds: float = 10.0) -> WorldState:
+        """Wait for the state of a cycle, or of a later one.
+
+        Raises:
+            SwarmError: if it does not come.
+        """
+
+        def there() -> bool:
+            return self.state is not None and self.state.cycle >= cycle
+
+        if not self.link.spin_until(there, seconds):
+            raise SwarmError(
+                f"the world did not reach cycle {cycle} within {seconds:g} s; "
+                "see the log of its process"
+            )
+        assert self.state is not None
+        return self.state
+
+    def place(
+        self, things: Mapping[str, Mapping[str, float]], *, new_episode: bool = False
+    ) -> Any:
+        """Put things somewhere.
+
+        Args:
+            things: by name; any of x, y, heading, vx and vy, the others are kept.
+            new_episode: begin a new episode from there.
+        """
+        entities = [
+            Entity(
+                name=name,
+                **{key: float(place.get(key, NAN)) for key in ("x", "y", "heading", "vx", "vy")},
+            )
+            for name, place in things.items()
+        ]
+        return self.ask(Place, "place", entities=entities, new_episode=new_episode)
+
+    def snapshot(self, action: str, name: str = "") -> Any:
+        """Save, restore, delete or list snapshots."""
+        return self.ask(Snapshot, "snapshot", action=action, name=name)
+
+    def play(
+        self,
+        episodes: int,
+        seed: int,
+        *,
+        progress: Callable[[int], None] | None = None,
+        stall_seconds: float = 60.0,
+    ) -> list[Episode]:
+        """Play episodes and return their results.
+
+        Raises:
+            SwarmError: if the world stops making progress.
+        """
+        self.link.spin_until(
+            lambda: self.link.node.count_publishers(self._name("episodes")) > 0, 5.0, 0.01
+        )
+        before = len(self.episodes)
+        self.ask(Play, "play", episodes=episodes, seed=seed)
+        seen = 0
+        while seen < episodes:
+            if not self.link.spin_until(
+                lambda: len(self.episodes) - before > seen, stall_seconds
+            ):
+                raise SwarmError(
+                    f"no episode has ended for {stall_seconds:g} s after {seen} of {episodes}"
+                    f"{self._why_stalled()}"
+                )
+            seen = len(self.episodes) - before
+            if progress is not None:
+                progress(seen)
+        return self.episodes[before:]
+
+    def _why_stalled(self) -> str:
+        if self.status is None:
+            return ""
+        if self.status.missing:
+            return f"; no node answers for {', '.join(self.status.missing)}"
+        return f"; the world says: {self.status.last_error}" if self.status.last_error else ""
+
+
+def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:
+    """Return entities by name."""
+    return {entity.name: entity for entity in entities}

@@ -1,0 +1,87 @@
+"""What a person watching the world sees in one moment: the truth, and what the agents tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from hitab_core.errors import has
+
+from hitab_bringup.errors import LessonError
+from hitab_bringup.suggest import did_you_mean
+
+CLOSEST = "closest "
+
+
+class Thing(Protocol):
+    """An entity of a world: an `Entity` message, or anything with the same fields."""
+
+    name: str
+    kind: str
+    x: float
+    y: float
+    heading: float
+    vx: float
+    vy: float
+    say: str
+
+
+@dataclass(frozen=True)
+class WorldView:
+    """One moment.
+
+    Attributes:
+        things: everything in the world, as it truly is.
+        seconds: simulated seconds since the step of the lesson began.
+        paths: the active states of each agent.
+        said: who has said something since the step began.
+        ended: how the episodes that have ended since the step began ended.
+    """
+
+    things: Sequence[Thing]
+    seconds: float = 0.0
+    paths: Mapping[str, Sequence[str]] | None = None
+    said: frozenset[str] = frozenset()
+    ended: tuple[str, ...] = ()
+
+    def thing(self, name: str, seen_from: str = "") -> Thing:
+        """Return a thing by name, or ``closest KIND`` as seen from another thing.
+
+        Raises:
+            LessonError: if there is no such thing.
+        """
+        if name.startswith(CLOSEST):
+            kind = name[len(CLOSEST) :]
+            near = [t for t in self.things if t.kind == kind and t.name != seen_from]
+            if not near or not seen_from:
+                raise LessonError(f'there is no "{kind}" here {has({t.kind for t in self.things})}')
+            origin = self.thing(seen_from)
+            return min(near, key=lambda t: math.hypot(t.x - origin.x, t.y - origin.y))
+        for thing in self.things:
+            if thing.name == name:
+                return thing
+        names = [t.name for t in self.things]
+        raise LessonError(f'there is no "{name}" in the world {has(names)}{did_you_mean(name, names)}')
+
+    def distance(self, one: str, other: str) -> float:
+        """Return the distance between two things, m."""
+        a, b = self.thing(one), self.thing(other, one)
+        return math.hypot(b.x - a.x, b.y - a.y)
+
+    def bearing(self, one: str, other: str) -> float:
+        """Return how far off its heading a thing sees another, in degrees from 0 to 180."""
+        a, b = self.thing(one), self.thing(other, one)
+        off = math.atan2(b.y - a.y, b.x - a.x) - a.heading
+        return abs(math.degrees(math.atan2(math.sin(off), math.cos(off))))
+
+    def speed(self, name: str) -> float:
+        """Return the speed of a thing, m/s."""
+        thing = self.thing(name)
+        return math.hypot(thing.vx, thing.vy)
+
+
+def speakers(things: Iterable[Thing]) -> frozenset[str]:
+    """Return who says something now."""
+    return frozenset(thing.name for thing in things if thing.say)

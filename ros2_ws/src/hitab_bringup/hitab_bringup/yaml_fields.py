@@ -1,0 +1,164 @@
+"""The fields of a YAML mapping, taken one by one with their types, complaints gathered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from hitab_core.errors import has
+from hitab_core.yaml_places import Complaints, Document, Path
+
+from hitab_bringup.suggest import did_you_mean
+
+REQUIRED: Any = object()
+
+
+class Fields:
+    """A mapping somewhere in a document.
+
+    Each field is asked for by name and type. What is missing or of another type becomes a
+    complaint, and so does, at :meth:`done`, what nobody asked for.
+    """
+
+    def __init__(self, document: Document, complaints: Complaints, path: Path = ()) -> None:
+        self.document = document
+        self.complaints = complaints
+        self.path = path
+        value: Any = document.value
+        for key in path:
+            value = value[key]
+        if value is None:
+            value = {}
+        if not isinstance(value, dict):
+            self.complain(f"needs `key: value` lines here, not {_kind(value)}")
+            value = {}
+        self._value: dict[str, Any] = value
+        self._asked: set[str] = set()
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._value
+
+    def complain(self, text: str, *inner: str | int) -> None:
+        """Note a complaint about this mapping, or about something in it."""
+        self.complaints.add((*self.path, *inner), text)
+
+    def keys(self) -> list[str]:
+        """Return the keys, in order; they count as asked for."""
+        self._asked.update(self._value)
+        return list(self._value)
+
+    def raw(self, key: str, default: Any = REQUIRED) -> Any:
+        """Return a field of any type."""
+        self._asked.add(key)
+        if key in self._value:
+            return self._value[key]
+        if default is REQUIRED:
+            self.complain(f"`{key}:` is missing here")
+            return None
+        return default
+
+    def text(
+        self, key: str, default: Any = REQUIRED, *, among: Iterable[str] | None = None
+    ) -> Any:
+        """Return a field that is a text, and one of ``among``, if that is given."""
+        value = self._typed(key, default, str, "a text")
+        if among is not None and isinstance(value, str) and value != default:
+            choices = list(among)
+            if value not in choices:
+                self.complain(
+                    f"`{key}: {value}` is not known {has(choices)}{did_you_mean(value, choices)}",
+                    key,
+                )
+        return value
+
+    def number(self, key: str, default: Any = REQUIRED, *, above: float | None = None) -> Any:
+        """Return a field that is a number, as a float."""
+        value = self._typed(key, default, (int, float), "a number")
+        if isinstance(value, int | float) and above is not None and not value > above:
+            self.complain(f"`{key}: {value}` must be more than {above:g}", key)
+        return float(value) if isinstance(value, int | float) else value
+
+    def integer(self, key: str, default: Any = REQUIRED, *, least: int | None = None) -> Any:
+        """Return a field that is a whole number."""
+        value = self._typed(key, default, int, "a whole number")
+        if isinstance(value, int) and least is not None and value < least:
+            self.complain(f"`{key}: {value}` must be at least {least}", key)
+            return default if default is not REQUIRED else least
+        return value
+
+    def flag(self, key: str, default: Any = REQUIRED) -> Any:
+        """Return a field that is true or false."""
+        return self._typed(key, default, bool, "true or false")
+
+    def texts(self, key: str, default: Any = REQUIRED) -> Any:
+        """Return a field that is a list of texts, as a tuple; one text counts as a list."""
+        value = self.raw(key, default)
+        if value is default or value is None:
+            return () if value is None else value
+        if isinstance(value, str):
+            return (value,)
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            self.complain(f"`{key}:` must be a list of texts, such as [a, b]", key)
+            return ()
+        return tuple(value)
+
+    def inner(self, key: str) -> Fields:
+        """Return the mapping under ``key``; empty if there is none."""
+        self._asked.add(key)
+        if key not in self._value:
+            return _Nothing(self)
+        return Fields(self.document, self.complaints, (*self.path, key))
+
+    def each(self, key: str) -> Iterator[Fields]:
+        """Go through the mappings in the list under ``key``."""
+        value = self.raw(key, [])
+        if not isinstance(value, list):
+            self.complain(f"`{key}:` must be a list, a line with a dash each", key)
+            return
+        for index in range(len(value)):
+            yield Fields(self.document, self.complaints, (*self.path, key, index))
+
+    def done(self) -> None:
+        """Complain about fields that nobody asked for."""
+        for key in self._value:
+            if key not in self._asked:
+                self.complain(
+                    f"`{key}:` is not known here {has(self._asked)}"
+                    f"{did_you_mean(key, self._asked)}",
+                    key,
+                )
+
+    def _typed(self, key: str, default: Any, types: Any, what: str) -> Any:
+        value = self.raw(key, default)
+        if value is default or (value is None and key not in self._value):
+            return value
+        wrong_bool = isinstance(value, bool) and types is not bool
+        if wrong_bool or not isinstance(value, types):
+            self.complain(f"`{key}:` must be {what}, not {_kind(value)}", key)
+            return default if default is not REQUIRED else None
+        return value
+
+
+class _Nothing(Fields):
+    """The fields of a mapping that is not there."""
+
+    def __init__(self, around: Fields) -> None:
+        self.document = around.document
+        self.complaints = around.complaints
+        self.path = around.path
+        self._value = {}
+        self._asked = set()
+
+
+def _kind(value: Any) -> str:
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return "a list"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, str):
+        return f'the text "{value}"'
+    return str(value)
