@@ -122,7 +122,8 @@ class ClassifierFunction:
                 odds: Floats = found / totals
                 return odds
         predicted = np.asarray(self.classifier.predict(encoded))
-        return (predicted[:, None] == np.arange(len(self.labels))).astype(np.float64)
+        certain: Floats = (predicted[:, None] == np.arange(len(self.labels))).astype(np.float64)
+        return certain
 
     def compile(
         self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False

@@ -161,6 +161,8 @@ def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Sp
     if min_branch == 1:
         only = np.where((counts > 0).sum(axis=1) == 1, counts.argmax(axis=1), -1)
         ends = np.flatnonzero((only != np.roll(only, -1)) | (only < 0))
+        if len(ends) < 2:
+            return None  # there is but one class
     found = _best_arc(counts.cumsum(axis=0)[ends], counts.sum(axis=0), min_branch)
     if found is None:
         return None

@@ -1,6 +1,7 @@
 """A transition tree in words: conditions, one rule per leaf, and a drawing.
 
-Numbers are rounded to six digits, so a threshold just beside an example reads as the example.
+Numbers are rounded to six digits. One that lies just beside a short number, as thresholds next to
+an example do, is written as that number, with ``<`` or a bracket that says on which side it is.
 Arcs are written ``[start, end)``, counted upwards, in the half circle either side of zero:
 ``[-10, 10)`` degrees leads through zero, ``[170, -170)`` through 180.
 """
@@ -80,12 +81,37 @@ def _condition(steps: Sequence[Step], scale: Scale, name: str) -> str:
         else:
             low = max(low, node.threshold)
     if scale.kind is FeatureKind.TOROIDAL:
-        return f"{name} in {_arcs(arcs, scale.period)}"
+        return f"{name} {_arcs(arcs, scale.period)}"
     if scale.kind is FeatureKind.BOOLEAN:
         return name if low > 0 else f"not {name}"
+    return _range(low, high, name)
+
+
+def _range(low: float, high: float, name: str) -> str:
+    """Return ``low < value <= high`` in words."""
+    (least, least_side), (most, most_side) = _short(low), _short(high)
+    if least == most:
+        return f"{name} = {most}"
+    at_most = "<" if most_side < 0 else "<="
     if low == -math.inf:
-        return f"{name} <= {high:.6g}"
-    return f"{name} > {low:.6g}" if high == math.inf else f"{low:.6g} < {name} <= {high:.6g}"
+        return f"{name} {at_most} {most}"
+    if high == math.inf:
+        return f"{name} {'>=' if least_side < 0 else '>'} {least}"
+    return f"{least} {'<=' if least_side < 0 else '<'} {name} {at_most} {most}"
+
+
+def _short(number: float, negligible: float = 1e-300) -> tuple[str, int]:
+    """Return a number in six digits, and 1 or -1 if it lies just above or below what is written.
+
+    Args:
+        number: what to write.
+        negligible: how far from zero a number still counts as zero.
+    """
+    text = "0" if abs(number) < negligible else f"{number:.6g}"
+    written = float(text)
+    if written == number or abs(number - written) > max(1e-12 * abs(number), negligible):
+        return text, 0
+    return text, 1 if number > written else -1
 
 
 def _category(node: CategoryNode, branch: int | None, scale: Scale, name: str) -> str:
@@ -114,10 +140,17 @@ def _arcs(intervals: list[Interval], period: float) -> str:
     if len(intervals) > 1 and intervals[0][0] == 0.0 and intervals[-1][1] == period:
         intervals = [*intervals[1:-1], (intervals[-1][0], intervals[0][1])]
 
-    def shown(place: float) -> str:
-        return f"{place - period if place > period / 2 else place:.6g}"
+    return " or ".join(_arc(start, end, period) for start, end in intervals)
 
-    return " or ".join(f"[{shown(start)}, {shown(end)})" for start, end in intervals)
+
+def _arc(start: float, end: float, period: float) -> str:
+    (first, first_side), (last, last_side) = (
+        _short(place - period if place > period / 2 else place, 1e-12 * period)
+        for place in (start, end)
+    )
+    if first == last:
+        return f"= {first}" if (end - start) % period < period / 2 else f"!= {first}"
+    return f"in {'(' if first_side > 0 else '['}{first}, {last}{']' if last_side > 0 else ')'}"
 
 
 def _ways_on(node: ThresholdNode | ArcNode | CategoryNode, scale: Scale) -> list[int | None]:

@@ -1,0 +1,247 @@
+"""Any scikit-learn classifier in the place of the tree."""
+
+import math
+import subprocess
+import sys
+from collections import Counter
+
+import numpy as np
+import pytest
+from hitab_core.classifier_spec import ClassifierSpec
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
+from hitab_core.feature_encoding import FeatureEncoding
+from hitab_core.learning import learn_transition
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+METERS = Scale()
+DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
+BOOLEAN = Scale(FeatureKind.BOOLEAN)
+COLOR = Scale(FeatureKind.CATEGORICAL, 0.0, ("red", "green", "blue"))
+NEAREST = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
+STATES = {"Start": 0, "Stop": 1, "GoFast": 2}
+TWO = ([[1.0], [2.0]], ["Stop", "GoFast"])
+
+
+def no_reading(slot):
+    """Fail: all values are there."""
+    raise AssertionError(f"slot {slot} was read again")
+
+
+# The text
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "arguments"),
+    [
+        ("tree", "tree", {}),
+        (" tree(prune=True, confidence=0.1) ", "tree", {"prune": True, "confidence": 0.1}),
+        (NEAREST, "sklearn.neighbors.KNeighborsClassifier", {"n_neighbors": 1}),
+        ("a.B(c=[1, -2], d={'x': None})", "a.B", {"c": [1, -2], "d": {"x": None}}),
+    ],
+)
+def test_a_classifier_is_named_with_keywords_that_are_literals(text, name, arguments):
+    spec = ClassifierSpec.parse(text)
+    assert (spec.name, spec.arguments) == (name, arguments)
+    assert ClassifierSpec.parse(str(spec)) == spec
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "tree(",
+        "tree(3)",
+        "tree(*[3])",
+        "tree(**{'prune': True})",
+        "tree()()",
+        "tree; import os",
+        "tree(prune=print('run'))",
+        "__import__('os').system('true')",
+        "sklearn.svm.SVC(C=(lambda: 1)())",
+        "(tree)[0]",
+        "tree(confidence=x)",
+        "tree\0",
+        "tree(" + "(" * 3000,
+    ],
+)
+def test_any_other_text_is_refused_and_never_run(text, capsys):
+    with pytest.raises(VocabularyError, match='write "tree" or'):
+        ClassifierSpec.parse(text)
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "sklearn.neighbors.KNeighborsRegressor",
+        "sklearn.utils.all_estimators",
+        "sklearn.neighbors._classification.KNeighborsClassifier",
+        "KNeighborsClassifier",
+        "os.system",
+        "subprocess.Popen",
+        "hitab_core.transition_tree.TransitionTree",
+    ],
+)
+def test_only_what_scikit_learn_lists_as_a_classifier_is_made(name):
+    with pytest.raises(VocabularyError, match=rf'"{name}" is not a classifier.*has: .*tree'):
+        learn_transition(name, [METERS], *TWO)
+
+
+def test_unknown_keywords_and_missing_arguments_are_refused_by_name():
+    with pytest.raises(VocabularyError, match=r'no parameter "neighbors" \(has: .*n_neighbors'):
+        learn_transition(NEAREST.replace("n_n", "n"), [METERS], *TWO)
+    with pytest.raises(VocabularyError, match=r"cannot be made: .*estimator"):
+        learn_transition("sklearn.multiclass.OneVsRestClassifier", [METERS], *TWO)
+
+
+def test_naming_and_parsing_a_classifier_imports_no_scikit_learn():
+    script = """
+import sys
+import hitab_core.classifier_replacement
+from hitab_core.learning import learner
+from hitab_core.classifier_spec import ClassifierSpec
+ClassifierSpec.parse("sklearn.svm.SVC(C=10)")
+print([m for m in sys.modules if m.split(".")[0] in ("sklearn", "scipy")])
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout.strip() == "[]", done.stderr
+
+
+# How it sees features
+
+
+def test_a_toroidal_feature_has_no_zero_for_it():
+    function = learn_transition(NEAREST, [DEGREES], [[350], [180]], ["GoFast", "Stop"])
+    decide = function.compile([0], STATES)
+    assert [decide([float(a)], no_reading, None) for a in (5, 365, -80, 100, 260)] == [
+        2, 2, 2, 1, 1,
+    ]
+
+
+def test_a_category_is_as_far_from_any_other_as_from_the_next():
+    encoding = FeatureEncoding.of(np.array([[0.0], [2.0]]), [COLOR])
+    assert encoding(np.array([[0.0], [1.0], [2.0]])).tolist() == np.eye(3).tolist()
+
+
+def test_categories_that_the_scale_does_not_name_are_those_seen():
+    unnamed = Scale(FeatureKind.CATEGORICAL)
+    encoding = FeatureEncoding.of(np.array([[0.0], [1.0]]), [unnamed])
+    assert encoding(np.array([[1.0], [7.0]])).tolist() == [[0, 1], [0, 0]]
+
+
+def test_a_feature_in_large_units_does_not_outweigh_one_in_small_units():
+    X = [[1000, 0.001], [2000, 0.001], [1000, 0.003], [2000, 0.003]]
+    encoded = FeatureEncoding.of(np.array(X), [METERS, METERS])(np.array(X))
+    assert np.abs(encoded) == pytest.approx(1)
+
+
+def test_constant_and_boolean_features_stay_finite_and_as_they_are():
+    X = np.array([[5.0, 1.0], [5.0, 0.0]])
+    assert FeatureEncoding.of(X, [METERS, BOOLEAN])(X).tolist() == [[0, 1], [0, 0]]
+
+
+# What it decides
+
+
+def test_it_reads_all_features_from_their_slots_each_once():
+    X, y = [[1.0, 0.0], [2.0, 1.0]], ["Stop", "GoFast"]
+    function = learn_transition(NEAREST, [METERS, BOOLEAN], X, y)
+    assert function.features_used == (0, 1)
+    values, read = [None, 1.0, None], []
+
+    def reading(slot):
+        read.append(slot)
+        return 2.0
+
+    assert function.compile([2, 1], STATES)(values, reading, None) == 2
+    assert read == [2]
+
+
+@settings(deadline=None)
+@given(st.integers(1, 9), st.integers(1, 9))
+def test_it_draws_from_the_probabilities_that_it_predicts(stop, go):
+    y = ["Stop"] * stop + ["GoFast"] * go
+    function = learn_transition("sklearn.dummy.DummyClassifier", [METERS], [[1]] * len(y), y)
+    decide = function.compile([0], {"GoFast": 1, "Stop": 4})
+    n = stop + go
+    drawn = Counter(decide([1.0], no_reading, lambda i=i: (i + 0.5) / n) for i in range(n))
+    assert drawn == {1: go, 4: stop}
+    assert decide([1.0], no_reading, lambda: 0.0) == 1
+    assert decide([1.0], no_reading, lambda: math.nextafter(1, 0)) == 4
+    likely = function.compile([0], {"GoFast": 1, "Stop": 4}, most_probable=True)
+    assert likely([1.0], no_reading, None) == (1 if go >= stop else 4)
+    odds = function.explain([1.0], ["x"]).distribution
+    assert odds == pytest.approx({"GoFast": go / n, "Stop": stop / n})
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        "sklearn.linear_model.RidgeClassifier",
+        "sklearn.linear_model.Perceptron()",
+        "sklearn.svm.SVC(kernel='linear')",
+        "sklearn.naive_bayes.GaussianNB",
+        "sklearn.ensemble.RandomForestClassifier(n_estimators=5)",
+        "sklearn.tree.DecisionTreeClassifier",
+    ],
+)
+def test_classifiers_with_and_without_probabilities_take_the_place_of_the_tree(spec):
+    X = [[x, (x * 40) % 360] for x in range(10)]
+    y = ["Stop" if x < 5 else "GoFast" for x in range(10)]
+    function = learn_transition(spec, [METERS, DEGREES], X, y)
+    decide = function.compile([0, 1], STATES, most_probable=True)
+    assert [decide([0.0, 0.0], no_reading, None), decide([9.0, 0.0], no_reading, None)] == [1, 2]
+    explained = function.explain([0.0, 0.0], ["d", "a"])
+    assert explained.tests == (spec.removesuffix("()"),)
+    assert sum(explained.distribution.values()) == pytest.approx(1)
+    again = learn_transition(spec, [METERS, DEGREES], X, y)
+    assert np.array_equal(again.predict_proba(X), function.predict_proba(X))
+    assert again.digest() == function.digest()
+
+
+def test_what_is_learned_from_has_a_digest():
+    digests = {
+        learn_transition(spec, scales, X, y).digest()
+        for spec, scales, X, y in (
+            (NEAREST, [METERS], [[1], [2]], ["A", "B"]),
+            (NEAREST, [METERS], [[1], [3]], ["A", "B"]),
+            (NEAREST, [METERS], [[1], [2]], ["A", "C"]),
+            (NEAREST, [DEGREES], [[1], [2]], ["A", "B"]),
+            ("sklearn.naive_bayes.GaussianNB", [METERS], [[1], [2]], ["A", "B"]),
+        )
+    }
+    assert len(digests) == 5
+
+
+def test_where_all_examples_lead_to_one_state_it_is_taken_without_looking():
+    for spec in (NEAREST, "sklearn.svm.SVC", "tree"):
+        function = learn_transition(spec, [METERS], [[1], [2]], ["Stop", "Stop"])
+        assert function.features_used == ()
+        assert function.compile([0], STATES)([None], no_reading, None) == 1
+        assert function.explain([1.0], ["x"]).distribution == {"Stop": 1}
+
+
+def test_without_features_only_frequencies_count():
+    function = learn_transition(
+        "sklearn.tree.DecisionTreeClassifier", [], np.empty((3, 0)), ["Stop", "Stop", "GoFast"]
+    )
+    assert function.compile([], STATES, most_probable=True)([], no_reading, None) == 1
+
+
+def test_examples_that_the_classifier_cannot_learn_from_are_the_demonstrators_to_mend():
+    too_few = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=5)"
+    for spec in (too_few, "sklearn.svm.SVC(C='many')"):
+        with pytest.raises(TrainingError, match=r"these 2 examples: .*use the tree"):
+            learn_transition(spec, [METERS], *TWO)
+
+
+def test_missing_values_and_unknown_states_are_refused_by_name():
+    with pytest.raises(FeatureValueError, match='feature 0 "DistanceTo"'):
+        learn_transition(NEAREST, [METERS], [[math.nan], [2]], ["A", "B"], names=["DistanceTo"])
+    function = learn_transition(NEAREST, [METERS], *TWO)
+    with pytest.raises(FeatureValueError, match="feature 0"):
+        function.compile([0], STATES)([math.nan], no_reading, None)
+    with pytest.raises(VocabularyError, match=r'"GoFast".*\(has: Stop\)'):
+        function.compile([0], {"Stop": 1})

@@ -1,0 +1,127 @@
+"""From examples to one transition function per state."""
+
+import math
+
+import pytest
+from hitab_core.automaton import START, Automaton
+from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
+from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
+from hitab_core.example import Example, ExampleKind
+from hitab_core.learning import learn_transition, learn_transitions
+from hitab_core.transition_tree import TransitionTree
+from hitab_core.use import Use
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+METERS = Scale()
+DEFAULT = ExampleKind.DEFAULT
+
+EXAMPLES = [
+    Example(START, (9.0, 0.0), "GoFast", number=1),
+    Example("GoFast", (9.0, 0.0), "GoFast", DEFAULT, number=2),
+    Example("GoFast", (4.0, 0.0), "GoSlow", number=3),
+    Example("GoSlow", (4.0, 0.0), "GoSlow", DEFAULT, number=4),
+    Example("GoSlow", (1.0, 1.0), "Stop", number=5),
+    Example("Stop", (1.0, 1.0), "Stop", DEFAULT, number=6),
+]
+SCALES = [METERS, BOOLEAN_SCALE]
+
+
+def decisions(function, rows):
+    """Return the most probable next state of each row."""
+    return [max((e := function.explain(r, "ab").distribution), key=e.get) for r in rows]
+
+
+def test_each_state_with_examples_has_a_function_in_order_of_appearance():
+    functions = learn_transitions(EXAMPLES, SCALES)
+    assert list(functions) == [START, "GoFast", "GoSlow", "Stop"]
+    Automaton("ApproachBall", tuple(map(Use, ("GoFast", "GoSlow", "Stop"))),
+              (Use("DistanceTo", ("ball",)), Use("BallIsKickable")), functions)
+
+
+label = st.sampled_from(["GoFast", "GoSlow", "Stop"])
+taught = st.lists(
+    st.builds(
+        Example,
+        st.sampled_from([START, "GoFast", "Stop"]),
+        st.tuples(st.integers(0, 5).map(float), st.sampled_from([0.0, 1.0])),
+        label,
+        st.sampled_from([ExampleKind.DEMONSTRATED, DEFAULT]),
+    ),
+    max_size=20,
+)
+
+
+@settings(deadline=None)
+@given(taught)
+def test_a_function_is_learned_from_the_examples_of_its_state_alone(examples):
+    together = learn_transitions(examples, SCALES)
+    assert set(together) == {e.state for e in examples}
+    for state, function in together.items():
+        alone = learn_transitions([e for e in examples if e.state == state], SCALES)
+        assert alone[state].digest() == function.digest()
+
+
+def test_default_examples_leave_the_rest_of_the_world_to_keeping_on():
+    functions = learn_transitions(EXAMPLES[:4], SCALES)
+    assert functions["GoFast"].root_.threshold == math.nextafter(4, 9)
+    assert decisions(functions["GoFast"], [(4.0, 0.0), (4.0001, 0.0), (100.0, 0.0)]) == [
+        "GoSlow", "GoFast", "GoFast",
+    ]
+
+
+def test_no_examples_no_functions():
+    assert learn_transitions([], SCALES) == {}
+
+
+def test_the_trees_parameters_can_be_given_in_words():
+    pruned = learn_transition("tree(prune=True, min_samples_leaf=2)", [METERS],
+                              [[1], [2], [3], [4]], ["A", "A", "B", "B"])
+    assert isinstance(pruned, TransitionTree)
+    assert (pruned.prune, pruned.min_samples_leaf) == (True, 2)
+
+
+@pytest.mark.parametrize(
+    ("spec", "error", "why"),
+    [
+        ("tree(depth=3)", VocabularyError, r'no parameter "depth" \(has: confidence, max_depth'),
+        ("tree(scales=None)", VocabularyError, 'no parameter "scales"'),
+        ("forest", VocabularyError, '"forest" is not a classifier'),
+        ("tree(max_depth=-1)", TrainingError, 'state "Start": "tree.*" cannot learn'),
+        ("tree(max_depth='deep')", TrainingError, "cannot learn"),
+    ],
+)
+def test_a_classifier_that_does_not_exist_is_refused_with_what_there_is(spec, error, why):
+    with pytest.raises(error, match=why):
+        learn_transitions(EXAMPLES, SCALES, spec)
+
+
+def test_every_state_can_be_learned_by_another_classifier():
+    nearest = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
+    functions = learn_transitions(EXAMPLES, SCALES, nearest)
+    assert decisions(functions["GoFast"], [(4.0, 0.0), (9.0, 0.0)]) == ["GoSlow", "GoFast"]
+    assert functions[START].features_used == ()
+    with pytest.raises(TrainingError, match=r'state "GoFast": .*KNeighbors.* cannot learn'):
+        learn_transitions(EXAMPLES, SCALES, nearest.replace("1", "5"))
+
+
+@pytest.mark.parametrize("classifier", ["tree", "sklearn.naive_bayes.GaussianNB"])
+def test_a_missing_value_is_refused_by_feature_example_and_state(classifier):
+    broken = [*EXAMPLES, Example("GoFast", (math.nan, 0.0), "Stop", number=7)]
+    with pytest.raises(
+        FeatureValueError,
+        match=r'feature 0 "DistanceTo\(ball\)" has value nan in example 7 of state "GoFast"',
+    ):
+        learn_transitions(broken, SCALES, classifier, ["DistanceTo(ball)", "BallIsKickable"])
+
+
+def test_an_example_of_other_features_is_refused_by_number():
+    with pytest.raises(TrainingError, match='example 8 of state "Stop" has 1 values for 2'):
+        learn_transitions([Example("Stop", (1.0,), "Stop", number=8)], SCALES)
+
+
+def test_a_circle_without_a_length_is_refused():
+    with pytest.raises(VocabularyError, match="period"):
+        learn_transitions(
+            [Example(START, (1.0,), "Stop")], [Scale(FeatureKind.TOROIDAL)], names=["a"]
+        )

@@ -1,0 +1,308 @@
+"""Where boundaries are placed, and which split is taken."""
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hitab_core.boundaries import end_between, on_circle, threshold_between
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.gain_ratio import gain_and_ratio
+from hitab_core.splits import (
+    Arc,
+    Categories,
+    Examples,
+    Split,
+    Threshold,
+    choose_split,
+    split_boolean,
+    split_by,
+    split_categorical,
+    split_continuous,
+    split_toroidal,
+)
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+CONTINUOUS = Scale()
+BOOLEAN = Scale(FeatureKind.BOOLEAN)
+DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+flags = st.booleans()
+places = st.floats(0, 360, exclude_max=True)
+rows = st.lists(st.tuples(st.integers(0, 12), st.integers(0, 2), flags), min_size=1, max_size=14)
+
+
+def examples(values, classes, default=None):
+    """Return examples of up to three classes as one feature shows them."""
+    return Examples(
+        np.array(values, float),
+        np.array(classes),
+        np.zeros(len(values), bool) if default is None else np.array(default),
+        3,
+    )
+
+
+def upwards(start, place, period=360.0):
+    """Return how far ``place`` is from ``start`` counting upwards."""
+    return (place - start) % period
+
+
+def counts_of(given, first):
+    """Return class counts inside and outside a set of examples."""
+    return np.array([np.bincount(given.classes[s], minlength=3) for s in (first, ~first)])
+
+
+# Where a boundary lies
+
+
+def test_a_threshold_between_two_ordinary_examples_is_half_way():
+    assert threshold_between(2, 5) == 3.5
+    assert threshold_between(2, 5, below_is_default=True, above_is_default=True) == 3.5
+
+
+def test_a_threshold_above_an_example_and_below_a_default_one_is_just_above_the_example():
+    assert threshold_between(2, 5, above_is_default=True) == math.nextafter(2, 5)
+
+
+def test_a_threshold_below_an_example_and_above_a_default_one_is_just_below_the_example():
+    assert threshold_between(2, 5, below_is_default=True) == math.nextafter(5, 2)
+
+
+@settings(deadline=None)
+@given(finite, finite, flags, flags)
+def test_a_threshold_tells_its_neighbours_apart_however_near_or_far_they_are(
+    a, b, below_is_default, above_is_default
+):
+    assume(a != b)
+    below, above = sorted((a, b))
+    threshold = threshold_between(
+        below, above, below_is_default=below_is_default, above_is_default=above_is_default
+    )
+    assert below <= threshold < above
+
+
+@pytest.mark.parametrize("below", [1.0, 0.0, -5e-324, -1.0, 1e308])
+@pytest.mark.parametrize("below_is_default", [False, True])
+@pytest.mark.parametrize("above_is_default", [False, True])
+def test_a_threshold_tells_adjacent_numbers_apart(below, below_is_default, above_is_default):
+    above = math.nextafter(below, math.inf)
+    threshold = threshold_between(
+        below, above, below_is_default=below_is_default, above_is_default=above_is_default
+    )
+    assert below <= threshold < above
+
+
+def test_a_threshold_half_way_between_the_ends_of_the_number_line_does_not_overflow():
+    assert threshold_between(-1.7e308, 1.7e308) == 0
+    assert threshold_between(1.5e308, 1.7e308) == pytest.approx(1.6e308)
+
+
+def test_a_threshold_is_never_the_negative_zero():
+    assert math.copysign(1, threshold_between(-5e-324, 5.0, above_is_default=True)) == 1
+
+
+def test_an_end_of_an_arc_between_two_ordinary_examples_is_half_way_also_through_zero():
+    assert end_between(10, 50, 360) == 30
+    assert end_between(350, 20, 360) == 5
+    assert end_between(340, 10, 360) == 355
+
+
+def test_an_end_of_an_arc_is_just_beside_the_example_that_is_not_default():
+    assert end_between(10, 50, 360, after_is_default=True) == math.nextafter(10, 50)
+    assert end_between(10, 50, 360, before_is_default=True) == math.nextafter(50, 10)
+    assert end_between(350, 0, 360, before_is_default=True) == math.nextafter(360, 0)
+    assert end_between(math.nextafter(360, 0), 20, 360, after_is_default=True) == 0
+
+
+@settings(deadline=None)
+@given(places, places, flags, flags)
+def test_an_end_of_an_arc_is_behind_one_neighbour_and_not_behind_the_next(
+    before, after, before_is_default, after_is_default
+):
+    assume(before != after)
+    end = end_between(
+        before,
+        after,
+        360.0,
+        before_is_default=before_is_default,
+        after_is_default=after_is_default,
+    )
+    assert 0 <= end < 360
+    assert before < end <= after if before < after else before < end or end <= after
+
+
+def test_a_tiny_negative_angle_is_at_zero_not_at_the_period():
+    assert on_circle(-1e-20, 360) == 0
+    assert on_circle(-90, 360) == 270
+    assert on_circle(720, 360) == 0
+
+
+# Which values count as default
+
+
+@pytest.mark.parametrize(
+    ("default", "threshold"),
+    [
+        ([True, True, False, False], math.nextafter(5, 2)),  # all at 2, none at 5
+        ([True, False, False, False], 3.5),  # not all at 2
+        ([True, True, True, False], math.nextafter(5, 2)),  # all at 2, not all at 5
+        ([True, True, True, True], 3.5),  # all
+        ([True, False, True, True], math.nextafter(2, 5)),  # not all at 2, all at 5
+    ],
+)
+def test_a_value_is_default_if_all_examples_there_are(default, threshold):
+    split = split_continuous(examples([2, 2, 5, 5], [0, 0, 1, 1], default))
+    assert split.test == Threshold(threshold)
+
+
+def test_only_the_nearest_values_say_whether_a_boundary_is_beside_an_example():
+    split = split_continuous(examples([1, 2, 5, 6], [0, 0, 1, 1], [True, False, False, True]))
+    assert split.test == Threshold(3.5)
+
+
+def test_the_two_ends_of_an_arc_are_placed_each_by_its_own_neighbours():
+    split = split_toroidal(
+        examples([180, 350, 0, 90], [0, 1, 1, 0], [False, False, False, True]), 360
+    )
+    assert split.test == Arc(265, math.nextafter(0, 1), 360)
+    assert [part.tolist() for part in split.parts] == [[1, 2], [0, 3]]
+
+
+# Which split is the best of a feature
+
+
+@settings(deadline=None)
+@given(rows, st.integers(1, 3))
+def test_a_threshold_has_the_largest_gain_of_all_thresholds(drawn, min_branch):
+    given_examples = examples(*zip(*drawn, strict=True))
+    split = split_continuous(given_examples, min_branch)
+    gains = [
+        gain_and_ratio(counts_of(given_examples, given_examples.values <= value))[0]
+        for value in set(given_examples.values)
+        if min(
+            (given_examples.values <= value).sum(), (given_examples.values > value).sum()
+        ) >= min_branch
+    ]
+    assert (split is None) == (not gains)
+    if split is not None:
+        assert split.gain == pytest.approx(max(gains), abs=1e-9)
+        below = given_examples.values <= split.test.threshold
+        assert np.flatnonzero(below).tolist() == split.parts[0].tolist()
+        assert np.flatnonzero(~below).tolist() == split.parts[1].tolist()
+
+
+@settings(deadline=None)
+@given(rows, st.integers(1, 3))
+def test_an_arc_has_the_largest_gain_of_all_arcs(drawn, min_branch):
+    given_examples = examples(*zip(*drawn, strict=True))
+    values = given_examples.values
+    split = split_toroidal(given_examples, 13.0, min_branch)
+    gains = []
+    for start, end in combinations(sorted(set(values)), 2):
+        inside = (values >= start) & (values < end)
+        if min(inside.sum(), (~inside).sum()) >= min_branch:
+            gains.append(gain_and_ratio(counts_of(given_examples, inside))[0])
+    if len(set(given_examples.classes)) > 1:
+        assert (split is None) == (not gains)
+    if split is not None:
+        assert split.gain == pytest.approx(max(gains), abs=1e-9)
+        arc = split.test
+        width = upwards(arc.start, arc.end, 13.0)
+        inside = np.array([upwards(arc.start, v, 13.0) < width for v in values])
+        # At the ends themselves the difference may round, which the parts do not.
+        clear = np.array([
+            min(abs(v - e) % 13.0 for e in (arc.start, arc.end)) > 1e-9 for v in values
+        ])
+        in_part = np.isin(np.arange(len(values)), split.parts[0])
+        assert (inside == in_part)[clear].all()
+
+
+def test_of_equal_thresholds_the_one_with_the_larger_smaller_side_is_taken():
+    # Cutting off 1 or cutting off 5 and 6 gains the same.
+    split = split_continuous(examples([1, 2, 3, 4, 5, 6], [0, 1, 1, 1, 0, 0]))
+    assert split.test == Threshold(4.5)
+
+
+def test_of_thresholds_equal_in_all_else_the_lower_one_is_taken():
+    assert split_continuous(examples([1, 2, 3], [0, 1, 0])).test == Threshold(1.5)
+
+
+def test_of_equal_arcs_the_one_first_met_upwards_from_the_first_example_is_taken():
+    alternating = [0, 1, 0, 1]
+    at_zero = split_toroidal(examples([0, 90, 180, 270], alternating), 360)
+    turned = split_toroidal(examples([180, 270, 0, 90], alternating), 360)
+    assert at_zero.test == Arc(45, 135, 360)
+    assert turned.test == Arc(225, 315, 360)
+
+
+def test_a_split_with_fewer_examples_on_a_side_than_asked_for_is_not_considered():
+    one_apart = examples([1, 2, 3, 4], [0, 1, 1, 1])
+    assert split_continuous(one_apart, 1).test == Threshold(1.5)
+    assert split_continuous(one_apart, 2).test == Threshold(2.5)
+    assert split_continuous(one_apart, 3) is None
+    assert split_toroidal(one_apart, 360, 3) is None
+
+
+@pytest.mark.parametrize("kind", list(FeatureKind))
+def test_there_is_no_split_where_all_values_are_the_same(kind):
+    assert split_by(examples([1, 1, 1], [0, 1, 2]), Scale(kind, 360.0)) is None
+
+
+def test_a_boolean_feature_splits_into_false_and_true():
+    split = split_boolean(examples([1, 0, 1, 0], [0, 1, 0, 1]))
+    assert split.test == Threshold(0.5)
+    assert [part.tolist() for part in split.parts] == [[1, 3], [0, 2]]
+    assert (split.gain, split.ratio) == (1, 1)
+
+
+def test_a_categorical_feature_splits_into_all_categories_seen():
+    split = split_categorical(examples([4, 0, 2, 0], [0, 1, 2, 1]))
+    assert split.test == Categories((0, 2, 4))
+    assert [part.tolist() for part in split.parts] == [[1, 3], [2], [0]]
+    assert split.gain == pytest.approx(1.5)
+    assert split.ratio == pytest.approx(1)
+
+
+def test_a_categorical_feature_needs_two_branches_with_the_fewest_examples_asked_for():
+    assert split_categorical(examples([0, 0, 1, 1, 2], [0, 0, 1, 1, 2]), 2) is not None
+    assert split_categorical(examples([0, 0, 0, 1, 2], [0, 0, 1, 1, 2]), 2) is None
+
+
+def test_gain_and_gain_ratio_are_those_of_quinlans_weather_example():
+    # C4.5, section 2.1: outlook splits 14 days into 2/3, 4/0 and 3/2 (play / don't).
+    gain, ratio = gain_and_ratio(np.array([[2, 3], [4, 0], [3, 2]]))
+    assert gain == pytest.approx(0.246, abs=1e-3)
+    assert ratio == pytest.approx(0.156, abs=1e-3)
+
+
+# Which feature is taken
+
+
+def made(gain, ratio):
+    """Return a split with this gain and ratio."""
+    return Split(Threshold(0.0), gain, ratio, ())
+
+
+def test_the_feature_with_the_largest_gain_ratio_is_taken():
+    assert choose_split([made(0.5, 0.6), None, made(0.5, 0.7)], [CONTINUOUS] * 3)[0] == 2
+
+
+def test_a_feature_that_gains_less_than_the_average_is_not_taken_whatever_its_ratio():
+    assert choose_split([made(0.2, 0.9), made(0.8, 0.5)], [CONTINUOUS] * 2)[0] == 1
+
+
+def test_of_equal_features_a_boolean_one_is_taken_then_the_first():
+    equal = [made(1, 1)] * 4
+    assert choose_split(equal, [CONTINUOUS, DEGREES, BOOLEAN, BOOLEAN])[0] == 2
+    assert choose_split(equal, [DEGREES, CONTINUOUS, CONTINUOUS, CONTINUOUS])[0] == 0
+
+
+def test_differences_that_come_from_rounding_decide_nothing():
+    close = [made(1 - 1e-14, 1 - 1e-14), made(1, 1)]
+    assert choose_split(close, [CONTINUOUS] * 2)[0] == 0
+
+
+def test_there_is_no_choice_where_no_feature_splits():
+    assert choose_split([None, None], [CONTINUOUS] * 2) is None

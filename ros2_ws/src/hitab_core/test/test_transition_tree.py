@@ -1,0 +1,684 @@
+"""What a transition tree learns from examples, and how it decides."""
+
+import math
+import subprocess
+import sys
+from collections import Counter
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.errors import FeatureValueError, VocabularyError
+from hitab_core.transition_tree import TransitionTree
+from hitab_core.tree_nodes import CategoryNode, Leaf, ThresholdNode, nodes
+from hitab_core.tree_pruning import pessimistic_errors
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sklearn.base import clone
+from sklearn.tree import DecisionTreeClassifier
+
+CONTINUOUS = Scale()
+BOOLEAN = Scale(FeatureKind.BOOLEAN)
+DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
+COLOR = Scale(FeatureKind.CATEGORICAL, 0.0, ("red", "green", "blue", "white"))
+MIXED = [CONTINUOUS, DEGREES, BOOLEAN, COLOR]
+NAMES = ["DistanceTo(ball)", "DirectionTo(ball)", "BallIsKickable", "Color"]
+LABELS = ["GoFast", "GoSlow", "Stop"]
+
+value_rows = st.tuples(
+    st.integers(-3, 3).map(float),
+    st.sampled_from([-170.0, -90.0, -1e-20, 0.0, 10.5, 90.0, 180.0, 350.0, 370.0]),
+    st.sampled_from([0.0, 1.0]),
+    st.sampled_from([0.0, 1.0, 2.0]),
+)
+queries = st.tuples(
+    st.floats(-4, 4),
+    st.floats(-400, 400),
+    st.sampled_from([0.0, 1.0]),
+    st.sampled_from([0.0, 1.0, 2.0, 3.0]),
+)
+taught = st.lists(
+    st.tuples(value_rows, st.sampled_from(LABELS), st.booleans()), min_size=1, max_size=25
+)
+draw = st.floats(0, 1, exclude_max=True)
+
+
+def learned(examples, scales=MIXED, **parameters):
+    """Return a tree learned from (values, label, is default) triples."""
+    X, y, default = zip(*examples, strict=True)
+    return TransitionTree(scales, **parameters).fit(X, y, default)
+
+
+def by_index(tree, states=("Stop", "GoSlow", "GoFast")):
+    """Return the compiled decision and what its indices mean."""
+    return tree.compile(range(tree.n_features_in_), {s: i for i, s in enumerate(states)}), states
+
+
+def no_reading(slot):
+    """Fail: all values are there."""
+    raise AssertionError(f"slot {slot} was read again")
+
+
+def way_through(tree, values):
+    """Return which branches lead to the leaf that values come to."""
+    node, way = tree.root_, []
+    while not isinstance(node, Leaf):
+        way.append(node.branch_for(values[node.feature]))
+        node = node.branches[way[-1]]
+    return tuple(way)
+
+
+# What is learned
+
+
+@settings(deadline=None)
+@given(taught)
+def test_every_example_that_no_other_contradicts_is_reproduced(examples):
+    tree = learned(examples)
+    folded = [(v[0], max(v[1] % 360, 0.0) % 360, *v[2:]) for v, _, _ in examples]
+    labels_at = {}
+    for place, (_, label, _) in zip(folded, examples, strict=True):
+        labels_at.setdefault(place, set()).add(label)
+    predicted = tree.predict_proba([v for v, _, _ in examples])
+    for place, (_, label, _), odds in zip(folded, examples, predicted, strict=True):
+        if len(labels_at[place]) == 1:
+            assert odds[tree.labels.index(label)] == 1
+
+
+@pytest.mark.parametrize("scale", [CONTINUOUS, BOOLEAN, DEGREES, COLOR])
+def test_two_features_that_matter_only_together_are_both_tested(scale):
+    X = [[0, 0], [0, 1], [1, 0], [1, 1]]
+    tree = TransitionTree([scale, scale]).fit(X, ["Stop", "GoFast", "GoFast", "Stop"])
+    assert tree.predict(X).tolist() == ["Stop", "GoFast", "GoFast", "Stop"]
+
+
+def test_features_that_can_never_tell_contradicting_examples_apart_are_not_tested():
+    X = [[x, k] for x in (1, 2, 3) for k in (0, 1)] * 2
+    y = ["Stop"] * 6 + ["GoFast"] * 6
+    tree = TransitionTree([CONTINUOUS, BOOLEAN]).fit(X, y)
+    assert tree.root_ == Leaf((6, 6))
+    assert tree.features_used == ()
+
+
+@settings(deadline=None)
+@given(taught, st.integers(1, 4))
+def test_the_distribution_at_a_leaf_is_that_of_the_examples_that_came_to_it(examples, fewest):
+    tree = learned(examples, min_samples_leaf=fewest)
+    came = {}
+    for values, label, _ in examples:
+        came.setdefault(way_through(tree, values), []).append((values, label))
+    for together in came.values():
+        counts = Counter(label for _, label in together)
+        odds = tree.predict_proba([values for values, _ in together])
+        assert odds.tolist() == [[counts[s] / len(together) for s in tree.labels]] * len(together)
+    leaves = Counter(n.counts for n in nodes(tree.root_) if isinstance(n, Leaf))
+    assert leaves == Counter(
+        tuple(Counter(label for _, label in together)[s] for s in tree.labels)
+        for together in came.values()
+    )
+
+
+def test_a_threshold_lies_half_way_between_two_examples():
+    tree = TransitionTree().fit([[2.0], [5.0]], ["Stop", "GoFast"])
+    assert tree.root_ == ThresholdNode(0, 3.5, (1, 1), Leaf((0, 1)), Leaf((1, 0)))
+
+
+def test_a_threshold_lies_beside_the_example_that_is_not_a_default_one():
+    X, y = [[2.0], [5.0]], ["Stop", "GoFast"]
+    above = TransitionTree().fit(X, y, default=[False, True])
+    below = TransitionTree().fit(X, y, default=[True, False])
+    assert above.root_.threshold == math.nextafter(2, 5)
+    assert below.root_.threshold == math.nextafter(5, 2)
+    assert above.predict([[2.0], [2.001]]).tolist() == ["Stop", "GoFast"]
+    assert below.predict([[4.999], [5.0]]).tolist() == ["Stop", "GoFast"]
+
+
+def test_both_ends_of_an_arc_lie_beside_examples_among_default_ones():
+    tree = TransitionTree([DEGREES]).fit(
+        [[-90], [-10], [10], [90]],
+        ["Turn", "Go", "Go", "Turn"],
+        default=[True, False, False, True],
+    )
+    turned_away = [[-10.001], [10.001], [180]]
+    assert tree.predict([[-10], [0], [10], [355]]).tolist() == ["Go"] * 4
+    assert tree.predict(turned_away).tolist() == ["Turn"] * 3
+    assert tree.root_.branch_for(-10) != tree.root_.branch_for(-10.001)
+
+
+def test_a_category_that_was_not_seen_gets_the_distribution_of_its_node():
+    tree = TransitionTree([COLOR]).fit([[0], [0], [2]], ["Stop", "Stop", "GoFast"])
+    assert isinstance(tree.root_, CategoryNode)
+    assert tree.predict_proba([[0], [2], [1], [3]]).tolist() == [
+        [0, 1], [1, 0], [1 / 3, 2 / 3], [1 / 3, 2 / 3],
+    ]
+
+
+def test_depth_and_branch_size_are_limited_where_asked():
+    X, y = [[i] for i in range(8)], list("ABABBBBB")
+    assert TransitionTree(max_depth=0).fit(X, y).root_ == Leaf((2, 6))
+    shallow = TransitionTree(max_depth=1).fit(X, y).root_
+    assert all(isinstance(branch, Leaf) for branch in shallow.branches)
+    leaves = nodes(TransitionTree(min_samples_leaf=3).fit(X, y).root_)
+    assert min(sum(n.counts) for n in leaves) == 3
+
+
+def test_a_tree_without_features_knows_only_how_often():
+    tree = TransitionTree([]).fit(np.empty((3, 0)), ["Stop", "Stop", "GoFast"])
+    assert tree.predict_proba(np.empty((1, 0))).tolist() == [[1 / 3, 2 / 3]]
+
+
+def test_a_tree_as_deep_as_it_has_examples_is_learned_read_and_run():
+    X, y = np.arange(1500.0)[:, None], ["GoFast", "Stop"] * 750
+    tree = TransitionTree().fit(X, y)
+    assert tree.predict(X).tolist() == y
+    assert len(tree.rules(["x"])) == 1500
+    assert len(tree.digest()) == 64
+    assert tree.to_dict()["root"]["counts"] == [750, 750]
+
+
+# Zero may be put anywhere
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 35), st.integers(0, 2), st.sampled_from(LABELS), st.booleans()),
+        min_size=1,
+        max_size=25,
+    ),
+    st.floats(-800, 800),
+    st.integers(1, 3),
+    st.booleans(),
+)
+def test_a_toroidal_feature_gives_the_same_leaf_wherever_its_zero_is_put(
+    drawn, offset, fewest, prune
+):
+    def turned(by):
+        return learned(
+            [((a * 10 + by, b), label, default) for a, b, label, default in drawn],
+            [DEGREES, CONTINUOUS],
+            min_samples_leaf=fewest,
+            prune=prune,
+        )
+
+    here, there = turned(0.0), turned(offset)
+    assert [n.counts for n in nodes(here.root_)] == [n.counts for n in nodes(there.root_)]
+    # Ends lie at multiples of 5 or just beside, so these places are examples or not near an end.
+    shown = {a * 10 for a, _, _, _ in drawn}
+    between = {a + d for a in range(0, 360, 10) for d in (0.3, 4.7, 5.3, 9.7)}
+    asked = [[place, b] for place in shown | between for b in (0, 1, 2)]
+    assert np.array_equal(
+        here.predict_proba(asked), there.predict_proba([[p + offset, b] for p, b in asked])
+    )
+
+
+def test_an_arc_at_zero_is_the_same_as_one_elsewhere():
+    at_zero = TransitionTree([DEGREES]).fit([[355], [5], [180]], ["Go", "Go", "Turn"])
+    elsewhere = TransitionTree([DEGREES]).fit([[85], [95], [270]], ["Go", "Go", "Turn"])
+    around = np.arange(0.25, 360, 0.5)[:, None]
+    assert at_zero.predict(around).tolist() == elsewhere.predict(around + 90).tolist()
+    assert at_zero.predict([[-1e-20], [0], [360], [-0.0]]).tolist() == ["Go"] * 4
+
+
+# The same as others find
+
+
+def best_by_feature(X, y, rows):
+    """Return for each feature (gain, ratio, threshold) of its best thresholds, best first."""
+
+    def entropy(labels):
+        _, n = np.unique(labels, return_counts=True)
+        return -(n / n.sum() * np.log2(n / n.sum())).sum()
+
+    found = []
+    for f in range(X.shape[1]):
+        column, options = X[rows, f], []
+        distinct = np.unique(column)
+        for low, high in pairwise(distinct):
+            left = column <= low
+            share = left.mean()
+            gain = entropy(y[rows]) - share * entropy(y[rows][left])
+            gain -= (1 - share) * entropy(y[rows][~left])
+            options.append((gain, gain / entropy(left), (low + high) / 2))
+        found.append(sorted(options, reverse=True))
+    return found
+
+
+def one_choice(found):
+    """Return feature and threshold if gain and gain ratio choose the same, without a tie."""
+    best = [(options[0], f) for f, options in enumerate(found) if options]
+    for options in found:
+        if len(options) > 1 and options[0][0] - options[1][0] < 1e-6:
+            return None
+    gains = sorted((b[0] for b, _ in best), reverse=True)
+    if not gains or (len(gains) > 1 and gains[0] - gains[1] < 1e-6) or gains[0] < 1e-6:
+        return None
+    worthy = sorted(
+        ((b[1], f, b[2], b[0]) for b, f in best if b[0] >= sum(gains) / len(gains)), reverse=True
+    )
+    if len(worthy) > 1 and worthy[0][0] - worthy[1][0] < 1e-6:
+        return None
+    return worthy[0][1:3] if worthy[0][3] == gains[0] else None
+
+
+@pytest.mark.parametrize("n_features", [1, 2, 4])
+def test_where_gain_and_gain_ratio_choose_alike_the_tree_is_scikit_learns(n_features):
+    random = np.random.default_rng(n_features)
+    compared = 0
+    for _ in range(30):
+        X = random.permuted(np.tile(np.arange(40.0), (n_features, 1)), axis=1).T
+        y = np.where(X[:, 0] + 6 * random.normal(size=40) > 20, "Stop", "GoFast")
+        theirs = DecisionTreeClassifier(criterion="entropy", random_state=0).fit(X, y).tree_
+        waiting = [(TransitionTree().fit(X, y).root_, 0, np.arange(40))]
+        while waiting:
+            mine, index, rows = waiting.pop()
+            assert isinstance(mine, Leaf) == (theirs.feature[index] < 0)
+            assert np.allclose(np.array(mine.counts) / sum(mine.counts), theirs.value[index])
+            choice = one_choice(best_by_feature(X, y, rows))
+            if isinstance(mine, Leaf) or choice is None:
+                continue
+            assert (mine.feature, mine.threshold) == choice
+            assert (theirs.feature[index], theirs.threshold[index]) == choice
+            left = X[rows, mine.feature] <= mine.threshold
+            waiting.append((mine.low, theirs.children_left[index], rows[left]))
+            waiting.append((mine.high, theirs.children_right[index], rows[~left]))
+            compared += 1
+    assert compared > 50
+
+
+@pytest.mark.filterwarnings("ignore::sklearn.exceptions.SkipTestWarning")
+def test_the_scikit_learn_form_of_the_tree_passes_scikit_learns_checks():
+    from hitab_core.sklearn_compat import TransitionTreeClassifier
+    from sklearn.utils.estimator_checks import check_estimator
+
+    for classifier in (TransitionTreeClassifier(), TransitionTreeClassifier(prune=True)):
+        results = check_estimator(classifier)
+        assert sum(result["status"] == "passed" for result in results) > 40
+
+
+def test_the_scikit_learn_form_learns_the_same_tree():
+    from hitab_core.sklearn_compat import TransitionTreeClassifier
+
+    X, y, default = [[350], [10], [90]], ["Go", "Go", "Turn"], [False, False, True]
+    tree = TransitionTree([DEGREES]).fit(X, y, default)
+    theirs = TransitionTreeClassifier([DEGREES]).fit(X, y, default)
+    assert theirs.tree_.digest() == tree.digest()
+
+
+def test_the_tree_itself_takes_parameters_as_scikit_learns_estimators_do():
+    tree = TransitionTree(MIXED, max_depth=3)
+    assert tree.get_params()["max_depth"] == 3
+    assert clone(tree).get_params() == tree.get_params()
+    assert tree.set_params(prune=True, max_depth=None) is tree
+    assert repr(tree.set_params(scales=None)) == "TransitionTree(prune=True)"
+    with pytest.raises(ValueError, match=r'no parameter "depth".*max_depth'):
+        tree.set_params(depth=3)
+
+
+def test_learning_and_running_a_tree_imports_no_scikit_learn():
+    script = """
+import sys
+from hitab_core import classifier_replacement, learning
+from hitab_core.domain import Scale
+tree = learning.learn_transition("tree", [Scale()], [[1.0], [2.0]], ["Stop", "Go"])
+decide = tree.compile([0], {"Stop": 0, "Go": 1})
+assert decide([2.0], None, None) == 1
+tree.explain([1.0], ["x"]), tree.digest(), tree.decide_batch([[1.0]], [0.5])
+print([m for m in sys.modules if m.split(".")[0] in ("sklearn", "scipy")])
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout.strip() == "[]", done.stderr
+
+
+# Deciding
+
+
+@settings(deadline=None)
+@given(taught, queries)
+def test_the_compiled_decision_draws_from_the_distribution_that_is_predicted(examples, query):
+    tree = learned(examples, max_depth=2)
+    decide, states = by_index(tree)
+    odds = dict(zip(tree.labels, tree.predict_proba([query])[0], strict=True))
+    n = 1200
+    drawn = Counter(
+        states[decide(list(query), no_reading, lambda i=i: (i + 0.5) / n)] for i in range(n)
+    )
+    for label in tree.labels:
+        assert abs(drawn[label] / n - odds[label]) <= 1 / n
+    assert set(drawn) == {label for label, p in odds.items() if p > 0}
+
+
+@settings(deadline=None)
+@given(
+    taught,
+    st.lists(st.tuples(st.one_of(queries, value_rows), draw), min_size=1, max_size=20),
+    st.integers(0, 3),
+    st.booleans(),
+)
+def test_many_decisions_at_once_are_the_same_as_one_by_one(
+    examples, asked, max_depth, most_probable
+):
+    tree = learned(examples, max_depth=max_depth)
+    states = {"Start": 0, "Stop": 1, "GoSlow": 2, "GoFast": 3}
+    decide = tree.compile(range(4), states, most_probable=most_probable)
+    one_by_one = [decide(list(values), no_reading, lambda d=d: d) for values, d in asked]
+    X, draws = zip(*asked, strict=True)
+    at_once = tree.decide_batch(X, draws, states, most_probable=most_probable)
+    assert at_once.tolist() == one_by_one
+
+
+@settings(deadline=None)
+@given(taught, st.one_of(queries, value_rows))
+def test_the_explanation_the_prediction_and_the_decision_agree(examples, query):
+    tree = learned(examples, max_depth=3)
+    explained = tree.explain(query, NAMES)
+    odds = dict(zip(tree.labels, tree.predict_proba([query])[0].tolist(), strict=True))
+    assert explained.distribution == {label: p for label, p in odds.items() if p > 0}
+    likely = tree.compile(
+        range(4), {s: i for i, s in enumerate(tree.labels)}, most_probable=True
+    )
+    chosen = tree.labels[likely(list(query), no_reading, None)]
+    assert odds[chosen] == max(odds.values())
+    assert chosen == tree.predict([query])[0]
+    assert set(explained.features) <= set(tree.features_used)
+
+
+def test_states_are_drawn_in_the_order_of_their_indices_however_they_are_called():
+    tree = TransitionTree([]).fit(np.empty((4, 0)), ["A", "B", "B", "B"])
+    states = {"B": 1, "A": 5}
+    decide = tree.compile([], states)
+    assert [decide([], None, lambda d=d: d) for d in (0, 0.74, 0.75, 0.99)] == [1, 1, 5, 5]
+    assert tree.decide_batch(np.empty((2, 0)), [0.74, 0.75], states).tolist() == [1, 5]
+    assert tree.decide_batch(np.empty((2, 0)), [0.24, 0.25]).tolist() == [0, 1]
+
+
+def test_of_equally_probable_states_the_most_probable_is_the_one_with_the_lowest_index():
+    tree = TransitionTree([]).fit(np.empty((4, 0)), ["A", "A", "B", "B"])
+    assert tree.compile([], {"B": 1, "A": 5}, most_probable=True)([], None, None) == 1
+    assert tree.predict(np.empty((1, 0))).tolist() == ["A"]
+
+
+def test_a_certain_decision_uses_no_draw():
+    tree = TransitionTree().fit([[1], [2]], ["Stop", "GoFast"])
+    assert tree.compile([0], {"Stop": 7, "GoFast": 8})([1.0], no_reading, None) == 7
+
+
+def test_only_features_on_the_way_are_read_and_from_their_slots():
+    X = [[1, 0], [1, 1], [5, 0], [5, 1], [6, 0]]
+    y = ["Stop", "Stop", "GoFast", "GoSlow", "GoFast"]
+    tree = TransitionTree([CONTINUOUS, BOOLEAN]).fit(X, y)
+    assert tree.features_used == (0, 1)
+    decide = tree.compile([3, 1], {"Stop": 0, "GoSlow": 1, "GoFast": 2})
+    values, read = [None] * 4, []
+
+    def reading(slot):
+        read.append(slot)
+        values[slot] = {3: 1.0, 1: 1.0}[slot]
+        return values[slot]
+
+    assert decide(values, reading, None) == 0
+    assert read == [3]
+    values[3] = 5.0
+    assert decide(values, reading, None) == 1
+    assert read == [3, 1]
+    assert decide(values, reading, None) == 1
+    assert read == [3, 1]
+
+
+def test_a_feature_of_the_automaton_that_the_tree_does_not_use_is_not_among_those_used():
+    tree = TransitionTree().fit([[3, 1, 3], [3, 2, 3]], ["Stop", "GoFast"])
+    assert tree.features_used == (1,)
+
+
+def test_a_state_that_the_automaton_does_not_have_is_refused_by_name():
+    tree = TransitionTree().fit([[1], [2]], ["Stop", "GoFast"])
+    with pytest.raises(VocabularyError, match=r'"GoFast".*\(has: Stop\)'):
+        tree.compile([0], {"Stop": 0})
+    with pytest.raises(VocabularyError, match=r'"GoFast".*\(has: Stop\)'):
+        tree.decide_batch([[1]], [0.5], {"Stop": 0})
+
+
+# What is refused
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, None])
+def test_missing_and_infinite_values_are_refused_by_the_name_of_the_feature(bad):
+    tree = TransitionTree(feature_names=["DistanceTo(ball)", "Speed"])
+    wanted = r'feature 1 "Speed" has value (nan|-?inf) in row 1'
+    with pytest.raises(FeatureValueError, match=wanted):
+        tree.fit([[1, 2], [1, bad]], ["Stop", "GoFast"])
+    tree.fit([[1, 2], [1, 3]], ["Stop", "GoFast"])
+    for use in (tree.predict, tree.predict_proba, lambda X: tree.decide_batch(X, [0.1, 0.2])):
+        with pytest.raises(FeatureValueError, match=wanted):
+            use([[1, 2], [1, bad]])
+    with pytest.raises(FeatureValueError, match='feature 1 "v"'):
+        tree.explain([1, bad], ["d", "v"])
+    with pytest.raises(FeatureValueError, match="feature 0 has value"):
+        TransitionTree().fit([[bad]], ["Stop"])
+
+
+@pytest.mark.parametrize(
+    ("scale", "bad", "why"),
+    [
+        (BOOLEAN, 0.5, "0 or 1"),
+        (COLOR, 4, "0 to 3"),
+        (COLOR, 1.5, "0 to 3"),
+        (COLOR, -1, "0 to 3"),
+        (Scale(FeatureKind.CATEGORICAL), 0.1, "0, 1, 2"),
+    ],
+)
+def test_values_that_a_feature_cannot_have_are_refused(scale, bad, why):
+    tree = TransitionTree([CONTINUOUS, scale])
+    with pytest.raises(FeatureValueError, match=f"feature 1 has value {bad}.*{why}"):
+        tree.fit([[1, 0], [2, bad]], ["Stop", "GoFast"])
+
+
+def test_a_circle_without_a_length_is_refused():
+    with pytest.raises(VocabularyError, match=r"feature 0.*period"):
+        TransitionTree([Scale(FeatureKind.TOROIDAL)]).fit([[1]], ["Stop"])
+
+
+def test_wrong_shapes_and_parameters_are_refused():
+    for arguments in (
+        ([1, 2], ["A", "B"]),
+        ([[1], [2]], ["A"]),
+        ([[1], [2]], ["A", "B"], [True]),
+        (np.empty((0, 1)), []),
+    ):
+        with pytest.raises(ValueError, match="expected"):
+            TransitionTree().fit(*arguments)
+    with pytest.raises(ValueError, match="expected values of shape"):
+        TransitionTree([CONTINUOUS] * 2).fit([[1]], ["A"])
+    for wrong in ({"min_samples_leaf": 0}, {"max_depth": -1}, {"confidence": 0.0}):
+        with pytest.raises(ValueError, match="must be"):
+            TransitionTree(**wrong).fit([[1]], ["A"])
+    with pytest.raises(AttributeError, match="call fit first"):
+        TransitionTree().predict([[1]])
+
+
+# Words
+
+
+def a_tree():
+    """Return a tree with a test of each kind."""
+    return TransitionTree(MIXED, feature_names=NAMES).fit(
+        [
+            [1, 0, 0, 0], [2, 90, 0, 0], [3, 180, 0, 0],
+            [6, -10, 0, 0], [6, 10, 0, 0], [6, 100, 0, 0], [6, 250, 0, 0],
+            [9, 100, 1, 0], [9, 100, 1, 2], [9, 100, 1, 0], [9, 100, 1, 0],
+        ],
+        ["Stop"] * 3 + ["GoFast"] * 2 + ["GoSlow"] * 2 + ["Pass", "Stop", "Pass", "Stop"],
+    )
+
+
+def test_a_tree_is_drawn_with_a_line_for_each_branch():
+    assert a_tree().as_text(NAMES).splitlines() == [
+        "DirectionTo(ball) in [50, -60)",
+        "|   not BallIsKickable",
+        "|   |   DistanceTo(ball) <= 4.5: Stop (2)",
+        "|   |   DistanceTo(ball) > 4.5: GoSlow (2)",
+        "|   BallIsKickable",
+        "|   |   Color = red: Pass 0.667, Stop 0.333 (3)",
+        "|   |   Color = blue: Stop (1)",
+        "|   |   Color is none of red, blue: Pass 0.5, Stop 0.5 (4)",
+        "DirectionTo(ball) in [-60, 50)",
+        "|   DistanceTo(ball) <= 3.5: Stop (1)",
+        "|   DistanceTo(ball) > 3.5: GoFast (2)",
+    ]
+
+
+def test_a_tree_that_tests_nothing_is_drawn_in_one_line():
+    assert TransitionTree().fit([[1], [1]], ["A", "B"]).as_text(["x"]) == "A 0.5, B 0.5 (2)"
+
+
+def test_there_is_a_rule_for_each_leaf():
+    rules = a_tree().rules(NAMES)
+    assert str(rules[0]) == (
+        "if DirectionTo(ball) in [50, -60) and not BallIsKickable and DistanceTo(ball) <= 4.5: "
+        "Stop (2 examples)"
+    )
+    assert str(rules[-2]) == (
+        "if DirectionTo(ball) in [-60, 50) and DistanceTo(ball) <= 3.5: Stop (1 example)"
+    )
+    assert rules[2].distribution == {"Pass": 2 / 3, "Stop": 1 / 3}
+    assert len(rules) == 7
+    always = TransitionTree().fit([[1]], ["A"]).rules(["x"])
+    assert [str(rule) for rule in always] == ["always: A (1 example)"]
+
+
+def test_what_a_path_says_of_one_feature_is_one_condition():
+    tree = TransitionTree([CONTINUOUS]).fit([[1], [3], [5], [7]], list("ABCA"))
+    assert sorted(rule.conditions for rule in tree.rules(["x"])) == [
+        ("2 < x <= 4",), ("4 < x <= 6",), ("x <= 2",), ("x > 6",),
+    ]
+
+
+def test_a_boundary_beside_an_example_is_written_as_on_its_side_of_the_example():
+    def conditions(values, default, scale):
+        tree = TransitionTree([scale]).fit([[v] for v in values], ["A", "B"], default)
+        return [rule.conditions for rule in tree.rules(["x"])]
+
+    assert conditions([2, 5], [True, False], CONTINUOUS) == [("x < 5",), ("x >= 5",)]
+    assert conditions([2, 5], [False, True], CONTINUOUS) == [("x <= 2",), ("x > 2",)]
+    assert conditions([0, 5], [False, True], CONTINUOUS) == [("x <= 0",), ("x > 0",)]
+    assert conditions([-5, 0], [True, False], CONTINUOUS) == [("x < 0",), ("x >= 0",)]
+    assert conditions([-10, 90], [False, True], DEGREES) == [("x != -10",), ("x = -10",)]
+    assert conditions([90, 0], [True, False], DEGREES) == [("x = 0",), ("x != 0",)]
+    tree = TransitionTree([DEGREES]).fit(
+        [[-20], [20], [90]], ["A", "A", "B"], [False, False, True]
+    )
+    assert [rule.conditions for rule in tree.rules(["x"])] == [("x in (20, -20)",),
+                                                              ("x in [-20, 20]",)]
+    tree = TransitionTree().fit([[1], [2], [3]], ["A", "B", "A"], [True, False, True])
+    assert ("x = 2",) in [rule.conditions for rule in tree.rules(["x"])]
+
+
+@settings(deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, 11), st.sampled_from("ABC")), min_size=2, max_size=12)
+)
+def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
+    tree = TransitionTree([DEGREES]).fit([[30 * a] for a, _ in drawn], [c for _, c in drawn])
+    rules = tree.rules(["a"])
+    for place in np.arange(1.0, 360, 5):
+        held = []
+        for rule in rules:
+            arcs = [
+                tuple(map(float, arc.split("in [")[1].strip(")").split(", ")))
+                for condition in rule.conditions
+                for arc in condition.split(" or ")
+            ]
+            if not arcs or any((place - s) % 360 < (e - s) % 360 for s, e in arcs):
+                held.append(rule.distribution)
+        assert held == [tree.explain([place], ["a"]).distribution]
+
+
+def test_an_explanation_tells_the_tests_in_order_and_the_features_looked_at():
+    explained = a_tree().explain([6, 460, 0, 3], NAMES)
+    assert explained.tests == (
+        "DirectionTo(ball) in [50, -60)", "not BallIsKickable", "DistanceTo(ball) > 4.5",
+    )
+    assert explained.features == (1, 2, 0)
+    assert explained.distribution == {"GoSlow": 1.0}
+    unseen = a_tree().explain([6, 100, 1, 3], NAMES)
+    assert unseen.tests[-1] == "Color is none of red, blue"
+    assert unseen.distribution == {"Pass": 0.5, "Stop": 0.5}
+
+
+# Digests
+
+
+def test_the_digest_is_the_same_for_the_same_examples_on_any_machine():
+    assert a_tree().digest() == (
+        "c49d5480d590a6ab59466e6abc4ede7092d313463ed3f0bac0656eeaed8afa87"
+    )
+
+
+def test_the_digest_differs_if_a_threshold_differs_in_its_last_bit():
+    def tree(below):
+        return TransitionTree().fit([[below], [2.0]], ["A", "B"])
+
+    assert tree(1.0).digest() != tree(math.nextafter(1, 0) - 1e-15).digest()
+    assert tree(1.0).digest() == tree(1.0).digest()
+
+
+def test_the_digest_differs_if_a_label_a_count_or_a_feature_does():
+    digests = {
+        TransitionTree().fit(X, y).digest()
+        for X, y in (
+            ([[1, 0], [2, 0]], ["A", "B"]),
+            ([[1, 0], [2, 0]], ["A", "C"]),
+            ([[1, 0], [2, 0]], ["B", "A"]),
+            ([[1, 0], [2, 0], [2, 0]], ["A", "B", "B"]),
+            ([[0, 1], [0, 2]], ["A", "B"]),
+        )
+    }
+    assert len(digests) == 5
+
+
+def test_plain_data_holds_the_whole_tree_exactly():
+    plain = TransitionTree().fit([[0.1], [0.2]], ["A", "B"]).to_dict()
+    assert plain["classes"] == ["A", "B"]
+    assert float.fromhex(plain["root"]["threshold"]) == (0.1 + 0.2) / 2
+    assert [branch["counts"] for branch in plain["root"]["branches"]] == [[1, 0], [0, 1]]
+
+
+# Pruning
+
+
+def test_pessimistic_errors_are_those_of_quinlans_example():
+    # C4.5, section 4.2: three leaves without errors against one leaf with one.
+    assert pessimistic_errors(0, 6, 0.25) == pytest.approx(6 * 0.206, abs=0.01)
+    assert pessimistic_errors(0, 9, 0.25) == pytest.approx(9 * 0.143, abs=0.01)
+    assert pessimistic_errors(0, 1, 0.25) == pytest.approx(0.750)
+    assert pessimistic_errors(1, 16, 0.25) == pytest.approx(16 * 0.157, rel=0.05)
+
+
+def test_pruning_makes_a_subtree_that_only_fits_noise_a_leaf():
+    X = [[i] for i in range(40)]
+    y = ["Stop" if i < 20 else "GoFast" for i in range(40)]
+    y[7] = "GoFast"
+    full = TransitionTree().fit(X, y)
+    pruned = TransitionTree(prune=True).fit(X, y)
+    assert len(nodes(full.root_)) == 7
+    assert pruned.root_ == ThresholdNode(0, 19.5, (21, 19), Leaf((1, 19)), Leaf((20, 0)))
+
+
+def test_pruning_keeps_what_every_example_speaks_for():
+    assert learned([((i, 0, 0, 0), LABELS[i // 10], False) for i in range(30)], prune=True).root_ \
+        == learned([((i, 0, 0, 0), LABELS[i // 10], False) for i in range(30)]).root_
+
+
+@settings(deadline=None)
+@given(taught, st.sampled_from([0.05, 0.25, 0.5]))
+def test_a_pruned_tree_is_the_tree_with_some_nodes_made_leaves(examples, confidence):
+    full = learned(examples).root_
+    waiting = [(full, learned(examples, prune=True, confidence=confidence).root_)]
+    while waiting:
+        whole, pruned = waiting.pop()
+        assert whole.counts == pruned.counts
+        if not isinstance(pruned, Leaf):
+            assert type(whole) is type(pruned)
+            assert whole.feature == pruned.feature
+            waiting.extend(zip(whole.branches, pruned.branches, strict=True))
