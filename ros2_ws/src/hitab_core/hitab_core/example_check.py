@@ -1,0 +1,42 @@
+"""Whether an example that somebody may have edited makes sense in its automaton."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from hitab_core.automaton import START
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.errors import has
+from hitab_core.example import Example
+
+
+def wrong_with(
+    example: Example, labels: Sequence[str], scales: Sequence[Scale]
+) -> Iterable[str]:
+    """Yield what is wrong with an example, each as words that follow ``example 7``.
+
+    Args:
+        example: to look at.
+        labels: of the automaton's states, without Start.
+        scales: for each feature of the automaton how its values compare.
+    """
+    if example.state not in (START, *labels):
+        yield f'is of state "{example.state}", which is not listed {has([START, *labels])}'
+    if example.next_state not in labels:
+        yield f'goes to "{example.next_state}", which is not a listed state {has(labels)}'
+    if example.is_default and example.next_state != example.state:
+        yield "is a default example, but leaves its state; make it a demonstrated one"
+    if len(example.features) != len(scales):
+        yield f"has {len(example.features)} values for {len(scales)} features; give one for each"
+        return
+    for i, (value, scale) in enumerate(zip(example.features, scales, strict=True), 1):
+        if not math.isfinite(value):
+            yield f"has {value} as value {i}; write a finite number, or delete the example"
+        elif scale.kind is FeatureKind.BOOLEAN and value not in (0.0, 1.0):
+            yield f"has {value:g} as value {i}, which is boolean: 0 or 1"
+        elif scale.kind is FeatureKind.CATEGORICAL and not (
+            value.is_integer() and 0 <= value < (len(scale.categories) or math.inf)
+        ):
+            what_for = f"0 to {len(scale.categories) - 1}" if scale.categories else "0, 1, 2, ..."
+            yield f"has {value:g} as value {i}, which is a category: {what_for}"

@@ -1,0 +1,209 @@
+"""YAML read with care: plain data only, and the line of everything, for complaints to name.
+
+What YAML allows beyond plain data is refused: tags, anchors and aliases (a few lines of which can
+unfold to gigabytes), duplicate keys (of which the earlier would be ignored in silence), several
+documents in one file. Scalars follow YAML 1.2: ``no`` and ``2012-01-01`` are text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from hitab_core.errors import HitabError, LibraryError
+
+Path = tuple[str | int, ...]
+"""Where something is in a document: keys and indices from the root inwards."""
+
+LARGEST = 16 * 1024 * 1024
+"""Characters that a document may have. A behavior of 10,000 examples has about two million."""
+
+DEEPEST = 20
+"""Lists and mappings within one another that a document may have."""
+
+_INTEGER = re.compile(r"[-+]?[0-9]{1,18}\Z", re.ASCII)
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]{1,9})?\Z", re.ASCII)
+_SPECIAL: Mapping[str, Any] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
+    **dict.fromkeys((".inf", ".Inf", ".INF", "+.inf"), float("inf")),
+    **dict.fromkeys(("-.inf", "-.Inf", "-.INF"), float("-inf")),
+}
+_OTHERS: Any = yaml.resolver.Resolver()
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(frozen=True)
+class Document:
+    """What a YAML text says, and where.
+
+    Attributes:
+        file: what the text is called in complaints.
+        value: the content, of dict, list, str, int, float, bool and None.
+        lines: the line, counting from 1, of everything in it, by path.
+    """
+
+    file: str
+    value: Any
+    lines: Mapping[Path, int]
+
+    def line(self, path: Path = ()) -> int:
+        """Return the line of what is at ``path``, or of the nearest thing around it."""
+        while path not in self.lines:
+            path = path[:-1]
+        return self.lines[path]
+
+    def place(self, path: Path = ()) -> str:
+        """Return ``file:line`` of what is at ``path``."""
+        return f"{self.file}:{self.line(path)}"
+
+
+class Complaints:
+    """All that is wrong with a document, gathered so that it can be mended in one go."""
+
+    def __init__(self, document: Document, error: type[HitabError] = LibraryError) -> None:
+        """Begin with no complaint about ``document``."""
+        self._document = document
+        self._error = error
+        self._found: list[tuple[int, str]] = []
+
+    def add(self, path: Path, text: str) -> None:
+        """Note that what is at ``path`` is wrong; ``text`` says how, and the way out."""
+        found = (self._document.line(path), text)
+        if found not in self._found:
+            self._found.append(found)
+
+    def raise_any(self) -> None:
+        """Raise one error with all complaints, in the order of their lines, if there are any."""
+        if self._found:
+            raise self._error(
+                "\n".join(
+                    f"{self._document.file}:{line}: {text}" for line, text in sorted(self._found)
+                )
+            )
+
+
+def read_yaml(
+    text: str, file: str, *, error: type[HitabError] = LibraryError, largest: int = LARGEST
+) -> Document:
+    """Read a text of one YAML document.
+
+    Args:
+        text: the document.
+        file: what to call it in errors.
+        error: what to raise.
+        largest: the most characters that it may have.
+
+    Raises:
+        error: naming file and line of what is not YAML, or not plain data.
+    """
+    if len(text) > largest:
+        raise error(f"{file}: has {len(text)} characters, more than the {largest} that are read")
+    try:
+        text.encode()
+        return _Reader(file, error).document(text)
+    except UnicodeEncodeError as wrong:
+        raise error(f"{file}: has a lone surrogate at character {wrong.start}") from None
+    except yaml.MarkedYAMLError as wrong:
+        mark = wrong.problem_mark or wrong.context_mark
+        line = mark.line + 1 if mark else 1
+        context = f" {wrong.context}" if wrong.context else ""
+        raise error(
+            f"{file}:{line}: not YAML: {wrong.problem}{context}; look for a missing bracket, "
+            "quote or colon here or just above, or for a file that was cut off"
+        ) from None
+    except yaml.reader.ReaderError as wrong:
+        line = text.count("\n", 0, wrong.position) + 1 if wrong.position >= 0 else 1
+        raise error(
+            f"{file}:{line}: not YAML: a character that text cannot have "
+            f"(code {wrong.character}); remove it"
+        ) from None
+
+
+def resolved_scalar(text: str) -> Any:
+    """Return what an unquoted scalar means."""
+    if text in _SPECIAL:
+        return _SPECIAL[text]
+    if _INTEGER.match(text):
+        return int(text)
+    return float(text) if _FLOAT.match(text) else text
+
+
+def means_itself(text: str) -> bool:
+    """Return whether a word without quotes is this text, to us and to readers of YAML 1.1."""
+    tag = _OTHERS.resolve(yaml.ScalarNode, text, (True, False))
+    return resolved_scalar(text) == text and bool(tag == "tag:yaml.org,2002:str")
+
+
+class _Reader:
+    """Builds a document from the parser's events, never deeper than `DEEPEST`."""
+
+    def __init__(self, file: str, error: type[HitabError]) -> None:
+        self._file = file
+        self._error = error
+        self._lines: dict[Path, int] = {}
+
+    def document(self, text: str) -> Document:
+        events = yaml.parse(text, Loader=_Loader)
+        value: Any = None
+        documents = 0
+        for event in events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                documents += 1
+                if documents > 1:
+                    raise self._refusal(event, "a second document; put it into a file of its own")
+                value = self._value(next(events), events, ())
+        if not documents:
+            raise self._error(f"{self._file}:1: is empty; it was cut off, or never written")
+        return Document(self._file, value, self._lines)
+
+    def _value(self, event: Any, events: Iterator[Any], path: Path) -> Any:
+        if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
+            raise self._refusal(event, "an anchor or alias (& or *); write it out, or quote it")
+        if event.tag is not None and event.tag != "!":
+            raise self._refusal(event, f'the tag "{event.tag}"; leave it out, or quote the value')
+        if len(path) > DEEPEST:
+            raise self._refusal(event, f"more than {DEEPEST} levels of lists and mappings")
+        self._lines.setdefault(path, _line(event))
+        if isinstance(event, yaml.ScalarEvent):
+            plain = not event.style and event.implicit[0]
+            return resolved_scalar(event.value) if plain else event.value
+        if isinstance(event, yaml.SequenceStartEvent):
+            return self._sequence(events, path)
+        return self._mapping(events, path)
+
+    def _sequence(self, events: Iterator[Any], path: Path) -> list[Any]:
+        items: list[Any] = []
+        while not isinstance(event := next(events), yaml.SequenceEndEvent):
+            items.append(self._value(event, events, (*path, len(items))))
+        return items
+
+    def _mapping(self, events: Iterator[Any], path: Path) -> dict[str, Any]:
+        mapping: dict[str, Any] = {}
+        while not isinstance(event := next(events), yaml.MappingEndEvent):
+            if not isinstance(event, yaml.ScalarEvent) or event.anchor or event.tag:
+                raise self._refusal(event, "a key that is not a plain name")
+            key: str = event.value
+            inner = (*path, key)
+            if key in mapping:
+                raise self._refusal(
+                    event,
+                    f'the key "{key}" twice (first at line {self._lines[inner]}); remove one',
+                )
+            self._lines[inner] = _line(event)
+            mapping[key] = self._value(next(events), events, inner)
+        return mapping
+
+    def _refusal(self, event: Any, what: str) -> HitabError:
+        return self._error(f"{self._file}:{_line(event)}: has {what}")
+
+
+def _line(event: Any) -> int:
+    line: int = event.start_mark.line + 1
+    return line
