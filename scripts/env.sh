@@ -60,5 +60,7 @@ export PATH AMENT_PREFIX_PATH VIRTUAL_ENV="$_hitab_venv" PYTHONNOUSERSITE=1
 # Nobody else's robots on the network are meant, unless the user says so.
 export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
 
+if [ -z "${HOME:-}" ]; then export HOME=~; fi # ROS logs there, and does not start without
+
 unset -f _hitab_without
 unset _hitab_scripts _hitab_venv _hitab_ros _hitab_installed _hitab_unset

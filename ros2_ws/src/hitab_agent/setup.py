@@ -7,7 +7,7 @@ NAME = "hitab_agent"
 setup(
     name=NAME,
     version="0.1.0",
-    description="The ROS 2 node of one trained agent, and the host that runs many of them in one process.",
+    description="The ROS 2 node of a trained agent, and the host that runs many of them.",
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",
     license="Apache-2.0",

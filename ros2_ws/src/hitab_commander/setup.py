@@ -7,7 +7,7 @@ NAME = "hitab_commander"
 setup(
     name=NAME,
     version="0.1.0",
-    description="The ROS 2 node of a virtual commander: trained as an agent is, it gives orders to its subordinates.",
+    description="The ROS 2 node of a virtual commander, trained as an agent is.",
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",
     license="Apache-2.0",

@@ -7,7 +7,7 @@ NAME = "hitab_core"
 setup(
     name=NAME,
     version="0.1.0",
-    description="The HiTAB engine without ROS: automata, learning, training sessions, the library of behaviors.",
+    description="The HiTAB engine without ROS: automata, learning, training, library.",
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",
     license="Apache-2.0",

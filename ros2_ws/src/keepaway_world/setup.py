@@ -7,7 +7,7 @@ NAME = "keepaway_world"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Keepaway soccer: the simulated world, its referee and takers, and the keepers' domain for HiTAB.",
+    description="Keepaway soccer: the simulated world, and the keepers' domain for HiTAB.",
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",
     license="Apache-2.0",
