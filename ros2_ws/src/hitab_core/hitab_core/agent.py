@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 
 from hitab_core.automaton import Automaton
 from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.bundle import Bundle, bundle_digest, install
 from hitab_core.domain import Domain
 from hitab_core.errors import TrainingError, VocabularyError, has
 from hitab_core.example import Example
@@ -168,9 +170,7 @@ class Agent:
 
     def _check_performable(self, use: Use) -> None:
         if use.name not in self.repertoire:
-            raise VocabularyError(
-                f'unknown behavior "{use.name}" {has(self.repertoire.names())}'
-            )
+            raise VocabularyError(f'unknown behavior "{use.name}" {has(self.repertoire.names())}')
         self.repertoire.check_state(use)
 
     def _stop(self) -> None:
@@ -206,8 +206,11 @@ class Agent:
                 raise TrainingError(f'"{resume}" was not trained; there is nothing to go on from')
             features = curriculum.features or earlier.features
             curriculum = Curriculum(
-                curriculum.name or resume, features, curriculum.states,
-                curriculum.parameters or earlier.parameters, curriculum.arguments,
+                curriculum.name or resume,
+                features,
+                curriculum.states,
+                curriculum.parameters or earlier.parameters,
+                curriculum.arguments,
                 curriculum.classifier,
             )
             examples = _with_features(earlier, features)
@@ -227,7 +230,7 @@ class Agent:
         session = self._session()
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
             raise TrainingError(
-                f'{self.name} is not in training mode but {self.mode}; '
+                f"{self.name} is not in training mode but {self.mode}; "
                 "go to training mode before commanding"
             )
         return session.command(use, self.cycle)
@@ -279,12 +282,11 @@ class Agent:
         session = self._session()
         learned = session.automaton()
         if name or description:
-            learned = Automaton(
-                name or learned.name, learned.states, learned.features, learned.transitions,
-                learned.parameters, learned.examples, description,
-            )
+            learned = replace(learned, name=name or learned.name, description=description)
         if bindings:
-            learned = rebind(learned, bindings, self.repertoire)
+            learned = rebind(
+                learned, bindings, self.repertoire, classifier=session.curriculum.classifier
+            )
         automaton, trimmed = trim(
             learned, self.repertoire, classifier=session.curriculum.classifier
         )
@@ -303,14 +305,11 @@ class Agent:
         self._stop()
         self._close_journal()
         self.session = None
-        self.library_digest = self.library.digest
         use = Use(automaton.name, session.curriculum.arguments)
+        self.mode = Mode.IDLE
+        self._rebuild()
         if was_testing and automaton.parameters == session.curriculum.parameters:
-            self.mode = Mode.IDLE
             self.perform(use)
-        else:
-            self._rebuild()
-            self.mode = Mode.IDLE
         return automaton, path, trimmed
 
     def discard(self) -> None:
@@ -327,9 +326,7 @@ class Agent:
 
     def _session(self) -> TrainingSession:
         if self.session is None:
-            raise TrainingError(
-                f"{self.name} is not training anything; begin a training first"
-            )
+            raise TrainingError(f"{self.name} is not training anything; begin a training first")
         return self.session
 
     # -- library ----------------------------------------------------------------------------
@@ -357,8 +354,24 @@ class Agent:
             repertoire, stage.body, stage.senses, stage.draw, stage.most_probable, stage.observe
         )
         self.library = library
+        if self.session is not None:
+            self.session.stage = self._stage
         self._rebuild()
         return sorted(library.names())
+
+    def take_in(self, bundle: Bundle) -> str:
+        """Add behaviors that another agent has sent, all or none; what is performed restarts.
+
+        Returns:
+            The digest over the files as they are now in the library.
+
+        Raises:
+            LibraryError: naming all that is wrong with the bundle; then nothing has changed.
+        """
+        install(bundle, self.library)
+        self.reload()
+        texts = self.library.texts()
+        return bundle_digest(tuple((name, texts[name]) for name, _ in bundle.files))
 
     def _rebuild(self) -> None:
         """Perform afresh, since behaviors may have changed underneath."""
@@ -388,7 +401,7 @@ class Agent:
 
     def _write(self, record: Mapping[str, object]) -> None:
         if self._journal is not None:
-            self._journal.append(dict(record))
+            self._journal.append(record)
 
     def _close_journal(self) -> None:
         if self._journal is not None:
@@ -431,7 +444,14 @@ def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example
         )
     columns = [earlier.features.index(f) for f in features]
     return tuple(
-        Example(e.state, tuple(e.features[c] for c in columns), e.next_state, e.kind, e.number,
-                e.command, e.cycle)
+        Example(
+            e.state,
+            tuple(e.features[c] for c in columns),
+            e.next_state,
+            e.kind,
+            e.number,
+            e.command,
+            e.cycle,
+        )
         for e in earlier.examples
     )

@@ -69,8 +69,9 @@ class Feature:
     @property
     def scale(self) -> Scale:
         """How values of this feature compare, without how they are read."""
-        return Scale(self.kind, self.period if self.kind is FeatureKind.TOROIDAL else 0.0,
-                     self.categories)
+        return Scale(
+            self.kind, self.period if self.kind is FeatureKind.TOROIDAL else 0.0, self.categories
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +116,7 @@ class Body(Protocol):
         """Take this cycle's percept; the layout of ``values`` is the domain's own."""
 
     def act(self) -> tuple[Sequence[float], str]:
-        """Return this cycle's action, in the domain's own layout, and what to say ("" = nothing)."""
+        """Return this cycle's action, in the domain's own layout, and what to say, if anything."""
 
 
 def _by_name(things: Iterable[Any]) -> dict[str, Any]:
@@ -159,7 +160,7 @@ class Domain:
         link: str = "",
     ) -> Domain:
         """Make a domain from lists; names must be well formed and, within a list, unique."""
-        groups = [list(g) for g in (behaviors, features, targets, automata)]
+        groups: list[list[Any]] = [list(g) for g in (behaviors, features, targets, automata)]
         for group in groups:
             names = [thing.name for thing in group]
             for thing_name in names:
@@ -188,8 +189,14 @@ class Domain:
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
 
-    def check_use(self, use: Use, known: Mapping[str, tuple[str, ...]],
-                  parameters: Iterable[str] = (), *, what: str) -> None:
+    def check_use(
+        self,
+        use: Use,
+        known: Mapping[str, tuple[str, ...]],
+        parameters: Iterable[str] = (),
+        *,
+        what: str,
+    ) -> None:
         """Check that ``use`` names something in ``known`` with arguments that exist.
 
         Args:

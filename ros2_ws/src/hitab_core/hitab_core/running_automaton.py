@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -10,7 +10,7 @@ from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior
 from hitab_core.repertoire import Repertoire
 from hitab_core.senses import Senses, resolved
-from hitab_core.transition_function import Decide, TransitionFunction
+from hitab_core.transition_function import Decide, Explanation, TransitionFunction
 from hitab_core.use import Use
 
 
@@ -118,7 +118,8 @@ class RunningAutomaton:
         self._read = stage.senses.read
         self._labels: list[str] = [START]
         self._children: list[Running | None] = [None]
-        self._decide: list[Decide | None] = []
+        self._decide: list[Decide | None] = [None]
+        self._functions: dict[str, TransitionFunction] = {}
         self._index: dict[str, int] = {START: 0}
         self._active = 0
         for state in automaton.states:
@@ -142,14 +143,13 @@ class RunningAutomaton:
         self._index[label] = len(self._labels)
         self._labels.append(label)
         self._children.append(
-            None
-            if state.name in FLAGS
-            else self.stage.perform(state.bound(self.bindings), self)
+            None if state.name in FLAGS else self.stage.perform(state.bound(self.bindings), self)
         )
         self._decide.append(None)
 
     def set_transitions(self, transitions: Mapping[str, TransitionFunction]) -> None:
         """Decide by these transition functions from now on; the active state stays active."""
+        self._functions = dict(transitions)
         self._decide = [None] * len(self._labels)
         for label, function in transitions.items():
             self._decide[self._index[label]] = function.compile(
@@ -233,6 +233,18 @@ class RunningAutomaton:
         for slot, flag in self._flag_slots:
             self._values[slot] = 1.0 if child is not None and flag in child.raised else 0.0
         return [self._read(slot) for slot in self._slots]
+
+    def last_features(self) -> list[float]:
+        """Return the values of all features as the last decision saw them, flags included."""
+        return [self._read(slot) for slot in self._slots]
+
+    def explain(self, state: str, values: Sequence[float]) -> Explanation | None:
+        """Explain what ``state``'s transition function decides; None where it has none."""
+        function = self._functions.get(state)
+        if function is None:
+            return None
+        names = [str(f.bound(self.bindings)) for f in self.automaton.features]
+        return function.explain(values, names)
 
     def _see_flags(self, child: Running | None) -> None:
         raised = child.raised if child is not None else None

@@ -101,7 +101,10 @@ class TrainingSession:
     def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
         bindings = dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
         blank = Automaton(
-            self.curriculum.name, tuple(states), self.curriculum.features, {},
+            self.curriculum.name,
+            tuple(states),
+            self.curriculum.features,
+            {},
             self.curriculum.parameters,
         )
         running = RunningAutomaton(self.stage, blank, bindings)
@@ -295,9 +298,7 @@ def check(stage: Stage, curriculum: Curriculum) -> None:
         )
     for argument in curriculum.arguments:
         if argument not in repertoire.domain.targets:
-            raise VocabularyError(
-                f'unknown target "{argument}" {has(repertoire.domain.targets)}'
-            )
+            raise VocabularyError(f'unknown target "{argument}" {has(repertoire.domain.targets)}')
     if len(set(curriculum.features)) < len(curriculum.features):
         raise VocabularyError(f'"{name}" has a feature twice')
     for feature in curriculum.features:

@@ -76,9 +76,7 @@ class HandWritten:
         used = tuple(slots[i] for i in self.features_used)
         choose = self.choose
 
-        def decide(
-            values: Values, read: Callable[[int], float], draw: Callable[[], float]
-        ) -> int:
+        def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
             arguments = []
             for slot in used:
                 value = values[slot]

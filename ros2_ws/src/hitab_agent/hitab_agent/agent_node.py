@@ -1,0 +1,205 @@
+"""The ROS node of one agent: topics and services around `hitab_core.agent.Agent`."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from hitab_msgs import msg
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from hitab_agent.agent_services import AgentServices
+from hitab_agent.distribution import Distributor
+from hitab_agent.settings import AgentSettings
+from hitab_agent.transition_log import TransitionLog
+from hitab_agent.world_link import WorldLink
+from hitab_core.agent import Agent
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import Domain, load_domain
+from hitab_core.errors import HitabError
+from hitab_ros import names, qos
+from hitab_ros.conversions import use_of
+
+STATUS_PERIOD_S = 0.05
+"""The path of active states may change every cycle; it is published no more often than this."""
+
+_NO_ACTION: tuple[Sequence[float], str] = ((), "")
+
+
+class AgentNode(Node):
+    """One agent of the swarm, in the namespace of its name."""
+
+    def __init__(self, node_name: str = "agent", **options: Any) -> None:
+        """Make the node, load the library and take up an interrupted training.
+
+        Raises:
+            HitabError: if the domain, the library, the journal or the behavior is not usable.
+        """
+        super().__init__(node_name, enable_rosout=False, start_parameter_services=False, **options)
+        self.settings = settings = AgentSettings.declare(self)
+        self.agent_name = names.own_name(self)
+        domain = load_domain(settings.domain)
+        self.transition_log = TransitionLog(self)
+        state = Path(settings.state_dir).expanduser() / self.agent_name
+        library = Path(settings.library).expanduser() if settings.library else state / "library"
+        self.agent = Agent(
+            self.agent_name,
+            domain,
+            BehaviorLibrary(library, domain),
+            state,
+            seed=settings.seed,
+            most_probable=settings.most_probable,
+            observe=self.transition_log.observe,
+        )
+        self._tick_error = ""
+        self._last_path: list[str] = []
+        self._percept_stamp = msg.AgentStatus().stamp
+        self._status = msg.AgentStatus(agent=self.agent_name, domain=domain.name)
+        self._status_publisher = self.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
+        self._status_timer = self.create_timer(
+            STATUS_PERIOD_S, self._status_due, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._status_timer.cancel()
+        self._waiting_for_timer = False
+        if settings.behavior and self.agent.session is None:
+            self.agent.perform(use_of(settings.behavior, ()))
+
+    def join(self) -> None:
+        """Begin to listen and to answer, once it is certain that the name is free."""
+        self._commands = self.create_subscription(
+            msg.Command, names.COMMAND, self._on_command, qos.EVENTS
+        )
+        self._agent_services = AgentServices(self)
+        self._distributor = Distributor(self)
+        self._link = _link_class(self.agent.domain)(self, self.settings.world, self._on_percept)
+        if self.agent.session is not None:
+            training = self.agent.session
+            self.report_error(
+                f'took up the interrupted training of "{training.curriculum.name}" '
+                f"with {len(training.log)} examples"
+            )
+        else:
+            self.publish_status()
+
+    # -- percepts ---------------------------------------------------------------------------
+
+    def _on_percept(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+        agent = self.agent
+        log = self.transition_log
+        log.cycle = percept.cycle
+        log.stamp = self._percept_stamp = percept.stamp
+        try:
+            agent.sense(percept.values, percept.heard, percept.cycle)
+            if percept.restart:
+                agent.restart(percept.seed, percept.episode)
+            if percept.look:
+                answer = _NO_ACTION
+            else:
+                agent.tick()
+                answer = agent.act()
+        except HitabError as error:
+            self._tick_failed(str(error))
+            return _NO_ACTION
+        except Exception as error:
+            # A domain's code is a user's: its mistakes must not take the agent down.
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            self._tick_failed(
+                f"{type(error).__name__} in {Path(place.filename).name}:{place.lineno}: {error}"
+            )
+            return _NO_ACTION
+        if self._tick_error and not percept.look:
+            self._tick_error = ""
+            self.report_error("")
+        elif percept.look:
+            if agent.active_path != self._last_path or percept.restart:
+                self.publish_status()
+        elif not self._waiting_for_timer and agent.active_path != self._last_path:
+            self._waiting_for_timer = True
+            self._status_timer.reset()
+        return answer
+
+    def _tick_failed(self, why: str) -> None:
+        if why != self._tick_error:
+            self._tick_error = why
+            self.report_error(f"{self.agent_name} did nothing in cycle {self.agent.cycle}: {why}")
+
+    # -- commands ---------------------------------------------------------------------------
+
+    def _on_command(self, command: msg.Command) -> None:
+        status = self._status
+        known = (
+            status.demonstrator,
+            max(status.last_command_sequence, status.last_refused_sequence),
+        )
+        if command.sequence and known == (command.demonstrator, command.sequence):
+            return  # sent again because our acknowledgement was late
+        status.demonstrator = command.demonstrator
+        self.transition_log.commanded = True
+        try:
+            self.agent.command(use_of(command.behavior, command.targets))
+        except HitabError as error:
+            status.last_refused_sequence = command.sequence
+            self.report_error(str(error))
+        else:
+            status.last_command_sequence = command.sequence
+            self.report_error("")
+        finally:
+            self.transition_log.commanded = False
+
+    # -- status -----------------------------------------------------------------------------
+
+    def report_error(self, text: str) -> None:
+        """Publish the status with an error, or without one."""
+        if text:
+            self.get_logger().warning(text)
+        self._status.last_error = text
+        self.publish_status()
+
+    def report_distribution(self, sequence: int, error: str) -> None:
+        """Publish that a distribution was taken in or refused."""
+        self._status.distribution = sequence
+        self.report_error(error)
+
+    def publish_status(self) -> None:
+        """Publish what the agent does now."""
+        agent, status = self.agent, self._status
+        session = agent.session
+        self._last_path = agent.active_path
+        status.stamp = self._percept_stamp
+        status.mode = agent.mode.value
+        status.behavior = agent.behavior
+        status.active_path = self._last_path
+        status.examples = len(session.log) if session else 0
+        status.default_examples = session.log.defaults if session else 0
+        status.cycle = agent.cycle
+        status.library_digest = agent.library_digest
+        self._status_publisher.publish(status)
+
+    def _status_due(self) -> None:
+        self._status_timer.cancel()
+        self._waiting_for_timer = False
+        self.transition_log.look()
+        if self.agent.active_path != self._last_path:
+            self.publish_status()
+
+
+def _link_class(domain: Domain) -> Any:
+    """Return the class that joins an agent of this domain to its robot or world.
+
+    Raises:
+        HitabError: if the domain names one that cannot be imported.
+    """
+    if not domain.link:
+        return WorldLink
+    module, _, name = domain.link.partition(":")
+    try:
+        return getattr(import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise HitabError(
+            f'domain "{domain.name}": its link "{domain.link}" cannot be imported: {error}; '
+            'it must read "module:Class"'
+        ) from error

@@ -1,0 +1,165 @@
+"""The services of an agent, for what needs an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hitab_msgs import srv
+
+from hitab_core.agent import Mode
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import BasicBehavior
+from hitab_core.errors import HitabError, TrainingError, has
+from hitab_core.training_session import Curriculum
+from hitab_core.use import Use
+from hitab_ros import names
+from hitab_ros.conversions import example_message, use_of
+
+if TYPE_CHECKING:
+    from hitab_agent.agent_node import AgentNode
+
+
+class AgentServices:
+    """Offers an agent's services; a refusal is a reply with ``success`` false and the reason."""
+
+    def __init__(self, node: AgentNode) -> None:
+        self._node = node
+        self._agent = node.agent
+        offered: list[tuple[Any, str, Callable[[Any, Any], str]]] = [
+            (srv.BeginTraining, names.BEGIN, self._begin),
+            (srv.SetMode, names.SET_MODE, self._set_mode),
+            (srv.EditExamples, names.EDIT_EXAMPLES, self._edit_examples),
+            (srv.ListExamples, names.LIST_EXAMPLES, self._list_examples),
+            (srv.SaveBehavior, names.SAVE, self._save),
+            (srv.Perform, names.PERFORM, self._perform),
+            (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
+        ]
+        for kind, name, serve in offered:
+            node.create_service(kind, name, self._answering(serve))
+        node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
+
+    def _answering(self, serve: Callable[[Any, Any], str]) -> Callable[[Any, Any], Any]:
+        def answer(request: Any, response: Any) -> Any:
+            try:
+                response.message = serve(request, response)
+                response.success = True
+            except HitabError as error:
+                response.success = False
+                response.message = str(error)
+            # Telling the status too, so that whoever watches sees what went wrong.
+            self._node.report_error("" if response.success else response.message)
+            return response
+
+        return answer
+
+    def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:
+        curriculum = Curriculum(
+            request.automaton,
+            tuple(Use.parse(text) for text in request.features),
+            tuple(Use.parse(text) for text in request.states),
+            tuple(request.parameters),
+            tuple(request.arguments),
+            request.classifier or "tree",
+        )
+        session = self._agent.begin(curriculum, resume=request.resume, discard=request.discard)
+        with_examples = f" with {len(session.log)} examples" if len(session.log) else ""
+        return f'training "{session.curriculum.name}"{with_examples}'
+
+    def _set_mode(self, request: srv.SetMode.Request, response: Any) -> str:
+        match request.mode:
+            case Mode.TESTING:
+                self._agent.test(restart=request.restart)
+            case Mode.TRAINING:
+                self._agent.take_over()
+            case Mode.IDLE:
+                self._agent.perform(None)
+            case unknown:
+                raise TrainingError(
+                    f'unknown mode "{unknown}" {has((Mode.TESTING, Mode.TRAINING, Mode.IDLE))}'
+                )
+        return f"{self._agent.name} is {self._agent.mode}"
+
+    def _edit_examples(self, request: srv.EditExamples.Request, response: Any) -> str:
+        session = self._agent.session
+        if session is None:
+            raise TrainingError(f"{self._agent.name} is not training anything")
+        edits = srv.EditExamples.Request
+        match request.action:
+            case edits.UNDO:
+                session.undo()
+            case edits.DELETE:
+                session.delete(request.numbers)
+            case edits.RELABEL:
+                session.relabel(request.numbers, Use.parse(request.next_state))
+            case unknown:
+                known = (edits.UNDO, edits.DELETE, edits.RELABEL)
+                raise TrainingError(f'unknown action "{unknown}" {has(known)}')
+        return f"{len(session.log)} examples"
+
+    def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:
+        session = self._agent.session
+        if request.automaton:
+            automata = self._agent.repertoire.automata
+            if request.automaton not in automata:
+                raise TrainingError(f'no automaton "{request.automaton}" {has(automata)}')
+            automaton = automata[request.automaton]
+            name, features, examples = automaton.name, automaton.features, automaton.examples
+        elif session is not None:
+            name, features = session.curriculum.name, session.curriculum.features
+            examples = session.examples
+        else:
+            raise TrainingError(f"{self._agent.name} is not training anything; name an automaton")
+        response.automaton = name
+        response.features = [str(feature) for feature in features]
+        response.examples = [example_message(example) for example in examples]
+        return f"{len(examples)} examples"
+
+    def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:
+        if len(request.bind_from) != len(request.bind_to):
+            raise TrainingError(
+                f"bind_from has {len(request.bind_from)} names, bind_to {len(request.bind_to)}"
+            )
+        bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
+        automaton, path, trimmed = self._agent.save(request.name, bindings, request.description)
+        response.path = str(path)
+        response.digest = self._agent.library.file_digest(automaton.name)
+        response.trimmed = trimmed
+        return f'saved "{automaton.name}" with {len(automaton.examples)} examples'
+
+    def _perform(self, request: srv.Perform.Request, response: Any) -> str:
+        if not request.behavior:
+            self._agent.perform(None)
+            return f"{self._agent.name} performs nothing"
+        use = use_of(request.behavior, request.arguments)
+        self._agent.perform(use)
+        return f"{self._agent.name} performs {use}"
+
+    def _load_library(self, request: srv.LoadLibrary.Request, response: Any) -> str:
+        library = None
+        if request.path:
+            library = BehaviorLibrary(Path(request.path).expanduser(), self._agent.domain)
+        response.behaviors = self._agent.reload(library)
+        response.digest = self._agent.library_digest
+        return f"{len(response.behaviors)} trained behaviors"
+
+    def _get_vocabulary(
+        self, request: srv.GetVocabulary.Request, response: srv.GetVocabulary.Response
+    ) -> srv.GetVocabulary.Response:
+        agent = self._agent
+        domain, repertoire = agent.domain, agent.repertoire
+        behaviors = [repertoire.get(name) for name in repertoire.names()]
+        features = sorted(domain.features.values(), key=lambda feature: feature.name)
+        response.domain = domain.name
+        response.signature = domain.signature
+        response.behaviors = [str(Use(b.name, b.parameters)) for b in behaviors]
+        response.trained = sorted(agent.library.names())
+        response.one_shot = [
+            b.name for b in behaviors if isinstance(b, BasicBehavior) and b.one_shot
+        ]
+        response.features = [str(Use(f.name, f.parameters)) for f in features]
+        response.feature_kinds = [f.kind.value for f in features]
+        response.feature_units = [f.unit for f in features]
+        response.targets = sorted(domain.targets)
+        return response

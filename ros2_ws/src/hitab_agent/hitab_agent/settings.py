@@ -1,0 +1,47 @@
+"""The parameters of an agent's node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+
+DESCRIPTIONS = {
+    "domain": "name of an installed domain: what the agent can do and perceive",
+    "library": "folder of trained behaviors; empty: the folder library in the agent's state_dir",
+    "state_dir": "folder with one per agent, where an unfinished training survives a crash",
+    "behavior": "what to perform from the beginning, such as GoTo(ball); empty: nothing",
+    "world": "name of the world's node, from which percepts come",
+    "seed": "of the agent's own random numbers, until a world gives one",
+    "most_probable": "take the most probable next state instead of drawing from the distribution",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class AgentSettings:
+    """How one agent is set up; each field is a ROS parameter, described above."""
+
+    domain: str = ""
+    library: str = ""
+    state_dir: str = "~/.local/state/hitab"
+    behavior: str = ""
+    world: str = "world"
+    seed: int = 0
+    most_probable: bool = False
+
+    @classmethod
+    def declare(cls, node: Node) -> AgentSettings:
+        """Declare the parameters and return their values."""
+        values: dict[str, Any] = {}
+        for setting in fields(cls):
+            descriptor = ParameterDescriptor(
+                description=DESCRIPTIONS[setting.name], read_only=True
+            )
+            if setting.name == "seed":
+                descriptor.integer_range = [IntegerRange(from_value=0, to_value=2**63 - 1, step=1)]
+            values[setting.name] = node.declare_parameter(
+                setting.name, setting.default, descriptor
+            ).value
+        return cls(**values)

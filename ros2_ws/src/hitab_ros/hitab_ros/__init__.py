@@ -1,0 +1,1 @@
+"""What all nodes share: names, qualities of service, conversions, executor loop."""

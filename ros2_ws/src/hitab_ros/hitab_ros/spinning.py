@@ -1,0 +1,120 @@
+"""Running nodes in a process: start, spin until told to stop, clean up.
+
+The experimental EventsExecutor handles a hundred times more subscriptions than the default one.
+In rclpy 7.1 it dispatches nothing under `spin()`, hence the loop over `spin_once`.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+import rclpy
+from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from hitab_core.errors import HitabError
+
+_WAKE_S = 0.1
+
+
+def make_node(name: str, **options: Any) -> Node:
+    """Return a node without the topics and services that nobody here uses."""
+    return Node(name, enable_rosout=False, start_parameter_services=False, **options)
+
+
+class Spinner:
+    """Spins an executor until `stop` is called or the process is told to end."""
+
+    def __init__(self, executor: Executor) -> None:
+        self.executor = executor
+        self.exit_code = 0
+        self._stopped = False
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the loop should end."""
+        return self._stopped or not rclpy.ok()
+
+    def stop(self, exit_code: int = 0) -> None:
+        """End the loop after the callback that runs now; callable from a signal handler."""
+        self._stopped = True
+        self.exit_code = self.exit_code or exit_code
+
+    def spin(self) -> int:
+        """Handle events until stopped; return the exit code."""
+        while not self.stopped:
+            self.executor.spin_once(timeout_sec=_WAKE_S)
+        return self.exit_code
+
+    def spin_until(self, condition: Callable[[], bool], timeout_s: float) -> bool:
+        """Handle events until a condition holds; return whether it did in time."""
+        clock = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
+        deadline = clock.now().nanoseconds + int(timeout_s * 1e9)
+        while not self.stopped:
+            if condition():
+                return True
+            left = (deadline - clock.now().nanoseconds) / 1e9
+            if left <= 0:
+                return False
+            self.executor.spin_once(timeout_sec=min(left, _WAKE_S))
+        return condition()
+
+
+@contextmanager
+def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
+    """Start ROS, give an executor to add nodes to, and take everything down at the end.
+
+    SIGINT and SIGTERM stop the spinning after the present callback, so that nothing is cut in
+    the middle of a write.
+    """
+    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    spinning = Spinner(EventsExecutor())
+    before = {}
+
+    def on_signal(number: int, frame: FrameType | None) -> None:
+        spinning.stop()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        before[number] = signal.signal(number, on_signal)
+    try:
+        yield spinning
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for node in list(spinning.executor.get_nodes()):
+            spinning.executor.remove_node(node)
+            node.destroy_node()
+        spinning.executor.shutdown()
+        rclpy.try_shutdown()
+
+
+Loop = Callable[["Spinner"], int]
+
+
+def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None = None) -> int:
+    """Be the main function of a node's process.
+
+    Args:
+        start: makes nodes and adds them to the spinner's executor. It may return the main loop
+            that the process needs instead of handling one event after the other.
+        arguments: the command line, with ROS arguments; None: that of the process.
+
+    Returns:
+        The exit code: 1 after an error that a user has to mend, which is printed in one line.
+    """
+    try:
+        with spinner(arguments) as spinning:
+            loop = start(spinning)
+            return spinning.spin() if loop is None else loop(spinning)
+    except HitabError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return 0

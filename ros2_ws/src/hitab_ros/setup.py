@@ -1,0 +1,23 @@
+"""Builds the package hitab_ros (ament_python)."""
+
+from setuptools import find_packages, setup
+
+NAME = "hitab_ros"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="What all nodes share: names, qualities of service, conversions, executor loop.",
+    maintainer="HiTAB developers",
+    maintainer_email="hitab@example.org",
+    license="Apache-2.0",
+    packages=find_packages(exclude=["test", "test.*"]),
+    package_data={"": ["py.typed", "**/*.json", "**/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
+    zip_safe=True,
+)

@@ -1,0 +1,1 @@
+"""The node that puts any simulated world on topics and services."""

@@ -1,0 +1,70 @@
+"""The parameters of a world's node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from hitab_msgs.msg import WorldStatus
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+
+from hitab_core.errors import HitabError, has
+
+DESCRIPTIONS = {
+    "pace": "lockstep: the next cycle begins when every agent has answered; realtime",
+    "factor": "speed in real-time pace, as a factor of real time",
+    "seed": "of the run: episode i is seeded with it and i",
+    "paused": "wait for a resume, step or play before the first cycle",
+    "deadline": "s; in lockstep, how long an agent's answer is waited for",
+    "state_rate": "Hz; how often the truth is published while running",
+}
+_FLOATS = {"factor": (0.01, 1000.0), "deadline": (0.001, 3600.0), "state_rate": (0.1, 1000.0)}
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSettings:
+    """How a world is run; each field is a ROS parameter, described above."""
+
+    pace: str = WorldStatus.REALTIME
+    factor: float = 1.0
+    seed: int = 0
+    paused: bool = False
+    deadline: float = 2.0
+    state_rate: float = 30.0
+
+    @classmethod
+    def declare(cls, node: Node) -> WorldSettings:
+        """Declare the parameters and return their values.
+
+        Raises:
+            HitabError: if the pace is not one of the two.
+        """
+        values: dict[str, Any] = {}
+        for setting in fields(cls):
+            descriptor = ParameterDescriptor(
+                description=DESCRIPTIONS[setting.name], read_only=True
+            )
+            if setting.name in _FLOATS:
+                low, high = _FLOATS[setting.name]
+                descriptor.floating_point_range = [
+                    FloatingPointRange(from_value=low, to_value=high)
+                ]
+            elif setting.name == "seed":
+                descriptor.integer_range = [IntegerRange(from_value=0, to_value=2**63 - 1, step=1)]
+            values[setting.name] = node.declare_parameter(
+                setting.name, setting.default, descriptor
+            ).value
+        check_pace(values["pace"])
+        return cls(**values)
+
+
+def check_pace(pace: str) -> None:
+    """Check the name of a pace.
+
+    Raises:
+        HitabError: naming the ones there are.
+    """
+    paces = (WorldStatus.LOCKSTEP, WorldStatus.REALTIME)
+    if pace not in paces:
+        raise HitabError(f'unknown pace "{pace}" {has(paces)}')

@@ -1,0 +1,152 @@
+"""What a node that owns time needs of a world: a seam behind which other worlds can be put.
+
+A world is stepped by whoever holds it and knows neither ROS nor clocks. An episode is identified
+by the seed of the run and its number in the run: the same two and the same actions give the same
+episode, bit for bit. All quantities that cross this seam are in SI units; x points right, y up,
+angles are counter-clockwise (REP 103).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+Action = tuple[Sequence[float], str]
+"""What one agent does: values in the domain's own layout, and what it says ("" = nothing)."""
+
+Sensed = tuple[list[float], list[str]]
+"""What one agent perceives: values in the domain's own layout, and the messages it hears."""
+
+NAN = float("nan")
+
+
+class WorldError(ValueError):
+    """A request that a world refuses as a whole; the message names the way out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entity:
+    """Something in a world as it truly is: for viewers, never for agents.
+
+    Attributes:
+        name: unique in its world, such as ``keeper_1`` or ``ball``.
+        kind: such as ``keeper``, ``taker``, ``ball``.
+        x, y: centre, m.
+        heading: rad, counter-clockwise from x.
+        vx, vy: velocity, m/s.
+        radius: m.
+        say: what it said in the last cycle, "" = nothing.
+    """
+
+    name: str
+    kind: str
+    x: float
+    y: float
+    heading: float = 0.0
+    vx: float = 0.0
+    vy: float = 0.0
+    radius: float = 0.0
+    say: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Where to put an entity; NaN keeps what is. Units as in `Entity`."""
+
+    name: str
+    x: float = NAN
+    y: float = NAN
+    heading: float = NAN
+    vx: float = NAN
+    vy: float = NAN
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeResult:
+    """How an episode went.
+
+    Attributes:
+        number: of the episode in its run, from 0.
+        seed: of the run; ``reset(number, seed)`` plays the episode again.
+        cycles: how long it lasted, in cycles.
+        seconds: the same in simulated seconds.
+        ended: why it ended, such as ``"out"``; "" while it is being played.
+        measures: further figures of this kind of world, such as ``{"passes": 3.0}``.
+    """
+
+    number: int
+    seed: int
+    cycles: int
+    seconds: float
+    ended: str
+    measures: Mapping[str, float] = field(default_factory=dict)
+
+
+class World(Protocol):
+    """A simulation with agents in it, advanced cycle by cycle.
+
+    Attributes:
+        name: kind of world, which is also the name of its domain.
+        agents: names of those that perceive and act, in a fixed order.
+        cycle_seconds: simulated duration of a cycle, s.
+        size: width and height of the field, m; it is centred on the origin.
+        seed: of the run.
+        episode: number of the present episode, from 0.
+        cycle: cycles since the world was made; never goes back, except in `restore`.
+        episode_cycle: cycles since the present episode began.
+        ended: why the present episode has ended, "" while it is being played.
+        refused: what was wrong with actions of the last cycle, by agent; each such action was
+            treated as no action.
+    """
+
+    name: str
+    agents: tuple[str, ...]
+    cycle_seconds: float
+    size: tuple[float, float]
+    seed: int
+    episode: int
+    cycle: int
+    episode_cycle: int
+    ended: str
+    refused: Mapping[str, str]
+
+    def reset(self, episode: int | None = None, seed: int | None = None) -> None:
+        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+
+    def percept(self, agent: str) -> Sensed:
+        """Return what ``agent`` perceives now; asking again gives the same."""
+
+    def step(self, actions: Mapping[str, Action]) -> str | None:
+        """Advance by one cycle; agents that are not in ``actions`` do nothing.
+
+        Returns:
+            why the episode has ended with this cycle, or None. The world then stays as it is:
+            `reset` begins the next episode.
+
+        Raises:
+            WorldError: if the episode had ended before.
+        """
+
+    def entities(self) -> list[Entity]:
+        """Return everything in the world as it truly is now."""
+
+    def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
+        """Put things somewhere else, optionally beginning the next episode from there.
+
+        Raises:
+            WorldError: if anything cannot be placed; then nothing is.
+        """
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return the complete state, random generator included, as JSON-able data."""
+
+    def restore(self, snapshot: Mapping[str, Any]) -> None:
+        """Bring back a state that `snapshot` returned.
+
+        Raises:
+            WorldError: if the snapshot is not of such a world; then nothing has changed.
+        """
+
+    def result(self) -> EpisodeResult:
+        """Return how the present episode went so far."""

@@ -1,0 +1,312 @@
+"""The node that owns time: it puts a simulated world on topics and services."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hitab_msgs import msg
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock as ClockMessage
+
+from hitab_core.errors import HitabError
+from hitab_ros import names, qos
+from hitab_ros.conversions import time_of
+from hitab_ros.name_guard import refuse_second_of_name
+from hitab_ros.spinning import Loop, Spinner
+from hitab_world.attendance import Attendance
+from hitab_world.settings import WorldSettings
+from hitab_world.world import World
+from hitab_world.world_services import WorldServices
+
+NANOSECONDS = 1_000_000_000
+STATUS_PERIOD_NS = NANOSECONDS
+LOOK_FOR_VIEWERS_EVERY = 50  # cycles
+
+
+class WorldNode(Node):
+    """A world in the namespace of its name.
+
+    `run` is the process's main loop: a cycle sends a percept to each agent, waits for their
+    answers (lockstep) or for the time to pass (real time), and advances the world. While paused
+    the agents are shown the world at each change, so that what a demonstrator then commands is
+    recorded with what can be seen.
+    """
+
+    def __init__(self, make_world: Callable[[Node, int], World]) -> None:
+        """Make the node and its world.
+
+        Args:
+            make_world: given this node, to declare parameters on, and the seed.
+
+        Raises:
+            HitabError: if a parameter is not usable.
+        """
+        super().__init__("world", enable_rosout=False, start_parameter_services=False)
+        self.settings = settings = WorldSettings.declare(self)
+        self.world = make_world(self, settings.seed)
+        self.pace = settings.pace
+        self.factor = settings.factor
+        self.paused = settings.paused
+        self.steps_left = 0
+        self.episodes_left = 0
+        self.disturbed = True
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._sequence = 0
+        self._restart = True
+        self._note = ""
+        self._error = ""
+        self._next_cycle_ns = 0
+        self._next_state_ns = 0
+        self._next_status_ns = 0
+        self._viewed = self._clocked = False
+        self._percepts = {
+            name: (
+                self.create_publisher(
+                    msg.Percept, names.in_swarm(self, name, names.PERCEPT), qos.CYCLE
+                ),
+                msg.Percept(),
+            )
+            for name in self.world.agents
+        }
+        self.attendance = Attendance(
+            self.world.agents, lambda name: self._percepts[name][0].get_subscription_count() > 0
+        )
+        self._state = self.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
+        self._status = self.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
+        self._episodes = self.create_publisher(msg.Episode, names.EPISODES, qos.EVENTS)
+        self._clock_publisher = self.create_publisher(ClockMessage, names.CLOCK, qos.STREAM)
+
+    def join(self) -> None:
+        """Begin to listen and to answer, once it is certain that the name is free."""
+        self._actions = self.create_subscription(
+            msg.Action, names.ACTIONS, self._on_action, qos.CYCLE
+        )
+        self._world_services = WorldServices(self)
+
+    def _on_action(self, action: msg.Action) -> None:
+        self.attendance.take(action.agent, action.sequence, (action.values, action.say))
+
+    # -- the main loop ----------------------------------------------------------------------
+
+    def run(self, spinning: Spinner) -> int:
+        """Run the world until the spinner is stopped; return the exit code."""
+        while not spinning.stopped:
+            self._attend()
+            if self.paused and not self.steps_left:
+                if self.disturbed:
+                    self._show(spinning)
+                spinning.executor.spin_once(timeout_sec=0.1)
+            elif self.pace == msg.WorldStatus.LOCKSTEP and not self.attendance.present:
+                spinning.executor.spin_once(timeout_sec=0.1)  # nobody to play with yet
+            else:
+                self._cycle(spinning)
+        return spinning.exit_code
+
+    def _attend(self) -> None:
+        now = self._now_ns()
+        if now >= self._next_status_ns:
+            self._next_status_ns = now + STATUS_PERIOD_NS
+            if self.attendance.look():
+                self.disturbed = True
+            self.publish_status()
+
+    def _now_ns(self) -> int:
+        return int(self._steady.now().nanoseconds)
+
+    def _show(self, spinning: Spinner) -> None:
+        """Have the agents perceive the world as it stands, without acting."""
+        self.disturbed = False
+        self._send_percepts(look=True)
+        self._wait(spinning, self._now_ns() + int(self.settings.deadline * NANOSECONDS))
+        if not self.attendance.complete:
+            self.attendance.deadline_passed(exclude=True)
+        if self.disturbed:
+            return
+        self._publish_state()
+        self.publish_status()
+
+    def _cycle(self, spinning: Spinner) -> None:
+        self.disturbed = False
+        lockstep = self.pace == msg.WorldStatus.LOCKSTEP
+        self._send_percepts(look=False)
+        now = self._now_ns()
+        if lockstep:
+            deadline = now + int(self.settings.deadline * NANOSECONDS)
+        else:
+            period = int(self.world.cycle_seconds / self.factor * NANOSECONDS)
+            # After a pause or a hold-up the world goes on from now instead of catching up.
+            behind = now - self._next_cycle_ns > 5 * period
+            deadline = self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
+        self._wait(spinning, deadline, whole=not lockstep)
+        if self.disturbed or spinning.stopped:
+            return  # what they answered was about another situation
+        if not self.attendance.complete:
+            late = self.attendance.deadline_passed(exclude=lockstep)
+            self.report_error(
+                f"no answer in time from {', '.join(late)} in cycle {self.world.cycle}"
+            )
+        self._advance()
+
+    def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
+        """Handle events until all have answered, or, with ``whole``, until the deadline."""
+        attendance = self.attendance
+        spin_once = spinning.executor.spin_once
+        while not self.disturbed and not spinning.stopped:
+            if not whole and attendance.complete:
+                return
+            left = deadline_ns - self._now_ns()
+            if left <= 0:
+                return
+            spin_once(timeout_sec=min(left / NANOSECONDS, 0.1))
+
+    def _send_percepts(self, *, look: bool) -> None:
+        world = self.world
+        self._sequence += 1
+        self.attendance.begin(self._sequence)
+        stamp = time_of(world.cycle * world.cycle_seconds)
+        for name, (publisher, percept) in self._percepts.items():
+            values, heard = world.percept(name)
+            percept.stamp = stamp
+            percept.sequence = self._sequence
+            percept.cycle = world.cycle
+            percept.episode = world.episode
+            percept.seed = world.seed
+            percept.look = look
+            percept.restart = self._restart
+            percept.values = values
+            percept.heard = heard
+            publisher.publish(percept)
+        self._restart = False
+
+    def _advance(self) -> None:
+        world = self.world
+        ended = world.step(self.attendance.answers)
+        if world.refused:
+            self.report_error("; ".join(world.refused.values()))
+        if self._clocked:
+            self._clock_publisher.publish(
+                ClockMessage(clock=time_of(world.cycle * world.cycle_seconds))
+            )
+        if self.steps_left:
+            self.steps_left -= 1
+        if ended is not None:
+            self._end_episode(ended)
+        if world.cycle % LOOK_FOR_VIEWERS_EVERY == 0:
+            self._look_for_viewers()
+        if self.paused and not self.steps_left:
+            self.disturbed = True  # to be shown
+        elif self._viewed:
+            now = self._now_ns()
+            if now >= self._next_state_ns or ended is not None:
+                self._next_state_ns = now + int(NANOSECONDS / self.settings.state_rate)
+                self._publish_state()
+
+    def _look_for_viewers(self) -> None:
+        self._viewed = self._state.get_subscription_count() > 0
+        self._clocked = self._clock_publisher.get_subscription_count() > 0
+
+    # -- episodes ---------------------------------------------------------------------------
+
+    def _end_episode(self, ended: str) -> None:
+        result = self.world.result()
+        self._episodes.publish(
+            msg.Episode(
+                number=result.number,
+                seed=result.seed,
+                cycles=result.cycles,
+                seconds=result.seconds,
+                ended=result.ended,
+                measure_names=list(result.measures),
+                measures=[float(value) for value in result.measures.values()],
+            )
+        )
+        self._note = ended
+        if self.episodes_left:
+            self.episodes_left -= 1
+            if not self.episodes_left:
+                self.paused = True
+                self.steps_left = 0
+        self.begin_episode()
+
+    def begin_episode(self, number: int | None = None, seed: int | None = None) -> None:
+        """Begin the next episode, or the given one; agents begin at Start."""
+        self.world.reset(number, seed)
+        self.mark_restart()
+
+    def mark_restart(self) -> None:
+        """Have the agents begin at Start with the next percept."""
+        self._restart = True
+        self.disturbed = True
+
+    # -- telling ----------------------------------------------------------------------------
+
+    def report_error(self, text: str) -> None:
+        """Publish the status with an error, at most once for the same text."""
+        if text != self._error:
+            self._error = text
+            if text:
+                self.get_logger().warning(text)
+            self.publish_status()
+
+    def publish_status(self) -> None:
+        """Publish how the world runs."""
+        world = self.world
+        self._status.publish(
+            msg.WorldStatus(
+                stamp=time_of(world.cycle * world.cycle_seconds),
+                world=world.name,
+                mode=self._mode(),
+                pace=self.pace,
+                factor=self.factor,
+                cycle=world.cycle,
+                episode=world.episode,
+                seed=world.seed,
+                missed_deadlines=self.attendance.missed_deadlines,
+                agents=list(world.agents),
+                missing=self.attendance.missing,
+                episodes_left=self.episodes_left,
+                last_error=self._error,
+            )
+        )
+
+    def _mode(self) -> str:
+        paused = self.paused and not self.steps_left
+        return msg.WorldState.PAUSED if paused else msg.WorldState.RUNNING
+
+    def _publish_state(self) -> None:
+        world = self.world
+        fields = ("name", "kind", "x", "y", "heading", "vx", "vy", "radius", "say")
+        self._state.publish(
+            msg.WorldState(
+                stamp=time_of(world.cycle * world.cycle_seconds),
+                world=world.name,
+                mode=self._mode(),
+                cycle=world.cycle,
+                episode=world.episode,
+                episode_cycle=world.episode_cycle,
+                width=float(world.size[0]),
+                height=float(world.size[1]),
+                entities=[
+                    msg.Entity(**{field: getattr(entity, field) for field in fields})
+                    for entity in world.entities()
+                ],
+                note=self._note,
+            )
+        )
+        self._note = ""
+
+
+def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:
+    """Make the node of a world and return the loop that runs it.
+
+    Raises:
+        HitabError: if a parameter is not usable, or such a world runs already.
+    """
+    node = WorldNode(make_world)
+    spinning.executor.add_node(node)
+    refuse_second_of_name(spinning, [node], msg.WorldStatus)
+    node.join()
+    if not node.world.agents:
+        raise HitabError("a world without agents cannot be run")
+    return node.run
