@@ -1,0 +1,233 @@
+"""An agent without its robot: modes, what it keeps, what it refuses."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from hitab_core.agent import Agent, Mode
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.bundle import make_bundle
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.errors import LibraryError, TrainingError, VocabularyError
+from hitab_core.training_session import Curriculum
+from hitab_core.use import Use
+
+
+class Body:
+    """Sees one number and says which behavior was pulsed last."""
+
+    def __init__(self, name):
+        self.x = 0.0
+        self.did = ""
+
+    def sense(self, values, heard):
+        (self.x,) = values
+
+    def act(self):
+        did, self.did = self.did, ""
+        return [], did
+
+
+def domain():
+    def pulse(name):
+        return lambda body: setattr(body, "did", name)
+
+    return Domain.of(
+        "line", "1", Body,
+        behaviors=[BasicBehavior(n, pulse(n)) for n in ("Left", "Right", "Stay")],
+        features=[Feature("x", lambda body: body.x, unit="m")],
+    )  # fmt: skip
+
+
+@pytest.fixture
+def make(tmp_path):
+    def make(name="ann", **more):
+        made = domain()
+        library = BehaviorLibrary(tmp_path / name / "library", made)
+        return Agent(name, made, library, tmp_path / name, **more)
+
+    return make
+
+
+HOME = Curriculum("Home", (Use("x"),))
+
+
+def see(agent, x, cycle=1):
+    agent.sense([x], [], cycle)
+
+
+def do(agent, x):
+    see(agent, x)
+    agent.tick()
+    return agent.act()[1]
+
+
+def teach_home(agent):
+    agent.begin(HOME)
+    see(agent, 5.0)
+    agent.command(Use("Left"))
+    see(agent, 0.0)
+    agent.command(Use("Stay"))
+
+
+def test_an_agent_does_nothing_until_it_is_told_to(make):
+    agent = make()
+    assert agent.mode is Mode.IDLE
+    assert do(agent, 1.0) == ""
+    agent.perform(Use("Right"))
+    assert (agent.mode, agent.behavior) == (Mode.PERFORMING, "Right")
+    assert do(agent, 1.0) == "Right"
+
+
+def test_what_is_taught_is_tested_saved_and_performed(make):
+    agent = make()
+    teach_home(agent)
+    agent.test(restart=True)
+    assert [do(agent, x) for x in (9.0, 1.0, 0.0)] == ["Left", "Left", "Stay"]
+    automaton, path, _ = agent.save(description="go home")
+    assert path.exists()
+    assert automaton.description == "go home"
+    assert (agent.mode, agent.behavior, agent.session) == (Mode.PERFORMING, "Home", None)
+    assert do(agent, 2.0) == "Left"
+
+
+def test_a_saved_behavior_is_there_after_a_restart(make):
+    agent = make()
+    teach_home(agent)
+    agent.save()
+    again = make()
+    assert again.mode is Mode.IDLE
+    assert again.library_digest == agent.library_digest
+    again.perform(Use("Home"))
+    assert do(again, 3.0) == "Left"
+
+
+def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
+    agent = make()
+    with pytest.raises(TrainingError, match="begin a training first"):
+        agent.command(Use("Left"))
+    teach_home(agent)
+    agent.test()
+    with pytest.raises(TrainingError, match="training mode"):
+        agent.command(Use("Left"))
+    agent.perform(Use("Right"))
+    with pytest.raises(TrainingError, match="ann is not in training mode but performing"):
+        agent.command(Use("Left"))
+    assert len(agent.session.examples) == 4
+
+
+def test_an_unsaved_training_is_not_thrown_away_by_another_one(make):
+    agent = make()
+    teach_home(agent)
+    with pytest.raises(TrainingError, match='"Home" has 4 unsaved examples; save it'):
+        agent.begin(Curriculum("Other", (Use("x"),)))
+    agent.begin(Curriculum("Other", (Use("x"),)), discard=True)
+    assert agent.behavior == "Other"
+
+
+def test_a_training_that_is_refused_leaves_the_earlier_one_as_it_was(make):
+    agent = make()
+    agent.begin(HOME)
+    with pytest.raises(VocabularyError, match='unknown feature "z"'):
+        agent.begin(Curriculum("Other", (Use("z"),)))
+    assert agent.session.curriculum == HOME
+
+
+def test_a_training_survives_the_process_with_everything_that_was_done_to_it(make):
+    agent = make()
+    teach_home(agent)
+    see(agent, -4.0)
+    agent.command(Use("Right"))
+    agent.session.undo()
+    agent.session.relabel([4], Use("Right"))
+    agent.session.delete([2])
+    expected = agent.session.examples
+    agent._journal.close()  # as the end of the process does
+    again = make()
+    assert again.mode is Mode.TRAINING
+    assert again.session.examples == expected
+    assert again.session.curriculum == HOME
+    see(again, 7.0)
+    again.command(Use("Left"))
+    assert again.session.examples[-1].number > max(e.number for e in expected)
+
+
+def test_a_finished_training_does_not_come_back(make):
+    agent = make()
+    teach_home(agent)
+    agent.save()
+    assert make().session is None
+
+
+def test_training_goes_on_from_what_was_saved(make):
+    agent = make()
+    teach_home(agent)
+    agent.save()
+    agent.begin(Curriculum("Home", ()), resume="Home")
+    assert len(agent.session.examples) == 4
+    see(agent, -3.0)
+    agent.command(Use("Right"))
+    agent.save()
+    agent.perform(Use("Home"))
+    agent.restart(seed=1, episode=1)
+    assert len(agent.repertoire.automata["Home"].examples) == 6
+
+
+def test_training_does_not_go_on_with_features_that_were_not_recorded(make):
+    agent = make()
+    with pytest.raises(TrainingError, match="was not trained"):
+        agent.begin(Curriculum("Home", ()), resume="Left")
+
+
+def test_a_behavior_is_given_to_another_agent_with_all_that_it_is_made_of(make):
+    teacher, pupil = make("teacher"), make("pupil")
+    teach_home(teacher)
+    teacher.save()
+    teacher.begin(Curriculum("Out", (Use("x"),)))
+    teacher.command(Use("Home"))
+    teacher.save()
+    bundle = make_bundle(teacher.library.texts(), teacher.repertoire, "Out")
+    assert [name for name, _ in bundle.files] == ["Home", "Out"]
+    assert pupil.take_in(bundle) == bundle.digest
+    pupil.perform(Use("Out"))
+    assert do(pupil, 5.0) == "Left"
+
+
+def test_a_bundle_that_changed_on_its_way_is_refused_and_changes_nothing(make):
+    teacher, pupil = make("teacher"), make("pupil")
+    teach_home(teacher)
+    teacher.save()
+    bundle = make_bundle(teacher.library.texts(), teacher.repertoire, "Home")
+    changed = SimpleNamespace(
+        files=tuple((n, t.replace("5", "6")) for n, t in bundle.files),
+        digest=bundle.digest,
+        name=bundle.name,
+    )
+    with pytest.raises(LibraryError, match="changed on its way"):
+        pupil.take_in(changed)
+    assert not pupil.library.names()
+
+
+def test_a_new_version_of_a_behavior_is_performed_from_its_start(make):
+    teacher, pupil = make("teacher"), make("pupil")
+    teach_home(teacher)
+    teacher.save()
+    pupil.take_in(make_bundle(teacher.library.texts(), teacher.repertoire, "Home"))
+    pupil.perform(Use("Home"))
+    assert do(pupil, 0.0) == "Left"  # Start leads there; Left leads on
+    teacher.begin(Curriculum("Home", (Use("x"),)))
+    teacher.command(Use("Right"))
+    teacher.save()
+    pupil.take_in(make_bundle(teacher.library.texts(), teacher.repertoire, "Home"))
+    assert do(pupil, 0.0) == "Right"
+
+
+def test_the_same_seed_and_episode_give_the_same_decisions(make):
+    agent, other = make("one"), make("two")
+    draws = []
+    for who, episode in ((agent, 3), (agent, 3), (agent, 4), (other, 3)):
+        who.restart(seed=9, episode=episode)
+        draws.append([who._stage.draw() for _ in range(4)])
+    assert draws[0] == draws[1]
+    assert draws[0] != draws[2]
+    assert draws[0] != draws[3], "each agent has its own"
