@@ -1,0 +1,264 @@
+"""Where to draw the states of an automaton and the words on its arrows. Lengths are in inches.
+
+States stand on an ellipse, Start at the top, in the order in which arrows cross least. Words are
+moved along their arrows until they cover neither states nor other words.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+BENDS = (0.06, 0.1, 0.14, 0.18, 0.22, 0.26, 0.31, 0.36)
+"""How far an arrow may bow out to its right, in parts of its length; the least is the best."""
+
+GAP = 0.06
+"""Inches to be left between words, states and one another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A rectangle, by its middle and its size."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+
+    def share(self, points: Floats) -> float:
+        """Return which part of some points, shape (n, 2), is inside."""
+        near = np.abs(points - (self.x, self.y)) <= (self.width / 2, self.height / 2)
+        return float(near.all(axis=1).mean())
+
+
+def on_ellipse(n: int, width: float, height: float) -> list[tuple[float, float]]:
+    """Return n places on an ellipse, the first at the top, going right."""
+    if n == 1:
+        return [(0.0, 0.0)]
+    angles = [math.pi / 2 - 2 * math.pi * i / n for i in range(n)]
+    return [(width / 2 * math.cos(a), height / 2 * math.sin(a)) for a in angles]
+
+
+def least_crossed(states: Sequence[str], pairs: Sequence[tuple[str, str]]) -> list[str]:
+    """Return states in an order round a circle in which arrows are short and cross little.
+
+    The first stays first.
+    """
+    order = list(states)
+    ends = [tuple(sorted(pair)) for pair in dict.fromkeys(pairs) if pair[0] != pair[1]]
+
+    def cost(order: Sequence[str]) -> float:
+        n = len(order)
+        place = {state: i for i, state in enumerate(order)}
+        chords = [sorted((place[a], place[b])) for a, b in ends]
+        length = sum(min(b - a, n - b + a) for a, b in chords)
+        crossings = sum(a < c < b < d for a, b in chords for c, d in chords)
+        return length + 3.0 * crossings
+
+    best, better = cost(order), True
+    while better:
+        better = False
+        for i in range(1, len(order)):
+            for j in range(i + 1, len(order)):
+                swapped = order.copy()
+                swapped[i], swapped[j] = swapped[j], swapped[i]
+                if (found := cost(swapped)) < best - 1e-9:
+                    order, best, better = swapped, found, True
+    return order
+
+
+def curve(start: Box, end: Box, bend: float, points: int = 41) -> Floats:
+    """Return points, shape (points, 2), on the arrow between two states, from middle to middle.
+
+    It is the quadratic curve that matplotlib calls ``arc3``.
+    """
+    a, b = np.array([start.x, start.y]), np.array([end.x, end.y])
+    across = np.array([b[1] - a[1], a[0] - b[0]])
+    control = (a + b) / 2 + bend * across
+    t = np.linspace(0.0, 1.0, points)[:, None]
+    drawn: Floats = (1 - t) ** 2 * a + 2 * t * (1 - t) * control + t**2 * b
+    return drawn
+
+
+def bend_arrows(boxes: Mapping[str, Box], pairs: Sequence[tuple[str, str]]) -> list[float]:
+    """Return how far each arrow bows out, so that it touches no other state and no other's tip.
+
+    Args:
+        boxes: where the states are.
+        pairs: source and target of each arrow.
+    """
+    if not pairs:
+        return []
+    bends = np.empty((len(pairs), 2 * len(BENDS)))
+    tips = np.empty((len(pairs), 2 * len(BENDS), 2, 2))
+    alone = np.empty((len(pairs), 2 * len(BENDS)))
+    for i, (source, target) in enumerate(pairs):
+        # An arrow and the one back bow to different sides.
+        other_side = 1 if (target, source) in pairs else -1
+        bends[i] = [side * bend for bend in BENDS for side in (1, other_side)]
+        others = [_roomy(box) for state, box in boxes.items() if state not in (source, target)]
+        for k, bend in enumerate(bends[i]):
+            points = curve(boxes[source], boxes[target], bend, 201)
+            tips[i, k] = _tip(points, boxes[source]), _tip(points[::-1], boxes[target])
+            alone[i, k] = abs(bend) + 30.0 * sum(box.share(points) for box in others)
+    ends = np.array([[list(boxes).index(state) for state in pair] for pair in pairs])
+    meet = ends[:, None, None, None, :, None] == ends[None, None, :, None, None, :]
+    squared = (
+        (tips[:, :, None, None, :, None] - tips[None, None, :, :, None, :]) ** 2
+    ).sum(axis=-1)
+    nearness = (np.exp(-squared / 0.04) * meet).sum(axis=(-2, -1))
+    chosen = _settled(alone, nearness)
+    return [float(own[k]) for own, k in zip(bends, chosen, strict=True)]
+
+
+def _settled(alone: Floats, between: Floats) -> list[int]:
+    """Return a choice for each of some things that cost little together.
+
+    Args:
+        alone: shape (n, k), what each choice costs by itself.
+        between: shape (n, k, n, k), what two choices cost beside each other.
+    """
+    n, k = alone.shape
+    everyone = np.arange(n)
+    found: list[tuple[float, list[int]]] = []
+    for first in range(k):
+        chosen = np.full(n, first)
+        for _ in range(8):
+            before = chosen.copy()
+            for i in range(n):
+                others = everyone[everyone != i]
+                costs = alone[i] + between[i][:, others, chosen[others]].sum(axis=1)
+                chosen[i] = int(costs.argmin())
+            if (chosen == before).all():
+                break
+        together = between[everyone[:, None], chosen[:, None], everyone, chosen]
+        total = alone[everyone, chosen].sum() + (together.sum() - np.trace(together)) / 2
+        found.append((float(total), chosen.tolist()))
+    return min(found)[1]
+
+
+def _tip(points: Floats, box: Box) -> Floats:
+    """Return where a curve that begins in the middle of a box leaves it."""
+    inside = (np.abs(points - (box.x, box.y)) <= (box.width / 2, box.height / 2)).all(axis=1)
+    tip: Floats = points[int(np.argmin(inside))]
+    return tip
+
+
+def _roomy(box: Box) -> Box:
+    return Box(box.x, box.y, box.width + 4 * GAP, box.height + 4 * GAP)
+
+
+def place_words(
+    sizes: Sequence[tuple[float, float]],
+    curves: Sequence[Floats],
+    states: Sequence[Box],
+    width: float,
+    height: float,
+) -> list[Box]:
+    """Return where the words of each arrow go.
+
+    Args:
+        sizes: width and height of the words of each arrow.
+        curves: points on each arrow, shape (n, 2); those without words after those with.
+        states: where the states are.
+        width, height: of the panel around the origin.
+    """
+    candidates = [
+        _candidates(size, points) for size, points in zip(sizes, curves, strict=False)
+    ]
+    alone = [
+        _costs_alone(places, size, i, np.array(curves), states, width, height)
+        for i, (places, size) in enumerate(zip(candidates, sizes, strict=True))
+    ]
+    chosen = [int(costs.argmin()) for costs in alone]
+    for _ in range(8):
+        before = list(chosen)
+        for i, places in enumerate(candidates):
+            costs = alone[i].copy()
+            for j, c in enumerate(chosen):
+                if j != i:
+                    costs += 40.0 * _overlaps(places, sizes[i], _box(candidates[j][c], sizes[j]))
+            chosen[i] = int(costs.argmin())
+        if chosen == before:
+            break
+    return [
+        _box(places[c], size) for places, c, size in zip(candidates, chosen, sizes, strict=True)
+    ]
+
+
+def _box(place: Floats, size: tuple[float, float]) -> Box:
+    x, y = place.tolist()
+    return Box(x, y, *size)
+
+
+def _candidates(size: tuple[float, float], points: Floats) -> Floats:
+    """Return places, shape (n, 2), for words of this size on and close to an arrow."""
+    n = len(points)
+    along = points[n // 5 : n - n // 5]
+    direction = points[-1] - points[0]
+    normal = np.array([direction[1], -direction[0]]) / (np.hypot(*direction) or 1.0)
+    extent = float(abs(normal) @ size)
+    places: Floats = np.concatenate([
+        along + side * extent * normal for side in (0.0, 0.2, -0.2, 0.45, -0.45, 0.6, -0.6)
+    ])
+    return places
+
+
+def _overlaps(places: Floats, size: tuple[float, float], other: Box) -> Floats:
+    """Return the area, seen a gap larger, that words at each place have in common with a box."""
+    reach = np.array([size[0] + other.width, size[1] + other.height]) / 2 + GAP
+    common = reach - np.abs(places - (other.x, other.y))
+    areas: Floats = np.prod(np.maximum(common, 0.0), axis=1)
+    return areas
+
+
+def _costs_alone(
+    places: Floats,
+    size: tuple[float, float],
+    own: int,
+    curves: Floats,
+    states: Sequence[Box],
+    width: float,
+    height: float,
+) -> Floats:
+    """Return how bad each place is, whatever the other words do."""
+    half = np.array(size) / 2
+    away = np.abs(curves[None] - places[:, None, None, :])
+    covered = (away <= half).all(axis=3).mean(axis=2)  # of each arrow, by place
+    outside = np.maximum(np.abs(places) + half - (width / 2, height / 2), 0.0).sum(axis=1)
+    middle = np.hypot(*(places - curves[own, curves.shape[1] // 2]).T)
+    costs: Floats = (
+        60.0 * sum(_overlaps(places, size, state) for state in states)
+        + 200.0 * outside
+        + 6.0 * (covered.sum(axis=1) - covered[:, own])
+        + 0.5 * (covered[:, own] == 0)
+        + 0.3 * middle
+    )
+    return costs
+
+
+Measure = Callable[[str], tuple[float, float]]
+"""Gives the width and height of a text as it will be drawn."""
+
+
+def state_boxes(
+    order: Sequence[str], width: float, height: float, measure: Measure, margin: float = 0.0
+) -> Mapping[str, Box]:
+    """Return where each state goes in a panel of this size, as large as its name needs.
+
+    ``margin`` is left free at both sides for words.
+    """
+    sizes = {state: measure(state) for state in order}
+    widest = max(size[0] for size in sizes.values()) + 0.35
+    tallest = max(size[1] for size in sizes.values()) + 0.3
+    places = on_ellipse(len(order), width - max(widest, 2 * margin) - 0.3, height - tallest - 0.3)
+    return {
+        state: Box(x, y, sizes[state][0] + 0.3, tallest)
+        for state, (x, y) in zip(order, places, strict=True)
+    }
