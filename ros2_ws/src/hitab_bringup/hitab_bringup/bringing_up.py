@@ -47,9 +47,11 @@ def bring_up(
     domain_id = domain_ids.for_swarm()
     _refuse_conflicts(swarm, domain_id)
     remove_stale()
-    with _started(swarm, folder, domain_id, temporary=False) as record:
-        with RosLink(domain_id) as link:
-            _await_all(record, folder, link, swarm, progress)
+    with (
+        _started(swarm, folder, domain_id, temporary=False) as record,
+        RosLink(domain_id) as link,
+    ):
+        _await_all(record, folder, link, progress)
     return record
 
 
@@ -76,7 +78,7 @@ def temporary_swarm(
         stack.callback(supervision.stop, folder)
         record = stack.enter_context(_started(swarm, folder, domain_id, temporary=True))
         link = stack.enter_context(RosLink(domain_id))
-        agents, world = _await_all(record, folder, link, swarm, progress)
+        agents, world = _await_all(record, folder, link, progress)
         yield RunningSwarm(folder, record, link, agents, world)
 
 
@@ -111,7 +113,6 @@ def _await_all(
     record: RunRecord,
     folder: RunFolder,
     link: RosLink,
-    swarm: SwarmDescription,
     progress: Progress | None,
 ) -> tuple[SwarmClient, WorldClient]:
     """Wait until everybody is heard of, and until the world hears everybody."""

@@ -27,9 +27,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
-from hitab_core.use import Use
-
 from hitab_bringup.conditions import Condition
+from hitab_core.use import Use
 
 WITHIN = 20.0
 """Simulated seconds within which an awaited condition must hold, unless a step says otherwise."""

@@ -7,10 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hitab_core.errors import HitabError, has
-from hitab_core.use import Use
-from hitab_core.yaml_places import Complaints, read_yaml
-
 from hitab_bringup.conditions import Passed, parse_condition
 from hitab_bringup.errors import LessonError
 from hitab_bringup.lesson import (
@@ -34,6 +30,9 @@ from hitab_bringup.lesson import (
 )
 from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.yaml_fields import Fields
+from hitab_core.errors import HitabError, has
+from hitab_core.use import Use
+from hitab_core.yaml_places import Complaints, read_yaml
 
 
 def read_lesson(path: Path) -> Lesson:
@@ -68,8 +67,10 @@ def parse_lesson(text: str, path: Path) -> Lesson:
 
 def _step(fields: Fields, agent: str) -> Step | None:
     kinds = [kind for kind in STEPS if kind in fields]
+    if "place" in kinds and "new_episode" in kinds:
+        kinds.remove("new_episode")  # there it is an option of `place`
     if len(kinds) != 1:
-        keys = fields.keys()
+        keys = fields.names()
         near = "".join(filter(None, (did_you_mean(key, STEPS) for key in keys)))[:60]
         told = "needs exactly one kind" if kinds else "has no known kind"
         fields.complain(f"a step {told} {has(STEPS)}{near}")
@@ -96,7 +97,7 @@ def _say(fields: Fields, line: int, agent: str) -> Step:
 def _place(fields: Fields, line: int, agent: str) -> Step:
     things: dict[str, dict[str, float]] = {}
     group = fields.inner("place")
-    for name in group.keys():
+    for name in group.names():
         thing = group.inner(name)
         place = {key: thing.number(key, None) for key in ("x", "y", "heading", "vx", "vy")}
         thing.done()
@@ -115,7 +116,7 @@ def _begin(fields: Fields, line: int, agent: str) -> Step:
         fields.text("begin") or "",
         fields.texts("features", ()),
         fields.texts("states", ()),
-        {name: bound.text(name) or "" for name in bound.keys()},
+        {name: bound.text(name) or "" for name in bound.names()},
         fields.text("resume", ""),
         fields.text("classifier", ""),
     )
@@ -152,7 +153,7 @@ def _save(fields: Fields, line: int, agent: str) -> Step:
         line,
         agent,
         fields.text("name", ""),
-        {name: bind.text(name) or "" for name in bind.keys()},
+        {name: bind.text(name) or "" for name in bind.names()},
         fields.text("description", ""),
     )
 

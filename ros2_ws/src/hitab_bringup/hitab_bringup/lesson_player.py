@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from hitab_core.errors import HitabError
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control, EditExamples
 
@@ -38,6 +37,7 @@ from hitab_bringup.lesson import (
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.world_client import WorldClient
 from hitab_bringup.world_view import WorldView, speakers
+from hitab_core.errors import HitabError
 
 
 @dataclass
@@ -111,9 +111,10 @@ class LessonPlayer:
         began = time.monotonic()
         before = self.world.wait()
         running, pace = before.mode == WorldState.RUNNING, before.pace
-        self.world.control(Control.Request.PAUSE)
         self.world.control(Control.Request.PACE, pace="lockstep")
-        start = self._seconds(self._step_world())
+        start = self._seconds(
+            self.world.changed(lambda: self.world.control(Control.Request.PAUSE))
+        )
         try:
             for index, step in enumerate(self.lesson.steps):
                 if self._progress is not None:
@@ -188,12 +189,12 @@ class LessonPlayer:
     # -- the steps --------------------------------------------------------------------------
 
     def _place(self, step: Place) -> None:
-        self.world.place(step.things, new_episode=step.new_episode)
-        self._step_world()  # everybody perceives it
+        self.world.changed(
+            lambda: self.world.place(step.things, new_episode=step.new_episode)
+        )
 
     def _new_episode(self, step: NewEpisode) -> None:
-        self.world.control(Control.Request.RESET)
-        self._step_world()
+        self.world.changed(lambda: self.world.control(Control.Request.RESET))
 
     def _begin(self, step: Begin) -> None:
         self.swarm.begin(

@@ -107,7 +107,7 @@ class RosLink:
         request: Any,
         *,
         missing: Callable[[], str],
-        discovery: float = 5.0,
+        discovery: float = 8.0,
         seconds: float = CALL_SECONDS,
     ) -> Any:
         """Call a service and return its answer, whatever it says.

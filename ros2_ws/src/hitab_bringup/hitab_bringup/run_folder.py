@@ -1,12 +1,12 @@
 """Where a running swarm keeps its files, and how the other verbs find it.
 
-    ~/.local/state/hitab/            or $XDG_STATE_HOME/hitab, or $HITAB_HOME
-      keepaway/                      the run folder of swarm "keepaway"
-        run.json                     there while the swarm is up
-        supervisord.conf  supervisord.log  logs/keeper_1.log ...
-        libraries/keeper_1/          kept from run to run
-        state/keeper_1/              journals of trainings
-      running/keepaway -> ../keepaway
+~/.local/state/hitab/            or $XDG_STATE_HOME/hitab, or $HITAB_HOME
+keepaway/                      the run folder of swarm "keepaway"
+run.json                     there while the swarm is up
+supervisord.conf  supervisord.log  logs/keeper_1.log ...
+libraries/keeper_1/          kept from run to run
+state/keeper_1/              journals of trainings
+running/keepaway -> ../keepaway
 """
 
 from __future__ import annotations
@@ -20,9 +20,8 @@ from pathlib import Path
 
 import psutil
 
-from hitab_core.errors import has
-
 from hitab_bringup.errors import SwarmError
+from hitab_core.errors import has
 
 MARK = "HITAB_RUN_FOLDER"
 """Environment variable by which the processes of a run folder are recognized."""

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from hitab_core.errors import has
 from hitab_msgs.msg import AgentStatus, Command, DistributionAck
 from hitab_msgs.srv import (
     BeginTraining,
@@ -21,14 +20,17 @@ from hitab_msgs.srv import (
     SaveBehavior,
     SetMode,
 )
-from hitab_ros import qos
 
 from hitab_bringup import names
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.ros_link import RosLink
 from hitab_bringup.suggest import did_you_mean
+from hitab_core.errors import has
+from hitab_ros import qos
 
-DISCOVERY_SECONDS = 5.0
+DISCOVERY_SECONDS = 8.0
+"""Nodes mostly find each other within a second, but it may take several."""
+
 ACKNOWLEDGE_SECONDS = 10.0
 
 

@@ -22,14 +22,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from hitab_core.errors import HitabError, has
-from hitab_core.use import NAME, Use
-from hitab_core.yaml_places import Complaints, read_yaml
-
 from hitab_bringup.errors import DescriptionError
 from hitab_bringup.names import WORLD
 from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.yaml_fields import Fields
+from hitab_core.errors import HitabError, has
+from hitab_core.use import NAME, Use
+from hitab_core.yaml_places import Complaints, read_yaml
 
 PACES = ("lockstep", "realtime")
 RESERVED = (WORLD, "distribution", "distribution_ack", "clock")
@@ -153,7 +152,7 @@ def _world(top: Fields) -> WorldDescription:
 
 def _scalars(fields: Fields) -> dict[str, Any]:
     found = {}
-    for key in fields.keys():
+    for key in fields.names():
         value = fields.raw(key)
         if isinstance(value, list | dict) or value is None:
             fields.complain(f"`{key}:` must be a number, a text, true or false", key)
@@ -201,13 +200,13 @@ class _Common:
                 "path, which begins at this file, or leave it out to begin with nothing",
                 "start_from",
             )
-        if found.library != above.library and "{agent}" not in found.library:
-            if not (base / found.library).is_dir():
-                fields.complain(
-                    f'`library:` there is no folder "{found.library}"; make it, or leave '
-                    "`library` out and each agent has its own in the run folder",
-                    "library",
-                )
+        own = found.library != above.library and "{agent}" not in found.library
+        if own and not (base / found.library).is_dir():
+            fields.complain(
+                f'`library:` there is no folder "{found.library}"; make it, or leave '
+                "`library` out and each agent has its own in the run folder",
+                "library",
+            )
         return found
 
 
@@ -215,10 +214,10 @@ def _agents(top: Fields, common: _Common, base: Path) -> list[AgentDescription]:
     group = top.inner("agents")
     agents: list[AgentDescription] = []
     owners: dict[str, str] = {}
-    if "agents" not in top or not group.keys():
+    if "agents" not in top or not group.names():
         top.complain("a swarm needs `agents:`, a line with a name each")
     domains: dict[str, Any] = {}
-    for key in group.keys():
+    for key in group.names():
         fields = group.inner(key)
         _check_name(group, key, "agent", key)
         own = _Common.of(fields, base, common)

@@ -65,7 +65,7 @@ def processes(swarm: SwarmDescription, folder: Path) -> list[Process]:
     """
     found = []
     if swarm.world is not None:
-        found.append(_world(swarm.world, swarm.agent_names))
+        found.append(_world(swarm.world))
     shared: dict[str, list[AgentDescription]] = {}
     for agent in swarm.agents:
         shared.setdefault(agent.process, []).append(agent)
@@ -77,9 +77,8 @@ def processes(swarm: SwarmDescription, folder: Path) -> list[Process]:
     return found
 
 
-def _world(world: WorldDescription, agents: tuple[str, ...]) -> Process:
+def _world(world: WorldDescription) -> Process:
     parameters: dict[str, Any] = {
-        "agents": agents,
         "pace": world.pace,
         "factor": world.factor,
         "seed": world.seed,

@@ -7,11 +7,11 @@ from typing import Any
 
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
-from hitab_ros import qos
 
 from hitab_bringup import names
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.ros_link import RosLink
+from hitab_ros import qos
 
 NO_WORLD = "no world answers; is the swarm up, and has it one? `hitab up SWARM.yaml` starts it"
 NAN = float("nan")
@@ -25,9 +25,10 @@ class WorldClient:
         self.prefix = prefix
         self.status: WorldStatus | None = None
         self.state: WorldState | None = None
+        self._states = 0
         self.episodes: list[Episode] = []
         link.subscribe(WorldStatus, self._name("status"), self._take_status, qos.LATCHED)
-        link.subscribe(WorldState, self._name("state"), self._take_state, qos.STREAM)
+        link.subscribe(WorldState, self._name("state"), self._take_state, qos.LATCHED)
         link.subscribe(Episode, self._name("episodes"), self.episodes.append, qos.EVENTS)
 
     def _name(self, name: str) -> str:
@@ -38,8 +39,9 @@ class WorldClient:
 
     def _take_state(self, state: WorldState) -> None:
         self.state = state
+        self._states += 1
 
-    def wait(self, seconds: float = 5.0) -> WorldStatus:
+    def wait(self, seconds: float = 8.0) -> WorldStatus:
         """Wait for the world and return its status.
 
         Raises:
@@ -86,17 +88,29 @@ class WorldClient:
         Raises:
             SwarmError: if it does not come.
         """
+        return self._awaited(lambda state: state.cycle >= cycle, f"reach cycle {cycle}", seconds)
 
-        def there() -> bool:
-            return self.state is not None and self.state.cycle >= cycle
-
-        if not self.link.spin_until(there, seconds):
+    def _awaited(
+        self, right: Callable[[WorldState], bool], what: str, seconds: float
+    ) -> WorldState:
+        if not self.link.spin_until(
+            lambda: self.state is not None and right(self.state), seconds
+        ):
             raise SwarmError(
-                f"the world did not reach cycle {cycle} within {seconds:g} s; "
-                "see the log of its process"
+                f"the world did not {what} within {seconds:g} s; see the log of its process"
             )
         assert self.state is not None
         return self.state
+
+    def changed(self, change: Callable[[], Any], seconds: float = 10.0) -> WorldState:
+        """Change a paused world and return its state once the agents have perceived the change.
+
+        Raises:
+            SwarmError: if the world refuses, or does not show itself.
+        """
+        before = self._states
+        change()
+        return self._awaited(lambda _: self._states > before, "show itself", seconds)
 
     def place(
         self, things: Mapping[str, Mapping[str, float]], *, new_episode: bool = False
@@ -138,19 +152,19 @@ class WorldClient:
         )
         before = len(self.episodes)
         self.ask(Play, "play", episodes=episodes, seed=seed)
-        seen = 0
-        while seen < episodes:
-            if not self.link.spin_until(
-                lambda: len(self.episodes) - before > seen, stall_seconds
-            ):
+        while (seen := len(self.episodes) - before) < episodes:
+            if progress is not None:
+                progress(seen)
+            so_far = len(self.episodes)
+            if not self._more_episodes_than(so_far, stall_seconds):
                 raise SwarmError(
                     f"no episode has ended for {stall_seconds:g} s after {seen} of {episodes}"
                     f"{self._why_stalled()}"
                 )
-            seen = len(self.episodes) - before
-            if progress is not None:
-                progress(seen)
         return self.episodes[before:]
+
+    def _more_episodes_than(self, number: int, seconds: float) -> bool:
+        return self.link.spin_until(lambda: len(self.episodes) > number, seconds)
 
     def _why_stalled(self) -> str:
         if self.status is None:

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from hitab_core.errors import has
-
 from hitab_bringup.errors import LessonError
 from hitab_bringup.suggest import did_you_mean
+from hitab_core.errors import has
 
 CLOSEST = "closest "
 
@@ -56,14 +55,17 @@ class WorldView:
             kind = name[len(CLOSEST) :]
             near = [t for t in self.things if t.kind == kind and t.name != seen_from]
             if not near or not seen_from:
-                raise LessonError(f'there is no "{kind}" here {has({t.kind for t in self.things})}')
+                kinds = has({t.kind for t in self.things})
+                raise LessonError(f'there is no "{kind}" here {kinds}')
             origin = self.thing(seen_from)
             return min(near, key=lambda t: math.hypot(t.x - origin.x, t.y - origin.y))
         for thing in self.things:
             if thing.name == name:
                 return thing
         names = [t.name for t in self.things]
-        raise LessonError(f'there is no "{name}" in the world {has(names)}{did_you_mean(name, names)}')
+        raise LessonError(
+            f'there is no "{name}" in the world {has(names)}{did_you_mean(name, names)}'
+        )
 
     def distance(self, one: str, other: str) -> float:
         """Return the distance between two things, m."""

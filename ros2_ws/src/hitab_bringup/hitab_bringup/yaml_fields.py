@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from hitab_bringup.suggest import did_you_mean
 from hitab_core.errors import has
 from hitab_core.yaml_places import Complaints, Document, Path
-
-from hitab_bringup.suggest import did_you_mean
 
 REQUIRED: Any = object()
 
@@ -42,8 +41,8 @@ class Fields:
         """Note a complaint about this mapping, or about something in it."""
         self.complaints.add((*self.path, *inner), text)
 
-    def keys(self) -> list[str]:
-        """Return the keys, in order; they count as asked for."""
+    def names(self) -> list[str]:
+        """Return the names of all fields, in order; they count as asked for."""
         self._asked.update(self._value)
         return list(self._value)
 

@@ -1,0 +1,113 @@
+"""What the command prints: messages and progress on stderr, results and JSON on stdout."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hitab_bringup.suggest import did_you_mean
+from hitab_core.errors import HitabError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_UNKNOWN = re.compile(r'(?:unknown|no) [\w ]+ "([^"(]+)[^"]*".*?\(has: ([^)]+)\)')
+
+
+def out() -> Console:
+    """Return a console for results."""
+    from rich.console import Console
+
+    return Console(highlight=False)
+
+
+def err() -> Console:
+    """Return a console for what is not a result."""
+    from rich.console import Console
+
+    return Console(stderr=True, highlight=False)
+
+
+def say(text: str) -> None:
+    """Print a result in plain text."""
+    print(text)
+
+
+def note(text: str) -> None:
+    """Print something that is not a result."""
+    print(text, file=sys.stderr)
+
+
+def error(text: str) -> None:
+    """Print an error, with what the user may have meant, if it tells what there is."""
+    hint = ""
+    if "Did you mean" not in text and (match := _UNKNOWN.search(text)):
+        hint = did_you_mean(match.group(1), match.group(2).split(", "))
+    err().print(f"[bold red]error:[/] {_escaped(text)}{_escaped(hint)}", soft_wrap=True)
+
+
+def _escaped(text: str) -> str:
+    from rich.markup import escape
+
+    return escape(text)
+
+
+def write_json(path: str | None, data: Any) -> None:
+    """Write figures as JSON: to a file, or to stdout if the path is ``-``; not at all if None.
+
+    Raises:
+        HitabError: if the file cannot be written.
+    """
+    if path is None:
+        return
+    text = json.dumps(data, indent=2, ensure_ascii=False) + "\n"
+    if path == "-":
+        sys.stdout.write(text)
+        return
+    try:
+        Path(path).write_text(text, encoding="utf-8")
+    except OSError as wrong:
+        raise HitabError(f"{path} cannot be written: {wrong.strerror}") from None
+
+
+Advance = Callable[[int, int, str], None]
+"""Called with how much is done, of how much, and what is being done."""
+
+
+@contextmanager
+def progress(description: str, unit: str = "") -> Iterator[Advance]:
+    """Show a progress bar on stderr for as long as this lasts, if that is a terminal."""
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
+    console = err()
+    bar = Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=30),
+        MofNCompleteColumn(),
+        TextColumn(unit),
+        TimeElapsedColumn(),
+        TextColumn("[dim]{task.fields[doing]}"),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    )
+    with bar:
+        task = bar.add_task(description, total=None, doing="")
+
+        def advance(done: int, total: int, doing: str) -> None:
+            bar.update(task, completed=done, total=total, doing=doing[:60])
+
+        yield advance

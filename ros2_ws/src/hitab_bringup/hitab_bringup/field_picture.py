@@ -1,0 +1,104 @@
+"""Draws the field of a world: who is where, who looks where, and which way things went."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hitab_bringup.plots import figure, save
+from hitab_bringup.world_view import Thing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLORS = {"keeper": "#1f5fb4", "taker": "#c43c2b", "ball": "#f5f5f0"}
+GRASS = "#5d9150"
+JUMP = 2.5  # m; nothing moves so far in a cycle: it was put there
+
+
+def draw_field(
+    moments: Sequence[Sequence[Thing]],
+    width: float,
+    height: float,
+    path: Path,
+    title: str = "",
+) -> None:
+    """Draw the last of some moments, with the paths that led there.
+
+    Args:
+        moments: everything in the world, moment by moment.
+        width, height: of the field, m; it is centred on the origin.
+        path: where to; the suffix tells the format.
+        title: above the picture.
+    """
+    drawing, axes = figure(6.4, 6.4 * height / width + 0.3)
+    axes.set_facecolor(GRASS)
+    axes.add_patch(_rectangle(width, height))
+    for name in [thing.name for thing in moments[-1]]:
+        _draw_path(axes, name, moments)
+    for thing in sorted(moments[-1], key=lambda thing: thing.kind == "ball"):
+        _draw_thing(axes, thing)
+    margin = 0.08 * width
+    axes.set_xlim(-width / 2 - margin, width / 2 + margin)
+    axes.set_ylim(-height / 2 - margin, height / 2 + margin)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, m")
+    axes.set_ylabel("y, m")
+    if title:
+        axes.set_title(title, fontsize=10)
+    save(drawing, path)
+
+
+def _rectangle(width: float, height: float) -> Any:
+    from matplotlib.patches import Rectangle
+
+    corner = (-width / 2, -height / 2)
+    return Rectangle(corner, width, height, fill=False, edgecolor="white", linewidth=1.5)
+
+
+def _draw_path(axes: Axes, name: str, moments: Sequence[Sequence[Thing]]) -> None:
+    points: list[tuple[float, float]] = []
+    kind = ""
+    for moment in moments:
+        for thing in moment:
+            if thing.name != name:
+                continue
+            kind = thing.kind
+            if points and max(abs(thing.x - points[-1][0]), abs(thing.y - points[-1][1])) > JUMP:
+                points = []
+            points.append((thing.x, thing.y))
+    if len(points) > 1:
+        xs, ys = zip(*points, strict=True)
+        axes.plot(xs, ys, color=COLORS.get(kind, "#333333"), linewidth=1.2, alpha=0.6)
+
+
+def _draw_thing(axes: Axes, thing: Any) -> None:
+    import math
+
+    from matplotlib.patches import Circle
+
+    color = COLORS.get(thing.kind, "#333333")
+    # Drawn larger than life, to be seen.
+    radius = max(2.0 * thing.radius, 0.22)
+    axes.add_patch(
+        Circle((thing.x, thing.y), radius, facecolor=color, edgecolor="black", zorder=3)
+    )
+    if thing.kind == "ball":
+        return
+    axes.plot(
+        [thing.x, thing.x + 1.6 * radius * math.cos(thing.heading)],
+        [thing.y, thing.y + 1.6 * radius * math.sin(thing.heading)],
+        color="black",
+        linewidth=1.5,
+        zorder=4,
+    )
+    number = thing.name.rsplit("_", 1)[-1]
+    axes.text(
+        thing.x, thing.y, number, color="white", fontsize=8, ha="center", va="center", zorder=5
+    )
+    if thing.say:
+        axes.annotate(
+            f"“{thing.say}”", (thing.x, thing.y), textcoords="offset points", xytext=(8, 10),
+            fontsize=8, color="white", zorder=6,
+        )

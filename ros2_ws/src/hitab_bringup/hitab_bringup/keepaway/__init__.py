@@ -1,0 +1,1 @@
+"""Keepaway soccer as a job: train three keepers, evaluate them, compare with the paper."""

@@ -1,0 +1,156 @@
+"""The verbs under `hitab keepaway`, and `hitab demo`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from hitab_bringup import console
+from hitab_bringup.verbs.options import JsonPath
+
+app = typer.Typer(help="Keepaway soccer: evaluate keepers, draw the field.", no_args_is_help=True)
+
+Episodes = Annotated[int, typer.Option("--episodes", "-n", help="How many to play.", min=1)]
+Seed = Annotated[
+    int, typer.Option(help="Of the run: the same one gives the same episodes.", min=0)
+]
+TakerSpeed = Annotated[float, typer.Option(help="Of full speed; the paper: a quarter.", min=0.0)]
+
+
+@app.command()
+def evaluate(
+    library: Annotated[
+        Path | None,
+        typer.Option("--library", "-l", help="A library folder; by default, the shipped one."),
+    ] = None,
+    episodes: Episodes = 200,
+    taker_speed: TakerSpeed = 0.25,
+    seed: Seed = 1,
+    pace: Annotated[
+        str,
+        typer.Option(help="lockstep: a process per keeper, over ROS; inprocess: without ROS."),
+    ] = "lockstep",
+    behavior: Annotated[str, typer.Option(help="The keepers' top-level behavior.")] = "Keepaway",
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option("--parameter", metavar="NAME=VALUE", help="Another figure of the game; "
+                     "repeat."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Where to draw the lengths of the episodes, PNG or SVG.")
+    ] = None,
+    json: JsonPath = None,
+) -> None:
+    """Play episodes with trained keepers and sum up how long they keep the ball.
+
+    Examples:
+
+      hitab keepaway evaluate --episodes 50
+
+      hitab keepaway evaluate -l hitab-demo/library --pace inprocess --json figures.json
+
+      hitab keepaway evaluate --taker-speed 1.0 --parameter sight=full
+    """
+    from hitab_bringup.keepaway.evaluation import PACES
+    from hitab_bringup.keepaway.evaluation import evaluate as play
+    from hitab_bringup.shipped import shipped
+
+    if pace not in PACES:
+        raise typer.BadParameter(f'pace "{pace}" is not one of {", ".join(PACES)}')
+    folder = library or shipped("libraries") / "keepaway"
+    parameters: dict[str, Any] = {"taker_speed": taker_speed, **_figures(parameter or [])}
+    with console.progress("evaluating", "episodes") as advance:
+        evaluation = play(
+            folder,
+            behavior=behavior,
+            episodes=episodes,
+            seed=seed,
+            pace=pace,
+            parameters=parameters,
+            advance=advance,
+        )
+    figures = evaluation.to_json()
+    if json != "-":
+        console.say(summary(figures))
+    if plot is not None:
+        from hitab_bringup.keepaway.figures import draw_episode_lengths
+
+        draw_episode_lengths(evaluation, plot)
+        console.note(f"plot in {plot}")
+    console.write_json(json, figures)
+
+
+def _figures(texts: list[str]) -> dict[str, Any]:
+    """Read ``NAME=VALUE`` options; values as YAML reads them."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise typer.BadParameter(f'"{text}" is not NAME=VALUE, such as takers=3')
+        from hitab_core.yaml_places import read_yaml
+
+        found[name] = read_yaml(value, "--parameter").value
+    return found
+
+
+def summary(figures: dict[str, Any]) -> str:
+    """Return an evaluation in words."""
+    hold, passes, ended = figures["hold_time_s"], figures["passes"], figures["ended"]
+    missed = figures["missed_deadlines"]
+    lines = [
+        f"hold time  {hold['mean']:.2f} ± {hold['se']:.2f} s",
+        f"passes     {passes['mean']:.2f} ± {passes['se']:.2f}",
+        f"episodes   {figures['episodes']}: "
+        + ", ".join(f"{count} {how}" for how, count in ended.items()),
+        f"speed      {figures['cycles']} cycles in {figures['wall_s']:.1f} s "
+        f"({figures['cycles_per_s']:.0f} cycles/s, {figures['pace']}), "
+        f"{missed} missed deadline{'' if missed == 1 else 's'}",
+    ]
+    return "\n".join(lines)
+
+
+@app.command()
+def picture(
+    path: Annotated[Path, typer.Argument(help="Where to draw it, PNG or SVG.")],
+    swarm: Annotated[str | None, typer.Option(help="Which, if several are up.")] = None,
+) -> None:
+    """Draw the field of the swarm that is up, as it is now.
+
+    Example:
+
+      hitab keepaway picture field.png
+    """
+    from hitab_bringup.field_picture import draw_field
+    from hitab_bringup.verbs.connection import connection
+
+    with connection(swarm) as swarm_up:
+        swarm_up.world.wait()
+        state = swarm_up.world.state_at(0)
+    draw_field([state.entities], state.width, state.height, path)
+    console.say(f"drawn to {path}")
+
+
+def demo(
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Where pictures, figures and the library go.")
+    ] = Path("hitab-demo"),
+    episodes: Episodes = 200,
+    seed: Seed = 1,
+    json: JsonPath = None,
+) -> None:
+    """Train three keepers over ROS topics, play, and compare with the paper.
+
+    Starts a world and three keepers, each a process of its own; plays the four lessons from an
+    empty library; distributes what was learned; plays episodes against slow takers. Takes two to
+    three minutes.
+
+    Example:
+
+      hitab demo --out my-demo
+    """
+    from hitab_bringup.keepaway.demo import run_demo
+
+    figures = run_demo(out, episodes, seed)
+    console.write_json(json, figures)

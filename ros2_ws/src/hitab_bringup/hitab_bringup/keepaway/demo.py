@@ -1,0 +1,197 @@
+"""The main job: train three keepers over ROS topics, play, and compare with the paper."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hitab_bringup import console
+from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.field_picture import draw_field
+from hitab_bringup.keepaway import paper
+from hitab_bringup.keepaway.evaluation import (
+    Evaluation,
+    play_lockstep,
+    trained_keepers,
+)
+from hitab_bringup.keepaway.figures import draw_episode_lengths
+from hitab_bringup.lesson_file import read_lesson
+from hitab_bringup.lesson_player import LessonPlayer, LessonReport
+from hitab_bringup.libraries import copy_library
+from hitab_bringup.opened_library import open_library
+from hitab_bringup.shipped import find_file
+from hitab_core.errors import HitabError
+
+LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
+TEACHER = "keeper_1"
+PICTURE_CYCLES = 120
+
+
+def run_demo(out: Path, episodes: int, seed: int) -> dict[str, Any]:
+    """Train, play, compare, and leave everything in a folder.
+
+    Args:
+        out: the folder; pictures, figures and the library of an earlier demo are replaced.
+        episodes: how many to play.
+        seed: of the episodes.
+
+    Returns:
+        The figures, as they are written to ``figures.json``.
+    """
+    began = time.monotonic()
+    _make_folder(out)
+    parameters = {"taker_speed": paper.TAKER_SPEED}
+    with console.progress("starting a world and three keepers") as advance:
+        stack = temporary_swarm(trained_keepers(None, "", parameters), progress=advance)
+        running = stack.__enter__()
+    try:
+        console.say("A world and three keepers are up, each a process of its own.\n")
+        reports = _train(running)
+        library = Path(reports[-1].path).parent
+        _refuse_unlike(running)
+        evaluation = _evaluate(running, library, episodes, seed, parameters)
+        moments, size = _watch(running)
+        _keep_library(library, out / "library")
+    finally:
+        stack.__exit__(None, None, None)
+    figures = {
+        "lessons": [_row(report) for report in reports],
+        "evaluation": evaluation.to_json(),
+        "wall_s": round(time.monotonic() - began, 1),
+    }
+    draw_episode_lengths(evaluation, out / "episode_lengths.png")
+    draw_field(moments, *size, out / "field.png", "Keepaway: the last seconds")
+    _draw_automata(out / "library", out / "automata.png")
+    (out / "figures.json").write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    _tell(reports, figures, out)
+    return figures
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HitabError(
+            f"{out} cannot be made ({error.strerror}); choose another folder with --out"
+        ) from None
+
+
+def _train(running: RunningSwarm) -> list[LessonReport]:
+    reports = []
+    for name in LESSONS:
+        lesson = read_lesson(find_file(name, "lessons", "lesson"))
+        with console.progress(f"teaching {lesson.name}", "steps") as advance:
+            player = LessonPlayer(lesson, running.agents, running.world, progress=advance)
+            report = player.play()
+        reports.append(report)
+        console.say(
+            f"Taught {report.lesson}: {report.examples} examples, "
+            f"{report.simulated_s:.0f} s of training"
+        )
+    return reports
+
+
+def _refuse_unlike(running: RunningSwarm) -> None:
+    """Make sure that all keepers have learned the same."""
+    digests = {name: s.library_digest for name, s in running.agents.statuses.items()}
+    if len(set(digests.values())) > 1:
+        raise HitabError(f"the keepers' libraries differ after distributing: {digests}")
+
+
+def _evaluate(
+    running: RunningSwarm, library: Path, episodes: int, seed: int, parameters: dict[str, Any]
+) -> Evaluation:
+    for agent in running.record.agents:
+        running.agents.perform(agent, "Keepaway")
+    with console.progress("playing", "episodes") as advance:
+        played, wall, missed = play_lockstep(running, episodes, seed, advance)
+    digest = open_library(library).digest
+    return Evaluation(
+        "Keepaway", "library", digest, "lockstep", seed, parameters, played, wall, missed
+    )
+
+
+def _watch(running: RunningSwarm) -> tuple[list[Sequence[Any]], tuple[float, float]]:
+    """Step through an episode and return what was to be seen in its last seconds."""
+    world = running.world
+    state = world.changed(lambda: world.control("reset"))
+    moments = [state.entities]
+    for _ in range(PICTURE_CYCLES):
+        state = world.step()
+        if state.episode_cycle == 0:
+            break
+        moments.append(state.entities)
+    return moments[-80:], (state.width, state.height)
+
+
+def _keep_library(source: Path, destination: Path) -> None:
+    for old in destination.glob("*.hfa.yaml"):
+        old.unlink()
+    copy_library(source, destination)
+
+
+def _draw_automata(library: Path, path: Path) -> None:
+    from hitab_core.automaton_picture import draw_automata
+
+    loaded = open_library(library).load()
+    draw_automata([loaded[name] for name in paper.TABLE_1 if name in loaded], path)
+
+
+def _row(report: LessonReport) -> dict[str, Any]:
+    return {
+        "automaton": report.lesson,
+        "examples": report.examples,
+        "default_examples": report.default_examples,
+        "commands": report.commands,
+        "training_s": report.simulated_s,
+        "wall_s": report.wall_s,
+        "checks": report.checks,
+    }
+
+
+def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> None:
+    from rich.table import Table
+
+    screen = console.out()
+    trained = Table(title="What training took (the paper's Table 1)", title_justify="left")
+    for column in ("automaton", "examples", "paper", "training time", "paper"):
+        trained.add_column(column, justify="left" if column == "automaton" else "right")
+    for report in reports:
+        row = paper.TABLE_1[report.lesson]
+        trained.add_row(
+            report.lesson, str(report.examples), str(row.examples),
+            f"{report.simulated_s / 60:.1f} min", f"{row.minutes} min",
+        )
+    screen.print()
+    screen.print(trained)
+    evaluation = figures["evaluation"]
+    hold, passes, ended = (evaluation[key] for key in ("hold_time_s", "passes", "ended"))
+    played = Table(
+        title=f"{evaluation['episodes']} episodes against takers at a quarter of their speed",
+        title_justify="left",
+    )
+    for column in ("", "ours", "paper"):
+        played.add_column(column, justify="left" if not column else "right")
+    played.add_row(
+        "hold time",
+        f"{hold['mean']:.2f} ± {hold['se']:.2f} s",
+        f"{paper.HOLD_TIME_S} ± {paper.HOLD_TIME_SE_S} s",
+    )
+    played.add_row("passes", f"{passes['mean']:.2f} ± {passes['se']:.2f}", f"{paper.PASSES}")
+    played.add_row("ended", ", ".join(f"{count} {how}" for how, count in ended.items()), "")
+    played.add_row("missed deadlines", str(evaluation["missed_deadlines"]), "")
+    screen.print(played)
+    screen.print(
+        f"\nTraining time is simulated time in which the demonstrator trained; all of this took "
+        f"{figures['wall_s']:.0f} s here.\n"
+        f"In {out}: field.png, automata.png, episode_lengths.png, figures.json, library/\n\n"
+        "Next:\n"
+        f"  hitab library show Keepaway --library {out / 'library'}   what was learned\n"
+        f"  hitab keepaway evaluate --library {out / 'library'}       play more\n"
+        "  hitab up keepaway                                  train keepers yourself\n"
+        "  hitab lesson list                                  how these were trained",
+        soft_wrap=True,
+    )

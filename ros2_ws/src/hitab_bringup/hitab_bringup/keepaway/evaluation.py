@@ -1,0 +1,216 @@
+"""Plays episodes with trained keepers and sums up how long they keep the ball.
+
+In lockstep each keeper is a process of its own, over DDS, as when they are trained; in-process
+the same automata play the same episodes without ROS, many times faster.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean, stdev
+from typing import TYPE_CHECKING, Any
+
+from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.swarm_description import AgentDescription, SwarmDescription, WorldDescription
+from hitab_core.errors import HitabError, LibraryError, has
+
+if TYPE_CHECKING:
+    from hitab_bringup.console import Advance
+
+PACES = ("lockstep", "inprocess")
+CHUNK = 5  # episodes between two looks at the progress, in-process
+
+
+@dataclass(frozen=True)
+class Played:
+    """How one episode went."""
+
+    number: int
+    cycles: int
+    seconds: float
+    ended: str
+    passes: float
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """How all of them went, and what was evaluated."""
+
+    behavior: str
+    library: str
+    library_digest: str
+    pace: str
+    seed: int
+    parameters: Mapping[str, Any]
+    played: Sequence[Played]
+    wall_s: float
+    missed_deadlines: int = 0
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the figures as plain data."""
+        cycles = sum(p.cycles for p in self.played)
+        ended = Counter(p.ended for p in self.played)
+        return {
+            "episodes": len(self.played),
+            "hold_time_s": mean_and_error([p.seconds for p in self.played]),
+            "passes": mean_and_error([p.passes for p in self.played]),
+            "ended": {"out": ended.pop("out", 0), "taken": ended.pop("taken", 0), **ended},
+            "cycles": cycles,
+            "wall_s": round(self.wall_s, 3),
+            "cycles_per_s": round(cycles / self.wall_s, 1) if self.wall_s else 0.0,
+            "missed_deadlines": self.missed_deadlines,
+            "pace": self.pace,
+            "seed": self.seed,
+            "behavior": self.behavior,
+            "library": self.library,
+            "library_digest": self.library_digest,
+            "parameters": dict(self.parameters),
+            "seconds_of_episodes": [p.seconds for p in self.played],
+        }
+
+
+def mean_and_error(values: Sequence[float]) -> dict[str, float]:
+    """Return the mean and its standard error; of a single value the error is not known: 0."""
+    if not values:
+        return {"mean": 0.0, "se": 0.0}
+    error = stdev(values) / math.sqrt(len(values)) if len(values) > 1 else 0.0
+    return {"mean": round(fmean(values), 4), "se": round(error, 4)}
+
+
+def trained_keepers(
+    library: Path | None, behavior: str, parameters: Mapping[str, Any]
+) -> SwarmDescription:
+    """Return a swarm of keepers that share what a library holds, in a paused lockstep world."""
+    count = int(parameters.get("keepers", 3))
+    agents = tuple(
+        AgentDescription(name, "keepaway", start_from=library, behavior=behavior, process=name)
+        for name in (f"keeper_{i + 1}" for i in range(count))
+    )
+    world = WorldDescription(
+        "keepaway", "keepaway_world.world_main", "lockstep", paused=True, parameters=parameters
+    )
+    return SwarmDescription("evaluation", Path("evaluation"), agents, world)
+
+
+def evaluate(
+    library: Path,
+    *,
+    behavior: str,
+    episodes: int,
+    seed: int,
+    pace: str,
+    parameters: Mapping[str, Any],
+    advance: Advance,
+) -> Evaluation:
+    """Play episodes with keepers trained as a library says.
+
+    Args:
+        library: the library folder.
+        behavior: the keepers' top-level behavior.
+        episodes: how many.
+        seed: of the run; the same one gives the same episodes.
+        pace: ``lockstep`` or ``inprocess``.
+        parameters: of the game.
+        advance: told how many episodes have been played.
+
+    Raises:
+        LibraryError: if the library cannot be used, or has no such behavior.
+        SwarmError: if a keeper or the world does not start or stops answering.
+    """
+    digest = _check_library(library, behavior)
+    if pace == "inprocess":
+        began = time.monotonic()
+        played = _play_inprocess(library, behavior, episodes, seed, parameters, advance)
+        wall, missed = time.monotonic() - began, 0
+    else:
+        swarm = trained_keepers(library, behavior, parameters)
+        with temporary_swarm(swarm, progress=advance) as running:
+            played, wall, missed = play_lockstep(running, episodes, seed, advance)
+    return Evaluation(
+        behavior, str(library), digest, pace, seed, parameters, played, wall, missed
+    )
+
+
+def _check_library(library: Path, behavior: str) -> str:
+    from hitab_core.behavior_library import BehaviorLibrary
+    from hitab_core.domain import load_domain
+
+    if not library.is_dir():
+        raise LibraryError(f"{library}: there is no such library folder; train one: `hitab demo`")
+    opened = BehaviorLibrary(library, load_domain("keepaway"))
+    there = opened.load()
+    if behavior not in there:
+        raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there)}')
+    return opened.digest
+
+
+def play_lockstep(
+    running: RunningSwarm, episodes: int, seed: int, advance: Advance
+) -> tuple[list[Played], float, int]:
+    """Play episodes with a running swarm.
+
+    Returns:
+        The episodes, the seconds that it took, and how often an agent's answer came too late.
+    """
+    world = running.world
+    began = time.monotonic()
+    messages = world.play(
+        episodes, seed, progress=lambda done: advance(done, episodes, "playing episodes")
+    )
+    wall = time.monotonic() - began
+    # The world pauses by itself after the last one and tells so.
+    running.link.spin_until(
+        lambda: world.status is not None and world.status.episodes_left == 0, 3.0
+    )
+    missed = world.wait().missed_deadlines
+    played = []
+    for message in messages:
+        measures = dict(zip(message.measure_names, message.measures, strict=True))
+        played.append(
+            Played(
+                message.number, message.cycles, message.seconds, message.ended,
+                measures.get("passes", 0.0),
+            )
+        )
+    return played, wall, missed
+
+
+def _play_inprocess(
+    library: Path,
+    behavior: str,
+    episodes: int,
+    seed: int,
+    parameters: Mapping[str, Any],
+    advance: Callable[[int, int, str], None],
+) -> list[Played]:
+    from hitab_core.behavior_library import BehaviorLibrary
+    from hitab_core.repertoire import Repertoire
+    from keepaway_world.domain import DOMAIN
+    from keepaway_world.inprocess import perform, play
+    from keepaway_world.parameters import KeepawayParameters
+    from keepaway_world.world import KeepawayWorld
+
+    try:
+        world = KeepawayWorld(KeepawayParameters.from_dict(parameters), seed)
+    except ValueError as error:
+        raise HitabError(str(error)) from None
+    repertoire = Repertoire(DOMAIN, BehaviorLibrary(library, DOMAIN).load())
+    players = perform(world, repertoire, behavior)
+    played: list[Played] = []
+    while len(played) < episodes:
+        advance(len(played), episodes, "playing episodes")
+        some = min(CHUNK, episodes - len(played))
+        for result in play(world, players, some, first=len(played)):
+            played.append(
+                Played(
+                    result.number, result.cycles, result.seconds, result.ended,
+                    result.measures.get("passes", 0.0),
+                )
+            )
+    advance(episodes, episodes, "")
+    return played

@@ -1,0 +1,75 @@
+"""The `hitab` command: verbs for training robots, teams and swarms while they run.
+
+Every verb works through the public topics and services alone; anything it does, another ROS 2
+tool can do too. Verbs are declared here and in `hitab_bringup.verbs`; other packages add groups
+of verbs under the entry-point group ``hitab.commands``.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib.metadata import entry_points
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from hitab_bringup import console
+from hitab_bringup.keepaway.commands import demo
+from hitab_bringup.verbs import commanding, lesson, library, swarm, training, world
+from hitab_core.errors import HitabError
+
+ENTRY_POINT_GROUP = "hitab.commands"
+
+
+class HitabGroup(TyperGroup):
+    """Turns errors that a user has to mend into one line, and Ctrl-C into exit code 130."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Perform the verb that the user gave."""
+        try:
+            return super().invoke(ctx)
+        except HitabError as error:
+            console.error(str(error))
+            raise typer.Exit(1) from None
+        except KeyboardInterrupt:
+            console.note("interrupted")
+            raise typer.Exit(130) from None
+        except BrokenPipeError:
+            # Whoever read our output, such as `head`, has seen enough.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(0) from None
+
+
+def make_app() -> typer.Typer:
+    """Return the command with all its verbs, those of other packages included."""
+    app = typer.Typer(
+        name="hitab",
+        cls=HitabGroup,
+        help="Train robots, teams and swarms by demonstration, while they run.",
+        epilog="Begin with `hitab demo`. `hitab VERB --help` tells about a verb.",
+        no_args_is_help=True,
+        rich_markup_mode="rich",
+        pretty_exceptions_enable=False,
+        add_completion=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.command(rich_help_panel="Begin here")(demo)
+    for verbs in (swarm, commanding, training):
+        verbs.register(app)
+    app.add_typer(world.app, name="world")
+    app.add_typer(lesson.app, name="lesson")
+    app.add_typer(library.app, name="library")
+    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
+        app.add_typer(point.load(), name=point.name)
+    return app
+
+
+def main() -> None:
+    """Run the command."""
+    make_app()()
+
+
+if __name__ == "__main__":
+    main()

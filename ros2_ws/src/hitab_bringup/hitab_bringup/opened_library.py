@@ -1,0 +1,37 @@
+"""Opens a library folder without being told its domain: the files name it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.behavior_schema import SUFFIX
+from hitab_core.domain import load_domain
+from hitab_core.errors import HitabError, LibraryError
+from hitab_core.yaml_places import read_yaml
+
+
+def open_library(folder: Path) -> BehaviorLibrary:
+    """Return the library in a folder; nothing but one file's domain has been read yet.
+
+    Raises:
+        LibraryError: if there is no folder, or no behavior in it.
+        VocabularyError: if its domain is not installed.
+    """
+    if not folder.is_dir():
+        raise LibraryError(f"{folder}: there is no such library folder")
+    name = None
+    for path in sorted(folder.glob(f"*{SUFFIX}")):
+        name = name or _domain_of(path)
+    if name is None:
+        raise LibraryError(f"{folder}: has no behaviors (files whose names end in {SUFFIX})")
+    return BehaviorLibrary(folder, load_domain(name))
+
+
+def _domain_of(path: Path) -> str | None:
+    try:
+        value = read_yaml(path.read_text(encoding="utf-8"), path.name).value
+        name = value["domain"]["name"]
+    except (OSError, UnicodeDecodeError, HitabError, TypeError, KeyError):
+        return None  # another file may tell; what is wrong with this one is told on loading
+    return name if isinstance(name, str) else None

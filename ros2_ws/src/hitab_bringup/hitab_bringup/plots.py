@@ -1,0 +1,35 @@
+"""Figures without a screen: made, drawn into, saved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hitab_core.errors import HitabError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def figure(width: float, height: float) -> tuple[Figure, Axes]:
+    """Return a figure of this size in inches with one pair of axes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    drawing = Figure(figsize=(width, height), dpi=130, layout="tight")
+    FigureCanvasAgg(drawing)
+    return drawing, drawing.add_subplot()
+
+
+def save(drawing: Figure, path: Path) -> None:
+    """Save a figure; the suffix tells the format.
+
+    Raises:
+        HitabError: if that cannot be done.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        drawing.savefig(path)
+    except (OSError, ValueError) as error:
+        raise HitabError(f"{path} cannot be drawn: {error}") from None

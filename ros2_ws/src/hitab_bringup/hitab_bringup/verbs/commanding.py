@@ -1,0 +1,173 @@
+"""Verbs that tell agents what to do: demonstrate, perform, distribute, vocabulary."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hitab_bringup import console
+from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.options import AgentName, JsonPath, SwarmName
+
+Behavior = Annotated[str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")]
+Targets = Annotated[
+    list[str] | None,
+    typer.Argument(help="What its parameters are bound to, such as ball.", show_default=False),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add these verbs to the command."""
+    app.command(rich_help_panel="Train")(demonstrate)
+    app.command(rich_help_panel="Perform")(perform)
+    app.command(rich_help_panel="Perform")(distribute)
+    app.command(rich_help_panel="Perform")(vocabulary)
+
+
+def demonstrate(
+    agent: AgentName, behavior: Behavior, targets: Targets = None, swarm: SwarmName = None
+) -> None:
+    """Command a behavior in training: the agent performs it now, and learns from it.
+
+    The agent records what it perceives together with the change of state: an example. Command
+    the behavior that it performs already to say: keep going here. `hitab train` begins a training.
+
+    Examples:
+
+      hitab demonstrate keeper_1 GoFast
+
+      hitab demonstrate keeper_1 GoTo ball
+
+      hitab demonstrate keeper_1 Done
+    """
+    from hitab_core.use import Use
+
+    use = Use.parse(behavior)
+    with connection(swarm) as swarm_up:
+        status = swarm_up.agents.command(agent, use.name, [*use.arguments, *(targets or [])])
+    path = " > ".join(status.active_path) or use.name
+    console.say(
+        f"{agent} performs {path}; {status.behavior} has {status.examples} examples "
+        f"({status.default_examples} default ones)"
+    )
+
+
+def perform(
+    agent: AgentName,
+    behavior: Annotated[str, typer.Argument(help="A behavior; nothing: stop.")] = "",
+    targets: Targets = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Have an agent perform a behavior from its beginning; without one, nothing.
+
+    Examples:
+
+      hitab perform keeper_1 Keepaway
+
+      hitab perform keeper_1
+    """
+    from hitab_core.use import Use
+
+    use = Use.parse(behavior) if behavior else None
+    with connection(swarm) as swarm_up:
+        if use is None:
+            answer = swarm_up.agents.perform(agent, "")
+        else:
+            answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
+    console.say(answer.message or f"{agent} performs {use or 'nothing'}")
+
+
+def distribute(
+    agent: AgentName,
+    behavior: Annotated[str, typer.Argument(help="A trained behavior of that agent's library.")],
+    targets: Targets = None,
+    to: Annotated[
+        list[str] | None,
+        typer.Option("--to", help="A receiver; may be repeated. All others by default."),
+    ] = None,
+    start: Annotated[
+        bool, typer.Option("--start", help="Have them begin performing it, at Start.")
+    ] = False,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Send a behavior, and all that it is made of, from one agent to the others.
+
+    Each receiver verifies what it got, and this tells who took it in and who did not.
+
+    Examples:
+
+      hitab distribute keeper_1 Keepaway --start
+
+      hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
+    """
+    from hitab_core.errors import HitabError
+    from hitab_core.use import Use
+
+    use = Use.parse(behavior)
+    with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
+        report = swarm_up.agents.distribute(
+            agent,
+            use.name,
+            arguments=[*use.arguments, *(targets or [])],
+            receivers=to or [],
+            start=start,
+            progress=lambda done, total: advance(done, total, ""),
+        )
+    for name in report.accepted:
+        console.say(f"{name}: has it")
+    for name, why in report.refused.items():
+        console.say(f"{name}: refuses: {why}")
+    for name in report.silent:
+        console.say(f"{name}: does not answer")
+    console.write_json(
+        json,
+        {
+            "sequence": report.sequence,
+            "digest": report.digest,
+            "accepted": report.accepted,
+            "refused": report.refused,
+            "silent": report.silent,
+        },
+    )
+    if not report.complete:
+        there = len(report.accepted)
+        total = there + len(report.refused) + len(report.silent)
+        raise HitabError(f'only {there} of {total} receivers have "{behavior}" now')
+
+
+def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) -> None:
+    """Tell what an agent can be commanded, what it perceives, and what the targets are."""
+    with connection(swarm) as swarm_up:
+        words = swarm_up.agents.vocabulary(agent)
+    trained, one_shot = set(words.trained), set(words.one_shot)
+    if json != "-":
+        console.say(f"domain    {words.domain}")
+        for name in words.behaviors:
+            bare = name.split("(")[0]
+            kinds = [k for k, there in (("trained", trained), ("one-shot", one_shot))
+                     if bare in there]
+            console.say(f"behavior  {name}{'  ' + ', '.join(kinds) if kinds else ''}")
+        for name, kind, unit in zip(
+            words.features, words.feature_kinds, words.feature_units, strict=True
+        ):
+            console.say(f"feature   {name}  {kind}{f', {unit}' if unit else ''}")
+        for name in words.targets:
+            console.say(f"target    {name}")
+    console.write_json(
+        json,
+        {
+            "domain": words.domain,
+            "behaviors": list(words.behaviors),
+            "trained": list(words.trained),
+            "one_shot": list(words.one_shot),
+            "features": [
+                {"name": n, "kind": k, "unit": u}
+                for n, k, u in zip(
+                    words.features, words.feature_kinds, words.feature_units, strict=True
+                )
+            ],
+            "targets": list(words.targets),
+        },
+    )

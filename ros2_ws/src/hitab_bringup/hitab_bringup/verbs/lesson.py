@@ -1,0 +1,98 @@
+"""Verbs for lessons: run, list, check."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hitab_bringup import console
+from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.options import JsonPath, SwarmName
+
+app = typer.Typer(
+    help="Play lessons: files that teach as a person would, over the same topics.",
+    no_args_is_help=True,
+)
+Files = Annotated[
+    list[str], typer.Argument(help="Lesson files, or names of shipped ones, in order.")
+]
+
+
+@app.command()
+def run(
+    lessons: Files,
+    factor: Annotated[
+        float,
+        typer.Option(help="Play at so many times real time, to watch; 0: as fast as can be."),
+    ] = 0.0,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Play lessons on the swarm that is up.
+
+    Examples:
+
+      hitab lesson run approach_ball
+
+      hitab lesson run approach_ball goto_ball control_ball keepaway --json lessons.json
+    """
+    from hitab_bringup.lesson_file import read_lesson
+    from hitab_bringup.lesson_player import LessonPlayer
+    from hitab_bringup.shipped import find_file
+
+    read = [read_lesson(find_file(name, "lessons", "lesson")) for name in lessons]
+    reports = []
+    with connection(swarm) as swarm_up:
+        swarm_up.agents.await_agents()
+        for lesson in read:
+            with console.progress(lesson.name, "steps") as advance:
+                player = LessonPlayer(
+                    lesson, swarm_up.agents, swarm_up.world, progress=advance, factor=factor
+                )
+                report = player.play()
+            reports.append(report)
+            budget = f" of {report.budget}" if report.budget else ""
+            console.say(
+                f"{report.lesson}: {report.examples}{budget} examples "
+                f"({report.default_examples} default ones), {report.commands} commands, "
+                f"{report.simulated_s:.1f} s of training in {report.wall_s:.1f} s"
+            )
+    console.write_json(json, [asdict(report) for report in reports])
+
+
+@app.command("list")
+def list_lessons() -> None:
+    """List the lessons that are shipped."""
+    from hitab_bringup.lesson_file import read_lesson
+    from hitab_bringup.shipped import shipped
+
+    for path in sorted(shipped("lessons").glob("*.yaml")):
+        lesson = read_lesson(path)
+        budget = f", at most {lesson.budget} examples" if lesson.budget else ""
+        first = lesson.description.strip().splitlines()[:1]
+        console.say(f"{path.stem}: teaches {lesson.name} to {lesson.agent}{budget}")
+        for line in first:
+            console.say(f"    {line}")
+
+
+@app.command()
+def check(lessons: Files) -> None:
+    """Check lesson files without playing them."""
+    from hitab_bringup.errors import LessonError
+    from hitab_bringup.lesson_file import read_lesson
+    from hitab_bringup.shipped import find_file
+
+    wrong = []
+    for name in lessons:
+        path = find_file(name, "lessons", "lesson")
+        try:
+            lesson = read_lesson(Path(path))
+        except LessonError as error:
+            wrong.append(str(error))
+        else:
+            console.say(f"{path}: {len(lesson.steps)} steps, nothing is wrong")
+    if wrong:
+        raise LessonError("\n".join(wrong))

@@ -1,0 +1,233 @@
+"""Verbs for libraries of trained behaviors: list, show, check, diff, restore, accept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from hitab_bringup import console
+from hitab_bringup.verbs.options import JsonPath
+
+app = typer.Typer(help="Look into libraries of trained behaviors.", no_args_is_help=True)
+
+Library = Annotated[
+    Path | None,
+    typer.Option(
+        "--library",
+        "-l",
+        envvar="HITAB_LIBRARY",
+        help="A library folder. By default that of --agent in the swarm that is up, else the "
+        "shipped one.",
+        show_default=False,
+    ),
+]
+Agent = Annotated[
+    str | None, typer.Option("--agent", help="Whose library, in the swarm that is up.")
+]
+Name = Annotated[str, typer.Argument(help="Name of a behavior.")]
+
+
+def _open(library: Path | None, agent: str | None) -> Any:
+    from hitab_bringup.opened_library import open_library
+
+    return open_library(_folder(library, agent))
+
+
+def _folder(library: Path | None, agent: str | None) -> Path:
+    from hitab_bringup.errors import SwarmError
+    from hitab_bringup.run_folder import find_running
+    from hitab_bringup.shipped import shipped
+    from hitab_bringup.suggest import did_you_mean
+    from hitab_bringup.swarm_description import read_swarm
+    from hitab_bringup.swarm_processes import library_of
+    from hitab_core.errors import has
+
+    if library is not None:
+        return library
+    if agent is None:
+        return shipped("libraries") / "keepaway"
+    found = find_running(None)
+    if found is None:
+        raise SwarmError("no swarm is up; name a library folder with --library")
+    folder, record = found
+    for described in read_swarm(Path(record.description)).agents:
+        if described.name == agent:
+            return library_of(described, folder.path)
+    raise SwarmError(
+        f'no agent "{agent}" in swarm {record.swarm} {has(record.agents)}'
+        f"{did_you_mean(agent, record.agents)}"
+    )
+
+
+@app.command("list")
+def list_behaviors(library: Library = None, agent: Agent = None, json: JsonPath = None) -> None:
+    """List the behaviors of a library.
+
+    Examples:
+
+      hitab library list -l hitab-demo/library
+
+      hitab library list --agent keeper_1
+    """
+    opened = _open(library, agent)
+    opened.load(strict=False)
+    data = []
+    for name in opened.names():
+        file = opened.file(name)
+        automaton = file.automaton
+        data.append(
+            {
+                "name": name,
+                "parameters": list(automaton.parameters),
+                "states": list(automaton.labels),
+                "features": [str(feature) for feature in automaton.features],
+                "examples": len(automaton.examples),
+                "default_examples": sum(e.is_default for e in automaton.examples),
+                "version": file.provenance.version,
+                "created": file.provenance.created,
+                "checksum": file.checksum,
+            }
+        )
+    if json != "-":
+        from rich.table import Table
+
+        table = Table(box=None, pad_edge=False)
+        for column in ("behavior", "examples", "states", "features", "version", "created"):
+            table.add_column(column)
+        for row in data:
+            table.add_row(
+                row["name"], str(row["examples"]), ", ".join(row["states"]),
+                ", ".join(row["features"]), str(row["version"]), row["created"],
+            )
+        console.out().print(table)
+    for problem in opened.problems.values():
+        console.error(problem)
+    console.write_json(json, data)
+
+
+@app.command()
+def show(
+    name: Name,
+    library: Library = None,
+    agent: Agent = None,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", help="Draw it instead, to a PNG or SVG file.")
+    ] = None,
+    deep: Annotated[
+        bool, typer.Option("--deep", help="Show the automata that it is made of, too.")
+    ] = False,
+) -> None:
+    """Show a behavior: its states, what leads from one to the next, and its trees.
+
+    Examples:
+
+      hitab library show Keepaway
+
+      hitab library show Keepaway --deep --picture keepaway.svg
+    """
+    opened = _open(library, agent)
+    loaded = opened.load(strict=False)
+    automata = [opened.file(_known(name, loaded)).automaton]
+    if deep:
+        from hitab_core.repertoire import Repertoire
+
+        made_of = Repertoire(opened.domain, loaded).needed_by(name)
+        automata = [loaded[part] for part in made_of if part in loaded]
+    if picture is not None:
+        from hitab_core.automaton_picture import draw_automata
+
+        console.say(f"drawn to {draw_automata(automata, picture)}")
+        return
+    from hitab_core.automaton_text import automaton_as_text
+
+    console.say("\n\n".join(automaton_as_text(automaton) for automaton in automata))
+
+
+def _known(name: str, loaded: Any) -> str:
+    from hitab_bringup.suggest import did_you_mean
+    from hitab_core.errors import LibraryError, has
+
+    if name not in loaded:
+        raise LibraryError(f'no behavior "{name}" {has(loaded)}{did_you_mean(name, loaded)}')
+    return name
+
+
+@app.command()
+def check(library: Library = None, agent: Agent = None) -> None:
+    """Check all files of a library: form, digests, and whether they fit together.
+
+    Example:
+
+      hitab library check -l hitab-demo/library
+    """
+    opened = _open(library, agent)
+    loaded = opened.load()
+    console.say(f"{opened.folder}: {len(loaded)} behaviors, nothing is wrong")
+
+
+@app.command()
+def diff(
+    name: Name,
+    before: Annotated[int | None, typer.Argument(help="A version; the last but one.")] = None,
+    after: Annotated[int | None, typer.Argument(help="Another version; the newest.")] = None,
+    library: Library = None,
+    agent: Agent = None,
+) -> None:
+    """Tell what has changed from one version of a behavior to another.
+
+    Examples:
+
+      hitab library diff Keepaway
+
+      hitab library diff Keepaway 1 3
+    """
+    from hitab_core.errors import LibraryError
+    from hitab_core.library_diff import difference
+
+    opened = _open(library, agent)
+    opened.load(strict=False)
+    versions = opened.versions(name)
+    if not versions:
+        _known(name, opened.names())
+    if len(versions) < 2 and before is None:
+        raise LibraryError(f'"{name}" has {len(versions)} version(s); there is nothing to compare')
+    old = opened.version(name, before if before is not None else versions[-2])
+    new = opened.version(name, after if after is not None else versions[-1])
+    console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
+    console.say(str(difference(old, new)))
+
+
+@app.command()
+def restore(
+    name: Name,
+    version: Annotated[int, typer.Argument(help="Number of the version; see the list.")],
+    library: Library = None,
+    agent: Agent = None,
+) -> None:
+    """Make an earlier version of a behavior the newest one.
+
+    An agent that is up takes it in when it loads its library again.
+
+    Example:
+
+      hitab library restore Keepaway 2
+    """
+    opened = _open(library, agent)
+    path = opened.restore(name, version)
+    console.say(f"restored version {version} of {name} to {path}")
+
+
+@app.command()
+def accept(path: Annotated[Path, typer.Argument(help="A behavior file.")]) -> None:
+    """Take a behavior file as it was edited by hand: check it, and state its digests anew.
+
+    Example:
+
+      hitab library accept my_library/ApproachBall.hfa.yaml
+    """
+    from hitab_bringup.opened_library import open_library
+    from hitab_core.behavior_library import accept_edit
+
+    console.say(f"accepted {accept_edit(path, open_library(path.parent).domain)}")

@@ -1,0 +1,25 @@
+"""Options and arguments that several verbs have."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+AgentName = Annotated[str, typer.Argument(help="Name of the agent, such as keeper_1.")]
+SwarmName = Annotated[
+    str | None,
+    typer.Option(
+        "--swarm",
+        envvar="HITAB_SWARM",
+        help="Which swarm, if several are up.",
+        show_default=False,
+    ),
+]
+JsonPath = Annotated[
+    str | None,
+    typer.Option(
+        "--json", metavar="PATH", help="Write the figures as JSON; - for stdout.",
+        show_default=False,
+    ),
+]

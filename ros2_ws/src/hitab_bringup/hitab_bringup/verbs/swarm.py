@@ -1,0 +1,237 @@
+"""Verbs for whole swarms: up, down, status."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from hitab_bringup import console
+from hitab_bringup.verbs.connection import Connection, connection
+from hitab_bringup.verbs.options import JsonPath, SwarmName
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+PANEL = "Swarm"
+RunDir = Annotated[
+    Path | None,
+    typer.Option("--run-dir", help="Where its files go, instead of the folder of that name."),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add these verbs to the command."""
+    app.command(rich_help_panel=PANEL)(up)
+    app.command(rich_help_panel=PANEL)(down)
+    app.command(rich_help_panel=PANEL)(status)
+
+
+def up(
+    swarm: Annotated[
+        str, typer.Argument(help="A swarm description, or the name of a shipped one.")
+    ] = "keepaway",
+    pace: Annotated[str, typer.Option(help="lockstep or realtime, instead of what it says.")] = "",
+    paused: Annotated[bool, typer.Option("--paused", help="Start with the world paused.")] = False,
+    run_dir: RunDir = None,
+) -> None:
+    """Start a swarm and keep it alive until `hitab down`.
+
+    Waits until every agent and the world answer. Killed processes are started again.
+
+    Examples:
+
+      hitab up keepaway
+
+      hitab up my_swarm.yaml --pace lockstep --paused
+    """
+    from hitab_bringup.bringing_up import bring_up
+    from hitab_bringup.run_folder import RunFolder
+    from hitab_bringup.shipped import find_file
+    from hitab_bringup.swarm_description import PACES, read_swarm
+
+    description = read_swarm(find_file(swarm, "swarms", "swarm"))
+    if pace and pace not in PACES:
+        raise typer.BadParameter(f'"{pace}" is not one of {", ".join(PACES)}')
+    if pace:
+        description = description.with_world(pace=pace)
+    if paused:
+        description = description.with_world(paused=True)
+    folder = RunFolder.of_swarm(description.name, run_dir)
+    began = time.monotonic()
+    with console.progress(f"starting {description.name}") as advance:
+        record = bring_up(description, folder, advance)
+    console.say(
+        f"{record.swarm} is up: {len(record.agents)} agents"
+        f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
+        f"({time.monotonic() - began:.1f} s)"
+    )
+    console.say(f"files in {folder.path}; look with `hitab status`, stop with `hitab down`")
+
+
+def down(
+    swarm: Annotated[str | None, typer.Argument(help="Which, if several are up.")] = None,
+    run_dir: RunDir = None,
+) -> None:
+    """Stop a swarm, and whatever of it is still running.
+
+    Examples:
+
+      hitab down
+
+      hitab down keepaway
+    """
+    from hitab_bringup.run_folder import RunFolder, find_running, state_home
+    from hitab_bringup.supervision import stop
+
+    if run_dir is not None:
+        folder = RunFolder(run_dir)
+    else:
+        left = state_home() / swarm if swarm else None
+        if left is not None and (left / "supervisord.conf").exists():
+            folder = RunFolder(left)  # even if its supervisor is dead
+        else:
+            found = find_running(swarm) or _crashed()
+            if found is None:
+                console.say("no swarm is up")
+                return
+            folder = found[0] if isinstance(found, tuple) else found
+    record = folder.read()
+    with console.err().status("stopping"):
+        killed = stop(folder)
+    name = record.swarm if record else folder.path.name
+    console.say(f"{name} is down")
+    if killed:
+        console.note(f"{len(killed)} processes did not stop by themselves and were killed")
+
+
+def _crashed() -> Any:
+    """Return a registered run folder whose supervisor is dead, if there is one."""
+    from hitab_bringup.run_folder import RunFolder, state_home
+
+    for link in sorted((state_home() / "running").glob("*")):
+        return RunFolder(link)
+    return None
+
+
+def status(
+    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep showing it.")] = False,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Show the agents: what mode they are in, what they perform, what went wrong.
+
+    Examples:
+
+      hitab status
+
+      hitab status --watch
+    """
+    with connection(swarm) as swarm_up:
+        swarm_up.agents.await_agents()
+        if swarm_up.record is None or swarm_up.record.world:
+            swarm_up.link.spin_until(lambda: swarm_up.world.status is not None, 4.0)
+        if watch:
+            _watch(swarm_up)
+            return
+        data = _status_data(swarm_up)
+        if json != "-":
+            console.out().print(_rendered(data))
+        console.write_json(json, data)
+
+
+def _watch(swarm_up: Connection) -> None:
+    from rich.live import Live
+
+    with Live(_rendered(_status_data(swarm_up)), console=console.out(), screen=False) as live:
+        while True:
+            swarm_up.link.spin_until(lambda: False, 0.2)
+            swarm_up.agents.discover()
+            live.update(_rendered(_status_data(swarm_up)))
+
+
+def _status_data(swarm_up: Connection) -> dict[str, Any]:
+    """Return all that is known of a swarm, as plain data."""
+    agents = [
+        {
+            "agent": name,
+            "domain": s.domain,
+            "mode": s.mode,
+            "behavior": s.behavior,
+            "active_path": list(s.active_path),
+            "examples": s.examples,
+            "default_examples": s.default_examples,
+            "cycle": s.cycle,
+            "library_digest": s.library_digest,
+            "last_error": s.last_error,
+        }
+        for name, s in sorted(swarm_up.agents.statuses.items())
+    ]
+    world = swarm_up.world.status
+    missing = [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses]
+    return {
+        "swarm": swarm_up.record.swarm if swarm_up.record else None,
+        "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
+        "agents": agents,
+        "missing": missing,
+        "world": None
+        if world is None
+        else {
+            "world": world.world,
+            "mode": world.mode,
+            "pace": world.pace,
+            "factor": world.factor,
+            "cycle": world.cycle,
+            "episode": world.episode,
+            "missed_deadlines": world.missed_deadlines,
+            "missing": list(world.missing),
+            "last_error": world.last_error,
+        },
+    }
+
+
+def _rendered(data: dict[str, Any]) -> Group:
+    from rich.console import Group
+    from rich.table import Table
+    from rich.text import Text
+
+    lines: list[Any] = []
+    world = data["world"]
+    if world is not None:
+        pace = world["pace"] + (f" x {world['factor']:g}" if world["pace"] == "realtime" else "")
+        lines.append(
+            Text(
+                f"world {world['world']}: {world['mode']}, {pace}, cycle {world['cycle']}, "
+                f"episode {world['episode']}, {world['missed_deadlines']} missed deadlines"
+            )
+        )
+        for name in world["missing"]:
+            lines.append(Text(f"the world hears no {name}", style="red"))
+        if world["last_error"]:
+            lines.append(Text(world["last_error"], style="red"))
+    table = Table(box=None, pad_edge=False)
+    for column in ("agent", "mode", "behavior", "active", "examples", "library"):
+        table.add_column(column)
+    for agent in data["agents"]:
+        examples = f"{agent['examples']} ({agent['default_examples']} default)"
+        table.add_row(
+            agent["agent"],
+            agent["mode"],
+            agent["behavior"],
+            " > ".join(agent["active_path"]),
+            examples if agent["examples"] else "",
+            agent["library_digest"][:8],
+        )
+    lines.append(table)
+    if not data["agents"]:
+        lines.append(Text("no agent answers; start a swarm with `hitab up`"))
+    for name in data["missing"]:
+        lines.append(Text(f"{name} does not answer", style="red"))
+    for agent in data["agents"]:
+        if agent["last_error"]:
+            lines.append(Text(f"{agent['agent']}: {agent['last_error']}", style="red"))
+    if data["run_folder"]:
+        lines.append(Text(f"logs in {data['run_folder']}/logs", style="dim"))
+    return Group(*lines)

@@ -1,0 +1,243 @@
+"""Verbs that train: train, test, undo, examples, save."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hitab_bringup import console
+from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.options import AgentName, JsonPath, SwarmName
+
+examples_app = typer.Typer(
+    help="Look at and correct the examples of a training.", no_args_is_help=True
+)
+PANEL = "Train"
+
+
+def register(app: typer.Typer) -> None:
+    """Add these verbs to the command."""
+    app.command(rich_help_panel=PANEL)(train)
+    app.command("begin", hidden=True)(train)
+    app.command("test", rich_help_panel=PANEL)(start_testing)
+    app.command(rich_help_panel=PANEL)(undo)
+    app.add_typer(examples_app, name="examples", rich_help_panel=PANEL)
+    app.command(rich_help_panel=PANEL)(save)
+
+
+def train(
+    agent: AgentName,
+    automaton: Annotated[
+        str | None,
+        typer.Argument(help="What to train; nothing: take over from what is tested."),
+    ] = None,
+    feature: Annotated[
+        list[str] | None,
+        typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
+    ] = None,
+    state: Annotated[
+        list[str] | None,
+        typer.Option("--state", "-s", help="A behavior that may be commanded; any by default."),
+    ] = None,
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option("--parameter", "-p", metavar="A=ball", help="A parameter, and what it is "
+                     "bound to during the training; repeat."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on from the examples of the saved behavior.")
+    ] = False,
+    resume_from: Annotated[
+        str, typer.Option("--from", help="Go on from the examples of another saved behavior.")
+    ] = "",
+    classifier: Annotated[
+        str, typer.Option(help="A scikit-learn classifier in the place of the tree.")
+    ] = "",
+    discard: Annotated[
+        bool, typer.Option("--discard", help="Give up a training that was not saved.")
+    ] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Begin to train an automaton; without one, take over from what was learned.
+
+    Choose the features that the decisions may look at before you begin. Then command behaviors
+    with `hitab demonstrate`, try what was learned with `hitab test`, take over again with
+    `hitab train AGENT`, and save.
+
+    Examples:
+
+      hitab train keeper_1 ApproachBall -f "DistanceTo(ball)"
+
+      hitab train keeper_1 Approach -p A=ball -f "DistanceTo(A)" -s GoFast -s Stop
+
+      hitab train keeper_1 Keepaway --resume
+
+      hitab train keeper_1
+    """
+    bound = _bound(parameter or [])
+    with connection(swarm) as swarm_up:
+        if automaton is None and not resume_from:
+            _refuse_choices(feature, state, parameter, resume, classifier, discard)
+            answer = swarm_up.agents.set_mode(agent, "training")
+        else:
+            answer = swarm_up.agents.begin(
+                agent,
+                automaton or resume_from,
+                features=feature or [],
+                states=state or [],
+                parameters=list(bound),
+                arguments=list(bound.values()),
+                resume=resume_from or (automaton if resume and automaton else ""),
+                classifier=classifier,
+                discard=discard,
+            )
+    console.say(answer.message)
+
+
+def _bound(parameters: list[str]) -> dict[str, str]:
+    bound = {}
+    for text in parameters:
+        name, equals, target = text.partition("=")
+        if not (name and equals and target):
+            raise typer.BadParameter(f'"{text}" is not NAME=TARGET, such as A=ball')
+        bound[name] = target
+    return bound
+
+
+def _refuse_choices(*chosen: object) -> None:
+    if any(chosen):
+        raise typer.BadParameter("name the automaton to train: hitab train AGENT AUTOMATON ...")
+
+
+def start_testing(
+    agent: AgentName,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Begin at Start, not at the active state.")
+    ] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Give the agent back to what it has learned, without a reset.
+
+    Example:
+
+      hitab test keeper_1 --restart
+    """
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
+    console.say(answer.message)
+
+
+def undo(agent: AgentName, swarm: SwarmName = None) -> None:
+    """Take back the last command, deletion or relabelling.
+
+    Example:
+
+      hitab undo keeper_1
+    """
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, "undo")
+    console.say(answer.message)
+
+
+def save(
+    agent: AgentName,
+    name: Annotated[str, typer.Option(help="Another name than it was begun with.")] = "",
+    bind: Annotated[
+        list[str] | None,
+        typer.Option(metavar="ball=A", help="Replace a target or parameter; repeat."),
+    ] = None,
+    description: Annotated[str, typer.Option(help="For people who browse the library.")] = "",
+    swarm: SwarmName = None,
+) -> None:
+    """Trim what was learned and add it to the agent's library.
+
+    It can be commanded from then on, as a state of the next, higher behavior.
+
+    Examples:
+
+      hitab save keeper_1
+
+      hitab save keeper_1 --name Approach --bind ball=A
+    """
+    bound = _bound(bind or [])
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.save(
+            agent,
+            name=name,
+            bind_from=list(bound),
+            bind_to=list(bound.values()),
+            description=description,
+        )
+    console.say(f"{answer.message}: {answer.path}")
+    if answer.trimmed:
+        console.say(f"left out, since nothing uses it: {', '.join(answer.trimmed)}")
+
+
+@examples_app.command("list")
+def examples_list(
+    agent: AgentName,
+    automaton: Annotated[
+        str, typer.Argument(help="A trained behavior; by default, what is being trained.")
+    ] = "",
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """List the examples of the training under way, or of a trained behavior."""
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.list_examples(agent, automaton)
+    if json != "-":
+        from rich.table import Table
+
+        table = Table(title=f"{answer.automaton}: {len(answer.examples)} examples", box=None)
+        for column in ("number", "in", *answer.features, "go to", "kind", "command", "cycle"):
+            table.add_column(column)
+        for e in answer.examples:
+            values = [f"{value:.4g}" for value in e.values]
+            table.add_row(
+                str(e.number), e.state, *values, e.next_state, e.kind, str(e.command), str(e.cycle)
+            )
+        console.out().print(table)
+    console.write_json(
+        json,
+        {
+            "automaton": answer.automaton,
+            "features": list(answer.features),
+            "examples": [
+                {
+                    "number": e.number,
+                    "state": e.state,
+                    "values": list(e.values),
+                    "next_state": e.next_state,
+                    "kind": e.kind,
+                    "command": e.command,
+                    "cycle": e.cycle,
+                }
+                for e in answer.examples
+            ],
+        },
+    )
+
+
+Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see the list.")]
+
+
+@examples_app.command("delete")
+def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
+    """Delete examples. Example: hitab examples delete keeper_1 3 4."""
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
+    console.say(answer.message)
+
+
+@examples_app.command("relabel")
+def examples_relabel(
+    agent: AgentName,
+    numbers: Numbers,
+    to: Annotated[str, typer.Option("--to", help="The behavior that was right there.")],
+    swarm: SwarmName = None,
+) -> None:
+    """Change where examples lead to. Example: hitab examples relabel keeper_1 5 --to GoSlow."""
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
+    console.say(answer.message)
