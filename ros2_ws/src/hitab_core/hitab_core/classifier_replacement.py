@@ -10,6 +10,7 @@ thousand times as long as a tree's.
 from __future__ import annotations
 
 import hashlib
+import inspect
 import json
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
@@ -50,7 +51,7 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
             f'"{spec.name}" is not a classifier of scikit-learn {has(["tree", *listed])}'
         )
     made = listed[spec.name]
-    known = made._get_param_names()
+    known = sorted(inspect.signature(made).parameters)
     for name in spec.arguments:
         if name not in known:
             raise VocabularyError(f'"{spec.name}" has no parameter "{name}" {has(known)}')

@@ -5,6 +5,7 @@ whose gain is at least the average candidate's, the one with the largest gain ra
 ratio is used only to compare features, as Quinlan does: used to place a threshold it would cut
 off single examples at the ends. The penalty on continuous features of C4.5's release 8 is left
 out; it refuses splits when examples are few, and a demonstrator gives few, each for a reason.
+Through the average, a feature that is not taken can still matter to which one is.
 
 Ties (differences below `gain_ratio.TIE`, so that they are the same on all machines) are broken
 

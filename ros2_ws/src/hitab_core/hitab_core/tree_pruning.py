@@ -10,7 +10,7 @@ from hitab_core.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNo
 
 
 def pessimistic_errors(errors: int, n: int, confidence: float) -> float:
-    """Return how many of ``n`` examples a leaf may get wrong, of which it got ``errors`` wrong.
+    """Return how many of ``n`` examples a leaf may get wrong that got ``errors`` wrong, < ``n``.
 
     This is ``n`` times the upper limit of the error rate: with a chance of ``confidence`` the
     rate is higher still. It is C4.5's approximation (normal, continuity-corrected; exact without
@@ -22,8 +22,6 @@ def pessimistic_errors(errors: int, n: int, confidence: float) -> float:
     """
     if errors == 0:
         return n * (1.0 - math.pow(confidence, 1.0 / n))
-    if errors + 0.5 >= n:
-        return errors + 0.67 * (n - errors)
     z2 = NormalDist().inv_cdf(1.0 - confidence) ** 2
     observed = errors + 0.5
     limit = observed + z2 / 2 + math.sqrt(z2 * (observed * (1 - observed / n) + z2 / 4))

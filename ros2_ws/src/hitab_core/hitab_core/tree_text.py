@@ -77,9 +77,9 @@ def _condition(steps: Sequence[Step], scale: Scale, name: str) -> str:
             start, end = (node.start, node.end) if branch == 0 else (node.end, node.start)
             arcs = _common(arcs, _intervals(start, end, node.period))
         elif branch == 0:
-            high = min(high, node.threshold)
+            high = node.threshold  # on a path each threshold lies between those before
         else:
-            low = max(low, node.threshold)
+            low = node.threshold
     if scale.kind is FeatureKind.TOROIDAL:
         return f"{name} {_arcs(arcs, scale.period)}"
     if scale.kind is FeatureKind.BOOLEAN:

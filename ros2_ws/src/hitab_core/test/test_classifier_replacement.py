@@ -7,13 +7,14 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from hitab_core.classifier_spec import ClassifierSpec
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.feature_encoding import FeatureEncoding
 from hitab_core.learning import learn_transition
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)

@@ -3,6 +3,9 @@
 import math
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
@@ -10,8 +13,6 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import learn_transition, learn_transitions
 from hitab_core.transition_tree import TransitionTree
 from hitab_core.use import Use
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 METERS = Scale()
 DEFAULT = ExampleKind.DEFAULT

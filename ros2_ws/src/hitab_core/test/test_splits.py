@@ -5,6 +5,9 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
 from hitab_core.boundaries import end_between, on_circle, threshold_between
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.gain_ratio import gain_and_ratio
@@ -21,8 +24,6 @@ from hitab_core.splits import (
     split_continuous,
     split_toroidal,
 )
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
 CONTINUOUS = Scale()
 BOOLEAN = Scale(FeatureKind.BOOLEAN)
@@ -133,6 +134,23 @@ def test_an_end_of_an_arc_is_behind_one_neighbour_and_not_behind_the_next(
     assert before < end <= after if before < after else before < end or end <= after
 
 
+@pytest.mark.parametrize("before", [0.0, 5e-324, 0.1, 0.3, 1.0, 359.0, math.nextafter(360, 0)])
+@pytest.mark.parametrize("before_is_default", [False, True])
+@pytest.mark.parametrize("after_is_default", [False, True])
+def test_an_end_of_an_arc_between_adjacent_numbers_is_the_second(
+    before, before_is_default, after_is_default
+):
+    after = math.nextafter(before, math.inf) % 360
+    end = end_between(
+        before,
+        after,
+        360.0,
+        before_is_default=before_is_default,
+        after_is_default=after_is_default,
+    )
+    assert end == after
+
+
 def test_a_tiny_negative_angle_is_at_zero_not_at_the_period():
     assert on_circle(-1e-20, 360) == 0
     assert on_circle(-90, 360) == 270
@@ -219,10 +237,15 @@ def test_an_arc_has_the_largest_gain_of_all_arcs(drawn, min_branch):
         assert (inside == in_part)[clear].all()
 
 
-def test_of_equal_thresholds_the_one_with_the_larger_smaller_side_is_taken():
-    # Cutting off 1 or cutting off 5 and 6 gains the same.
-    split = split_continuous(examples([1, 2, 3, 4, 5, 6], [0, 1, 1, 1, 0, 0]))
-    assert split.test == Threshold(4.5)
+@pytest.mark.parametrize("n_values", [4, 6, 30, 58])
+def test_of_equal_splits_the_one_with_the_larger_smaller_side_is_taken(n_values):
+    # No split gains anything, but for rounding.
+    values = np.repeat(np.arange(n_values), 3)
+    given_examples = examples(values, [0, 0, 1] * n_values)
+    assert split_continuous(given_examples).test == Threshold(n_values / 2 - 0.5)
+    arc = split_toroidal(given_examples, float(n_values))
+    assert len(arc.parts[0]) == len(arc.parts[1])
+    assert arc.test == Arc(0.5, n_values / 2 + 0.5, float(n_values))
 
 
 def test_of_thresholds_equal_in_all_else_the_lower_one_is_taken():
@@ -242,6 +265,8 @@ def test_a_split_with_fewer_examples_on_a_side_than_asked_for_is_not_considered(
     assert split_continuous(one_apart, 1).test == Threshold(1.5)
     assert split_continuous(one_apart, 2).test == Threshold(2.5)
     assert split_continuous(one_apart, 3) is None
+    assert split_toroidal(one_apart, 360, 1).test.start == 1.5
+    assert split_toroidal(one_apart, 360, 2).test == Arc(1.5, 3.5, 360)
     assert split_toroidal(one_apart, 360, 3) is None
 
 

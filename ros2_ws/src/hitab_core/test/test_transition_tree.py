@@ -8,15 +8,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import FeatureValueError, VocabularyError
-from hitab_core.transition_tree import TransitionTree
-from hitab_core.tree_nodes import CategoryNode, Leaf, ThresholdNode, nodes
-from hitab_core.tree_pruning import pessimistic_errors
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.base import clone
 from sklearn.tree import DecisionTreeClassifier
+
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.errors import FeatureValueError, VocabularyError
+from hitab_core.transition_tree import TransitionTree
+from hitab_core.tree_nodes import CategoryNode, Leaf, ThresholdNode, nodes
+from hitab_core.tree_pruning import pessimistic_errors, prune
 
 CONTINUOUS = Scale()
 BOOLEAN = Scale(FeatureKind.BOOLEAN)
@@ -221,6 +222,29 @@ def test_an_arc_at_zero_is_the_same_as_one_elsewhere():
     assert at_zero.predict([[-1e-20], [0], [360], [-0.0]]).tolist() == ["Go"] * 4
 
 
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 1, 0)])
+@pytest.mark.parametrize("labels", ["AAB", "ABA", "BAA", "ABC"])
+@pytest.mark.parametrize("turn", [0, 10, 95, 180, -75])
+def test_an_end_of_an_arc_belongs_to_the_side_above_it_also_at_zero(order, labels, turn):
+    # Ends lie at 0, 95 and 265, turned; so some are exactly at zero.
+    places = [-10 + turn, 10 + turn, 180 + turn]
+    tree = TransitionTree([DEGREES]).fit([[places[i]] for i in order], [labels[i] for i in order])
+    decide, states = by_index(tree, tree.labels)
+    for end, above, below in ((0, 1, 0), (95, 2, 1), (265, 0, 2)):
+        at = end + turn
+        for place, index in (
+            (at, above),
+            (at + 360, above),
+            (at + 1e-9, above),
+            (at - 1e-9, below),
+            (at % 360 - 1e-20, above),  # too little to be another place than the end
+        ):
+            label = labels[index]
+            assert tree.explain([place], ["a"]).distribution == {label: 1}
+            assert tree.predict([[place]]).tolist() == [label]
+            assert states[decide([float(place)], no_reading, None)] == label
+
+
 # The same as others find
 
 
@@ -289,8 +313,9 @@ def test_where_gain_and_gain_ratio_choose_alike_the_tree_is_scikit_learns(n_feat
 
 @pytest.mark.filterwarnings("ignore::sklearn.exceptions.SkipTestWarning")
 def test_the_scikit_learn_form_of_the_tree_passes_scikit_learns_checks():
-    from hitab_core.sklearn_compat import TransitionTreeClassifier
     from sklearn.utils.estimator_checks import check_estimator
+
+    from hitab_core.sklearn_compat import TransitionTreeClassifier
 
     for classifier in (TransitionTreeClassifier(), TransitionTreeClassifier(prune=True)):
         results = check_estimator(classifier)
@@ -653,6 +678,19 @@ def test_pessimistic_errors_are_those_of_quinlans_example():
     assert pessimistic_errors(0, 9, 0.25) == pytest.approx(9 * 0.143, abs=0.01)
     assert pessimistic_errors(0, 1, 0.25) == pytest.approx(0.750)
     assert pessimistic_errors(1, 16, 0.25) == pytest.approx(16 * 0.157, rel=0.05)
+
+
+def test_a_leaf_replaces_a_subtree_that_expects_up_to_a_tenth_of_an_error_less():
+    slightly = ThresholdNode(0, 1.0, (5, 4), Leaf((3, 1)), Leaf((2, 3)))
+    clearly = ThresholdNode(0, 1.0, (8, 4), Leaf((6, 1)), Leaf((2, 3)))
+
+    def errors(node):
+        return pessimistic_errors(min(node.counts), sum(node.counts), 0.25)
+
+    for node, saved in ((slightly, 0.093), (clearly, 0.102)):
+        assert errors(node) - errors(node.low) - errors(node.high) == pytest.approx(saved, abs=5e-4)
+    assert prune(slightly) == Leaf((5, 4))
+    assert prune(clearly) == clearly
 
 
 def test_pruning_makes_a_subtree_that_only_fits_noise_a_leaf():
