@@ -122,7 +122,9 @@ class AgentServices:
                 f"bind_from has {len(request.bind_from)} names, bind_to {len(request.bind_to)}"
             )
         bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
-        automaton, path, trimmed = self._agent.save(request.name, bindings, request.description)
+        automaton, path, trimmed = self._agent.save(
+            request.name, bindings, request.description, keep_unused=request.keep_unused
+        )
         response.path = str(path)
         response.digest = self._agent.library.file_digest(automaton.name)
         response.trimmed = trimmed

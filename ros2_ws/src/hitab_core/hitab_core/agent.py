@@ -25,7 +25,7 @@ from hitab_core.running_automaton import Running, RunningAutomaton, Stage
 from hitab_core.seeding import agent_seed
 from hitab_core.senses import Senses
 from hitab_core.training_session import Curriculum, TrainingSession, example_record, replay
-from hitab_core.trimming import rebind, trim
+from hitab_core.trimming import check_bound, rebind, trim
 from hitab_core.use import Use
 
 
@@ -262,7 +262,12 @@ class Agent:
         self.mode = Mode.TRAINING
 
     def save(
-        self, name: str = "", bindings: Mapping[str, str] | None = None, description: str = ""
+        self,
+        name: str = "",
+        bindings: Mapping[str, str] | None = None,
+        description: str = "",
+        *,
+        keep_unused: bool = False,
     ) -> tuple[Automaton, Path, list[str]]:
         """Trim what was learned, add it to the library and end the training.
 
@@ -270,6 +275,8 @@ class Agent:
             name: what to call it; empty: as it was begun.
             bindings: targets or parameters to replace, with what.
             description: for people who browse the library.
+            keep_unused: do not trim features that no transition function uses yet, so that
+                training can go on with them, as in behavior bootstrapping.
 
         Returns:
             The automaton, its file, and what was trimmed.
@@ -287,9 +294,14 @@ class Agent:
             learned = rebind(
                 learned, bindings, self.repertoire, classifier=session.curriculum.classifier
             )
-        automaton, trimmed = trim(
-            learned, self.repertoire, classifier=session.curriculum.classifier
-        )
+        trimmed: list[str] = []
+        if keep_unused:
+            check_bound(learned, self.domain)
+            automaton = learned
+        else:
+            automaton, trimmed = trim(
+                learned, self.repertoire, classifier=session.curriculum.classifier
+            )
         before = self.repertoire.automata.get(automaton.name)
         self.repertoire.add(automaton)
         try:
@@ -440,7 +452,8 @@ def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example
     if missing:
         raise TrainingError(
             f'the examples of "{earlier.name}" have no value for {", ".join(missing)} '
-            f"{has(earlier.features)}; go on with the same features, or begin without them"
+            f"{has(earlier.features)}; save with unused features kept to go on with them, "
+            "or begin without these"
         )
     columns = [earlier.features.index(f) for f in features]
     return tuple(
