@@ -99,6 +99,11 @@ def _draw_thing(axes: Axes, thing: Any) -> None:
     )
     if thing.say:
         axes.annotate(
-            f"“{thing.say}”", (thing.x, thing.y), textcoords="offset points", xytext=(8, 10),
-            fontsize=8, color="white", zorder=6,
+            f"“{thing.say}”",
+            (thing.x, thing.y),
+            textcoords="offset points",
+            xytext=(8, 10),
+            fontsize=8,
+            color="white",
+            zorder=6,
         )

@@ -132,12 +132,13 @@ class Undo(Step):
 
 @dataclass(frozen=True)
 class Save(Step):
-    """Save what was learned."""
+    """Save what was learned; ``keep_unused`` keeps features for going on with training later."""
 
     kind: ClassVar[str] = "save"
     name: str = ""
     bind: Mapping[str, str] = field(default_factory=dict)
     description: str = ""
+    keep_unused: bool = False
 
 
 @dataclass(frozen=True)

@@ -155,6 +155,7 @@ def _save(fields: Fields, line: int, agent: str) -> Step:
         fields.text("name", ""),
         {name: bind.text(name) or "" for name in bind.names()},
         fields.text("description", ""),
+        fields.flag("keep_unused", False),
     )
 
 

@@ -34,6 +34,7 @@ from hitab_bringup.lesson import (
     Undo,
     Until,
 )
+from hitab_bringup.path_tracker import PathTracker
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.world_client import WorldClient
 from hitab_bringup.world_view import WorldView, speakers
@@ -99,6 +100,7 @@ class LessonPlayer:
         self._begun_at = 0.0
         self._said: frozenset[str] = frozenset()
         self._ended: tuple[str, ...] = ()
+        self._entered: dict[str, list[str]] = {}
         self._due = 0.0
 
     def play(self) -> LessonReport:
@@ -115,11 +117,13 @@ class LessonPlayer:
         start = self._seconds(
             self.world.changed(lambda: self.world.control(Control.Request.PAUSE))
         )
+        agents = self.swarm.agents()
         try:
-            for index, step in enumerate(self.lesson.steps):
-                if self._progress is not None:
-                    self._progress(index, len(self.lesson.steps), _told(step))
-                self._play(step)
+            with PathTracker(self.swarm.link, agents, prefix=self.swarm.prefix) as self._tracker:
+                for index, step in enumerate(self.lesson.steps):
+                    if self._progress is not None:
+                        self._progress(index, len(self.lesson.steps), _told(step))
+                    self._play(step)
         finally:
             self._hand_back(pace, running)
         self.report.simulated_s = round(self._seconds(self._state()) - start, 3)
@@ -136,7 +140,7 @@ class LessonPlayer:
             pass  # it went away; what was wrong has been told
 
     def _play(self, step: Step) -> None:
-        self._said, self._ended = frozenset(), ()
+        self._said, self._ended, self._entered = frozenset(), (), {}
         self._begun_at = self._seconds(self._state())
         try:
             _PLAYERS[type(step)](self, step)
@@ -157,7 +161,9 @@ class LessonPlayer:
     def _step_world(self) -> WorldState:
         """Let one cycle pass, no faster than the watcher wishes."""
         earlier = self.world.state
+        self._tracker.take()
         state = self.world.step()
+        self._entered = self._tracker.take()
         self._said |= speakers(state.entities)
         if earlier is not None and state.note and state.note not in (earlier.note, "reset"):
             self._ended += (state.note,)
@@ -170,7 +176,11 @@ class LessonPlayer:
 
     def _view(self) -> WorldView:
         state = self._state()
-        paths = {name: status.active_path for name, status in self.swarm.statuses.items()}
+        # The status may lag behind by some cycles; what was entered in this one does not.
+        paths = {
+            name: [*status.active_path, *self._entered.get(name, ())]
+            for name, status in self.swarm.statuses.items()
+        }
         return WorldView(
             state.entities,
             self._seconds(state) - self._begun_at,
@@ -189,9 +199,7 @@ class LessonPlayer:
     # -- the steps --------------------------------------------------------------------------
 
     def _place(self, step: Place) -> None:
-        self.world.changed(
-            lambda: self.world.place(step.things, new_episode=step.new_episode)
-        )
+        self.world.changed(lambda: self.world.place(step.things, new_episode=step.new_episode))
 
     def _new_episode(self, step: NewEpisode) -> None:
         self.world.changed(lambda: self.world.control(Control.Request.RESET))
@@ -252,6 +260,7 @@ class LessonPlayer:
             bind_from=list(step.bind),
             bind_to=list(step.bind.values()),
             description=step.description,
+            keep_unused=step.keep_unused,
         )
         name = step.name or self.lesson.name
         examples = self.swarm.list_examples(step.agent, name).examples

@@ -82,7 +82,7 @@ class RosLink:
 
     def subscribe(
         self, kind: Any, topic: str, take: Callable[[Any], None], qos: QoSProfile
-    ) -> None:
+    ) -> Any:
         """Subscribe; an exception in ``take`` is raised from the next spin."""
 
         def guarded(message: Any) -> None:
@@ -92,7 +92,7 @@ class RosLink:
             except BaseException as error:
                 self._failure = error
 
-        self.node.create_subscription(kind, topic, guarded, qos)
+        return self.node.create_subscription(kind, topic, guarded, qos)
 
     def topics_of_type(self, kind: str) -> Iterator[str]:
         """Go through the topics that carry a type of message, as far as discovered."""

@@ -48,9 +48,7 @@ stdout_logfile_backups=2
 """
 
 
-def supervisor_config(
-    processes: Iterable[Process], folder: Path, logs: Path, socket: Path
-) -> str:
+def supervisor_config(processes: Iterable[Process], folder: Path, logs: Path, socket: Path) -> str:
     """Return the text of ``supervisord.conf``."""
     parts = [HEAD.format(socket=_plain(socket), folder=_plain(folder))]
     for priority, process in enumerate(processes):

@@ -239,7 +239,11 @@ class SwarmClient:
     ) -> Any:
         """Undo, delete or relabel."""
         return self.ask(
-            agent, EditExamples, "edit_examples", action=action, numbers=list(numbers),
+            agent,
+            EditExamples,
+            "edit_examples",
+            action=action,
+            numbers=list(numbers),
             next_state=next_state,
         )
 
@@ -291,8 +295,13 @@ class SwarmClient:
             lambda: self.link.node.count_publishers(ack_topic) >= len(meant), 2.0, 0.01
         )
         answer = self.ask(
-            source, Distribute, "distribute", behavior=behavior, arguments=list(arguments),
-            receivers=list(receivers), start=start,
+            source,
+            Distribute,
+            "distribute",
+            behavior=behavior,
+            arguments=list(arguments),
+            receivers=list(receivers),
+            start=start,
         )
         sequence = answer.sequence
 

@@ -65,13 +65,9 @@ class WorldClient:
             raise SwarmError(f"the world refuses: {answer.message}")
         return answer
 
-    def control(
-        self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0
-    ) -> Any:
+    def control(self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0) -> Any:
         """Pause, resume, step, reset or set the pace."""
-        return self.ask(
-            Control, "control", action=action, cycles=cycles, pace=pace, factor=factor
-        )
+        return self.ask(Control, "control", action=action, cycles=cycles, pace=pace, factor=factor)
 
     def step(self, cycles: int = 1, seconds: float = 10.0) -> WorldState:
         """Let a paused world go on for some cycles and return its state afterwards.
@@ -93,9 +89,7 @@ class WorldClient:
     def _awaited(
         self, right: Callable[[WorldState], bool], what: str, seconds: float
     ) -> WorldState:
-        if not self.link.spin_until(
-            lambda: self.state is not None and right(self.state), seconds
-        ):
+        if not self.link.spin_until(lambda: self.state is not None and right(self.state), seconds):
             raise SwarmError(
                 f"the world did not {what} within {seconds:g} s; see the log of its process"
             )

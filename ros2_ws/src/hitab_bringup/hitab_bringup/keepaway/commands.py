@@ -35,8 +35,9 @@ def evaluate(
     behavior: Annotated[str, typer.Option(help="The keepers' top-level behavior.")] = "Keepaway",
     parameter: Annotated[
         list[str] | None,
-        typer.Option("--parameter", metavar="NAME=VALUE", help="Another figure of the game; "
-                     "repeat."),
+        typer.Option(
+            "--parameter", metavar="NAME=VALUE", help="Another figure of the game; repeat."
+        ),
     ] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Where to draw the lengths of the episodes, PNG or SVG.")

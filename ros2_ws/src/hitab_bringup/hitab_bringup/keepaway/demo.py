@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import time
 from collections.abc import Sequence
@@ -44,10 +45,11 @@ def run_demo(out: Path, episodes: int, seed: int) -> dict[str, Any]:
     began = time.monotonic()
     _make_folder(out)
     parameters = {"taker_speed": paper.TAKER_SPEED}
-    with console.progress("starting a world and three keepers") as advance:
-        stack = temporary_swarm(trained_keepers(None, "", parameters), progress=advance)
-        running = stack.__enter__()
-    try:
+    with contextlib.ExitStack() as stack:
+        with console.progress("starting a world and three keepers") as advance:
+            running = stack.enter_context(
+                temporary_swarm(trained_keepers(None, "", parameters), progress=advance)
+            )
         console.say("A world and three keepers are up, each a process of its own.\n")
         reports = _train(running)
         library = Path(reports[-1].path).parent
@@ -55,8 +57,6 @@ def run_demo(out: Path, episodes: int, seed: int) -> dict[str, Any]:
         evaluation = _evaluate(running, library, episodes, seed, parameters)
         moments, size = _watch(running)
         _keep_library(library, out / "library")
-    finally:
-        stack.__exit__(None, None, None)
     figures = {
         "lessons": [_row(report) for report in reports],
         "evaluation": evaluation.to_json(),
@@ -162,8 +162,11 @@ def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> No
     for report in reports:
         row = paper.TABLE_1[report.lesson]
         trained.add_row(
-            report.lesson, str(report.examples), str(row.examples),
-            f"{report.simulated_s / 60:.1f} min", f"{row.minutes} min",
+            report.lesson,
+            str(report.examples),
+            str(row.examples),
+            f"{report.simulated_s / 60:.1f} min",
+            f"{row.minutes} min",
         )
     screen.print()
     screen.print(trained)

@@ -131,9 +131,7 @@ def evaluate(
         swarm = trained_keepers(library, behavior, parameters)
         with temporary_swarm(swarm, progress=advance) as running:
             played, wall, missed = play_lockstep(running, episodes, seed, advance)
-    return Evaluation(
-        behavior, str(library), digest, pace, seed, parameters, played, wall, missed
-    )
+    return Evaluation(behavior, str(library), digest, pace, seed, parameters, played, wall, missed)
 
 
 def _check_library(library: Path, behavior: str) -> str:
@@ -173,7 +171,10 @@ def play_lockstep(
         measures = dict(zip(message.measure_names, message.measures, strict=True))
         played.append(
             Played(
-                message.number, message.cycles, message.seconds, message.ended,
+                message.number,
+                message.cycles,
+                message.seconds,
+                message.ended,
                 measures.get("passes", 0.0),
             )
         )
@@ -208,7 +209,10 @@ def _play_inprocess(
         for result in play(world, players, some, first=len(played)):
             played.append(
                 Played(
-                    result.number, result.cycles, result.seconds, result.ended,
+                    result.number,
+                    result.cycles,
+                    result.seconds,
+                    result.ended,
                     result.measures.get("passes", 0.0),
                 )
             )

@@ -17,12 +17,22 @@ def draw_episode_lengths(evaluation: Evaluation, path: Path) -> None:
     out = [p.seconds for p in evaluation.played if p.ended == "out"]
     others = [p.seconds for p in evaluation.played if p.ended != "out"]
     bins = [i * max(seconds) / 30 for i in range(31)]
-    axes.hist([out, others], bins=bins, stacked=True, label=["ended out", "ended taken"],
-              color=["#7fa6d6", "#d98c7f"])
+    axes.hist(
+        [out, others],
+        bins=bins,
+        stacked=True,
+        label=["ended out", "ended taken"],
+        color=["#7fa6d6", "#d98c7f"],
+    )
     ours = fmean(seconds)
     axes.axvline(ours, color="#1f5fb4", linewidth=2, label=f"mean {ours:.1f} s")
-    axes.axvline(paper.HOLD_TIME_S, color="black", linewidth=1.5, linestyle="--",
-                 label=f"the paper's mean {paper.HOLD_TIME_S} ± {paper.HOLD_TIME_SE_S} s")
+    axes.axvline(
+        paper.HOLD_TIME_S,
+        color="black",
+        linewidth=1.5,
+        linestyle="--",
+        label=f"the paper's mean {paper.HOLD_TIME_S} ± {paper.HOLD_TIME_SE_S} s",
+    )
     axes.set_xlabel("length of the episode, s")
     axes.set_ylabel("episodes")
     axes.set_title(

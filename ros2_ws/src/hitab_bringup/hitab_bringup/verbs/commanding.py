@@ -146,8 +146,9 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
         console.say(f"domain    {words.domain}")
         for name in words.behaviors:
             bare = name.split("(")[0]
-            kinds = [k for k, there in (("trained", trained), ("one-shot", one_shot))
-                     if bare in there]
+            kinds = [
+                k for k, there in (("trained", trained), ("one-shot", one_shot)) if bare in there
+            ]
             console.say(f"behavior  {name}{'  ' + ', '.join(kinds) if kinds else ''}")
         for name, kind, unit in zip(
             words.features, words.feature_kinds, words.feature_units, strict=True

@@ -98,8 +98,12 @@ def list_behaviors(library: Library = None, agent: Agent = None, json: JsonPath 
             table.add_column(column)
         for row in data:
             table.add_row(
-                row["name"], str(row["examples"]), ", ".join(row["states"]),
-                ", ".join(row["features"]), str(row["version"]), row["created"],
+                row["name"],
+                str(row["examples"]),
+                ", ".join(row["states"]),
+                ", ".join(row["features"]),
+                str(row["version"]),
+                row["created"],
             )
         console.out().print(table)
     for problem in opened.problems.values():

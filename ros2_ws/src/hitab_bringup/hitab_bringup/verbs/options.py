@@ -19,7 +19,9 @@ SwarmName = Annotated[
 JsonPath = Annotated[
     str | None,
     typer.Option(
-        "--json", metavar="PATH", help="Write the figures as JSON; - for stdout.",
+        "--json",
+        metavar="PATH",
+        help="Write the figures as JSON; - for stdout.",
         show_default=False,
     ),
 ]

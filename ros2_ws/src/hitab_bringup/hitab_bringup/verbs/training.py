@@ -42,8 +42,12 @@ def train(
     ] = None,
     parameter: Annotated[
         list[str] | None,
-        typer.Option("--parameter", "-p", metavar="A=ball", help="A parameter, and what it is "
-                     "bound to during the training; repeat."),
+        typer.Option(
+            "--parameter",
+            "-p",
+            metavar="A=ball",
+            help="A parameter, and what it is bound to during the training; repeat.",
+        ),
     ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on from the examples of the saved behavior.")
@@ -148,6 +152,10 @@ def save(
         typer.Option(metavar="ball=A", help="Replace a target or parameter; repeat."),
     ] = None,
     description: Annotated[str, typer.Option(help="For people who browse the library.")] = "",
+    keep_unused: Annotated[
+        bool,
+        typer.Option(help="Keep features that nothing uses yet, to go on training with them."),
+    ] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Trim what was learned and add it to the agent's library.
@@ -168,6 +176,7 @@ def save(
             bind_from=list(bound),
             bind_to=list(bound.values()),
             description=description,
+            keep_unused=keep_unused,
         )
     console.say(f"{answer.message}: {answer.path}")
     if answer.trimmed:

@@ -1,0 +1,58 @@
+"""Follows the active states of agents change by change, so that not even a short one is missed.
+
+An agent's status tells its active states too, but only so often; its transitions tell all of
+them, with the world's cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from types import TracebackType
+from typing import Self
+
+from hitab_bringup import names
+from hitab_bringup.ros_link import RosLink
+from hitab_msgs.msg import TransitionEvent
+from hitab_ros import qos
+
+
+class PathTracker:
+    """The active states of some agents; used with ``with``, since being followed costs an agent.
+
+    Args:
+        link: the node to use.
+        agents: whom to follow.
+        prefix: namespace of the swarm.
+    """
+
+    def __init__(self, link: RosLink, agents: Iterable[str], *, prefix: str = "") -> None:
+        self._link = link
+        self._topics = {a: names.of_agent(a, "transitions", prefix) for a in agents}
+        self._passed: dict[str, list[str]] = {agent: [] for agent in self._topics}
+
+    def __enter__(self) -> Self:
+        self._subscriptions = [
+            self._link.subscribe(TransitionEvent, topic, self._take, qos.EVENTS)
+            for topic in self._topics.values()
+        ]
+        count = self._link.node.count_publishers
+        self._link.spin_until(lambda: all(count(t) for t in self._topics.values()), 3.0, 0.01)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for subscription in self._subscriptions:
+            self._link.node.destroy_subscription(subscription)
+
+    def _take(self, event: TransitionEvent) -> None:
+        self._passed[event.agent].append(event.to_state)
+
+    def take(self) -> dict[str, list[str]]:
+        """Return the states that each agent has entered since the last call."""
+        taken = self._passed
+        self._passed = {agent: [] for agent in self._topics}
+        return taken
