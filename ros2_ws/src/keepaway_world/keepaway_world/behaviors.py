@@ -1,0 +1,176 @@
+"""The keepers' basic behaviors (the paper, section 6).
+
+All of them give at most one command a cycle, decide by this cycle's percept alone and remember
+nothing. Powers are those of rcssserver, 0 to 100; speeds are in m/cycle.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hitab_core.domain import BasicBehavior
+
+from keepaway_world import percept
+from keepaway_world.angles import wrapped
+from keepaway_world.body import NOBODY, YELL, KeeperBody
+from keepaway_world.kicking import kick_acceleration, kick_power, off_place, pass_speed
+from keepaway_world.percept import BALL
+
+FAST, MEDIUM, SLOW = 100.0, 90.0, 75.0
+
+AT_REST = 0.1  # m/cycle: a ball that seems slower than this is left alone
+
+OPEN_STEP = 3.0  # m: how far ahead GetOpen looks down its potential field
+OPEN_ARRIVED = 0.5  # m: a place so near is not worth going to
+OPEN_TURN_WHEN_OFF = math.radians(10.0)
+
+
+def go_fast(body: KeeperBody) -> None:
+    """Dash straight ahead with power 100."""
+    body.dash(FAST)
+
+
+def go_medium(body: KeeperBody) -> None:
+    """Dash straight ahead with power 90."""
+    body.dash(MEDIUM)
+
+
+def go_slow(body: KeeperBody) -> None:
+    """Dash straight ahead with power 75."""
+    body.dash(SLOW)
+
+
+def stop(body: KeeperBody) -> None:
+    """Come to rest, and bring a rolling ball that is within kicking range to rest too.
+
+    A keeper that does not dash rolls out within a metre. The paper does not say what its Stop
+    does to the ball; but where agents cannot collide with it, a ball that nobody stops with a
+    kick rolls past every receiver, and no pass could ever be completed.
+    """
+    if not body.ball_is_kickable:
+        return
+    vx, vy = body.ball_velocity
+    speed = math.hypot(vx, vy)
+    if speed > AT_REST:
+        distance, direction = body.values[BALL], body.values[BALL + 1]
+        power = kick_power(body.parameters, speed, distance, direction)
+        body.kick(power, wrapped(math.atan2(-vy, -vx) - body.heading))
+
+
+def turn_to_ball(body: KeeperBody) -> None:
+    """Turn to face the ball; a fast keeper needs more than one cycle for much of a turn."""
+    direction = body.values[BALL + 1]
+    if direction:
+        body.turn_by(direction)
+
+
+def most_open_keeper(body: KeeperBody) -> int:
+    """Return the place of the team mate to pass to.
+
+    The one whose direction makes the largest angle with that of the closest taker, both seen
+    from the passer; the lowest number if several do. Without takers, the closest team mate.
+    """
+    taker = body.closest_taker()
+    if taker == NOBODY:
+        return body.closest_keeper()
+    found, largest = NOBODY, -1.0
+    for place in body.others:
+        angle = body.angle_between(place, taker)
+        if angle > largest:
+            found, largest = place, angle
+    return found
+
+
+def pass_ball(body: KeeperBody) -> None:
+    """Kick the ball once to the most open team mate and yell its number.
+
+    The ball is to arrive at 1.2 m/cycle. What it does now is accounted for, and how well it is
+    placed for a kick; where one kick is too weak for that, the ball leaves in the right
+    direction as fast as it can be made to. Does nothing if the ball is not kickable.
+    """
+    if not body.ball_is_kickable:
+        return
+    p, values = body.parameters, body.values
+    receiver = most_open_keeper(body)
+    ball_x, ball_y = body.vector_to(BALL)
+    receiver_x, receiver_y = body.vector_to(receiver)
+    dx, dy = receiver_x - ball_x, receiver_y - ball_y
+    bearing = math.atan2(dy, dx)
+    c, s = math.cos(bearing), math.sin(bearing)
+    vx, vy = body.ball_velocity
+    distance, direction = values[BALL], values[BALL + 1]
+    along, across = kick_acceleration(
+        p,
+        vx * c + vy * s,
+        vy * c - vx * s,
+        pass_speed(p, math.hypot(dx, dy)),
+        100.0 * p.kick_rate * (1.0 - off_place(p, distance, direction)),
+    )
+    power = kick_power(p, math.hypot(along, across), distance, direction)
+    body.kick(power, wrapped(bearing + math.atan2(across, along) - body.heading))
+    body.say(YELL.format(body.number_at(receiver)))
+
+
+def get_open(body: KeeperBody) -> None:
+    """Move away from the team mates, never out of the circle around the box's centre.
+
+    A simple potential field: each team mate repels with a force of 1/distance. The keeper goes a
+    step along the sum of the forces, or to the point of the circle (10 m in the paper's box)
+    nearest to there. It turns if that is not ahead, else it dashes so as to come to rest there.
+    """
+    x, y = body.position
+    fx = fy = 0.0
+    for place in body.others:
+        dx, dy = body.vector_to(place)
+        squared = max(dx * dx + dy * dy, 1e-6)
+        fx -= dx / squared
+        fy -= dy / squared
+    force = math.hypot(fx, fy)
+    if force < 1e-9:
+        return
+    aim_x, aim_y = x + OPEN_STEP * fx / force, y + OPEN_STEP * fy / force
+    radius = open_radius(body)
+    from_centre = math.hypot(aim_x, aim_y)
+    if from_centre > radius:
+        aim_x *= radius / from_centre
+        aim_y *= radius / from_centre
+    dx, dy = aim_x - x, aim_y - y
+    distance = math.hypot(dx, dy)
+    if distance < OPEN_ARRIVED:
+        return
+    off = wrapped(math.atan2(dy, dx) - body.heading)
+    if abs(off) > OPEN_TURN_WHEN_OFF:
+        body.turn_by(off)
+        return
+    p = body.parameters
+    vx, vy = body.velocity
+    forward = vx * math.cos(body.heading) + vy * math.sin(body.heading)
+    # A dash and the rolling out after it cover (speed + acceleration) / (1 - decay).
+    power = (distance * (1.0 - p.player_decay) - forward) / p.dash_rate
+    body.dash(min(max(power, 0.0), 100.0))
+
+
+def open_radius(body: KeeperBody) -> float:
+    """Return how far from the centre GetOpen may go: with all of the body within half the box."""
+    half = min(body.values[percept.WIDTH], body.values[percept.HEIGHT]) / 2.0
+    return half - body.parameters.player_radius
+
+
+BEHAVIORS = (
+    BasicBehavior("GoFast", go_fast, description="dash straight ahead with power 100"),
+    BasicBehavior("GoMedium", go_medium, description="dash straight ahead with power 90"),
+    BasicBehavior("GoSlow", go_slow, description="dash straight ahead with power 75"),
+    BasicBehavior("Stop", stop, description="come to rest, and stop a ball within reach"),
+    BasicBehavior("TurnToBall", turn_to_ball, description="turn to face the ball"),
+    BasicBehavior(
+        "Pass",
+        pass_ball,
+        one_shot=True,
+        description="kick the ball to the most open team mate and yell to it",
+    ),
+    BasicBehavior(
+        "GetOpen",
+        get_open,
+        description="move away from team mates, within 10 m of the centre",
+    ),
+)

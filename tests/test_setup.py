@@ -1,0 +1,354 @@
+"""scripts/setup and scripts/env.sh, in a small checkout with nothing to download or compile."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = sorted(path.parent for path in ROOT.glob("ros2_ws/src/*/package.xml"))
+# Stands for colcon: notes that it was called, and goes on when it may.
+COLCON = """#!/bin/sh
+echo build >> {root}/builds
+while [ -e {root}/hold ]; do sleep 0.05; done
+"""
+
+
+class Checkout:
+    """A checkout whose lock files are empty and whose colcon does nothing."""
+
+    def __init__(self, root: Path):
+        self.root = root
+        self.venv = root / ".venv"
+        self.stamps = self.venv / ".hitab"
+        shutil.copytree(ROOT / "scripts", root / "scripts")
+        (root / "requirements").mkdir()
+        for name in ("uv", "wheels", "installed-jazzy"):
+            (root / f"requirements/{name}.lock").write_text("# nothing\n")
+        self.message = root / "ros2_ws/src/hitab_msgs/msg/Command.msg"
+        self.message.parent.mkdir(parents=True)
+        self.message.write_text("string behavior\n")
+        self.stubs = root / "stubs"
+        self.stubs.mkdir()
+        self.stub("colcon", COLCON.format(root=root))
+
+    def stub(self, name: str, text: str) -> None:
+        path = self.stubs / name
+        path.write_text(text)
+        path.chmod(0o755)
+
+    def environment(self, path: str | None = None) -> dict[str, str]:
+        return {
+            "HOME": str(self.root),
+            "HITAB_ROS": "wheels",
+            "PATH": f"{self.stubs}:{path or machine_path()}",
+            "PIP_NO_INDEX": "1",
+        }
+
+    def start(self, *arguments: str, path: str | None = None) -> subprocess.Popen:
+        return subprocess.Popen(
+            [self.root / "scripts/setup", *arguments],
+            env=self.environment(path),
+            stdin=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def setup(self, *arguments: str, path: str | None = None) -> tuple[int, str]:
+        process = self.start(*arguments, path=path)
+        said = process.communicate()[1]
+        return process.returncode, said
+
+    def builds(self) -> int:
+        log = self.root / "builds"
+        return len(log.read_text().split()) if log.exists() else 0
+
+
+def machine_path() -> str:
+    """The PATH without this test's own environment."""
+    folders = os.environ["PATH"].split(":")
+    return ":".join(folder for folder in folders if not folder.startswith(sys.prefix))
+
+
+def path_without(folder: Path, *names: str) -> str:
+    """A PATH with every program of this machine except those whose names match one of `names`."""
+    folder.mkdir()
+    for place in machine_path().split(":"):
+        for program in Path(place).iterdir() if Path(place).is_dir() else ():
+            link = folder / program.name
+            if not link.exists() and not any(re.fullmatch(name, link.name) for name in names):
+                link.unlink(missing_ok=True)
+                link.symlink_to(program)
+    return str(folder)
+
+
+def wait_until(condition, seconds: float = 60.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "did not happen in time"
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    return Checkout(tmp_path / "checkout")
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory):
+    """A checkout that is set up, and how many seconds that took."""
+    checkout = Checkout(tmp_path_factory.mktemp("ready") / "checkout")
+    start = time.monotonic()
+    code, said = checkout.setup()
+    assert code == 0, said
+    checkout.seconds = time.monotonic() - start
+    return checkout
+
+
+def test_a_second_set_up_does_nothing_and_takes_a_fraction_of_the_time(ready):
+    stamps = {path: path.stat().st_mtime_ns for path in ready.stamps.iterdir()}
+    builds = ready.builds()
+    start = time.monotonic()
+    code, said = ready.setup("--quiet")
+    assert time.monotonic() - start < ready.seconds / 4
+    assert (code, said) == (0, "")
+    assert stamps == {path: path.stat().st_mtime_ns for path in ready.stamps.iterdir()}
+    assert ready.builds() == builds
+
+
+def test_check_says_what_is_missing_and_makes_nothing(checkout):
+    code, said = checkout.setup("--check")
+    assert code == 1
+    assert said == f"to be set up in {checkout.venv}: environment messages workspace\n"
+    assert not checkout.venv.exists()
+
+
+def test_a_changed_message_is_built_and_nothing_else_is_made_again(ready):
+    environment = (ready.stamps / "environment").stat().st_mtime_ns
+    builds = ready.builds()
+    ready.message.write_text("string behavior\nstring[] targets\n")
+    assert ready.setup("--check")[1].endswith(": messages\n")
+    assert ready.setup()[0] == 0
+    assert ready.builds() == builds + 1
+    assert (ready.stamps / "environment").stat().st_mtime_ns == environment
+
+
+def test_a_new_package_is_installed_at_the_next_set_up(ready):
+    package = ready.root / "ros2_ws/src/a_robot"
+    package.mkdir()
+    (package / "setup.py").write_text("")
+    assert ready.setup("--check")[1].endswith(": workspace\n")
+    shutil.rmtree(package)
+    assert ready.setup("--check")[0] == 0
+
+
+def test_changed_locks_make_the_environment_anew(ready):
+    lock = ready.root / "requirements/wheels.lock"
+    before = lock.read_text()
+    lock.write_text(before + "# a newer version\n")
+    assert ready.setup("--check")[1].endswith(": environment messages workspace\n")
+    lock.write_text(before)
+    assert ready.setup("--check")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("gone", "names", "remedy"),
+    [
+        ("compiler", [r".*\+\+.*", r"(.*-)?(gcc|clang|cc)(-\d+)?"], "apt install build-essential"),
+        ("CMake", [r"cmake\d?"], "apt install cmake"),
+        ("make", [r"g?make"], "apt install make"),
+        ("Python", [r"python.*"], "apt install python3 python3-venv"),
+    ],
+)
+def test_what_the_machine_lacks_is_said_in_one_line_with_the_remedy(
+    checkout, tmp_path, gone, names, remedy
+):
+    code, said = checkout.setup(path=path_without(tmp_path / "programs", *names))
+    assert code == 1
+    assert said.count("\n") == 1
+    assert gone in said
+    assert remedy in said
+    assert not checkout.venv.exists()
+
+
+def test_too_little_disk_space_is_said_before_anything_is_made(checkout):
+    checkout.stub("df", "#!/bin/sh\necho Filesystem\necho disk 100 95 5 95% /\n")
+    code, said = checkout.setup()
+    assert code == 1
+    assert "5 MB are free" in said
+    assert said.count("\n") == 1
+    assert not checkout.venv.exists()
+
+
+def test_a_python_that_does_not_work_is_passed_over(checkout):
+    checkout.stub("python3", "#!/bin/sh\necho 'not installed in this version' >&2\nexit 127\n")
+    assert "to be set up" in checkout.setup("--check")[1]
+
+
+def test_a_python_that_is_too_old_is_named_with_its_version(checkout, tmp_path):
+    checkout.stub("python3", "#!/bin/sh\necho unsuitable 3.9\n")
+    said = checkout.setup(path=path_without(tmp_path / "programs", "python.*"))[1]
+    assert f"{checkout.stubs}/python3 is 3.9" in said
+
+
+def test_a_python_without_header_files_is_told_what_to_install(checkout, tmp_path):
+    checkout.stub("python3", "#!/bin/sh\necho headers 3.12\n")
+    said = checkout.setup(path=path_without(tmp_path / "programs", "python.*"))[1]
+    assert "sudo apt install python3.12-dev" in said
+
+
+def test_a_folder_that_holds_something_else_is_left_alone(checkout):
+    checkout.venv.mkdir()
+    (checkout.venv / "thesis.tex").write_text("mine")
+    code, said = checkout.setup()
+    assert code == 1
+    assert "holds something else" in said
+    assert (checkout.venv / "thesis.tex").read_text() == "mine"
+
+
+def test_a_set_up_killed_while_it_made_the_environment_is_made_good(checkout):
+    process = checkout.start()
+    wait_until((checkout.venv / "pyvenv.cfg").exists)
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    (checkout.venv / "half-made").touch()
+    assert not (checkout.stamps / "environment").exists()
+    code, said = checkout.setup()
+    assert code == 0, said
+    assert not (checkout.venv / "half-made").exists()
+    assert checkout.setup("--check")[0] == 0
+
+
+def test_a_set_up_killed_while_it_built_the_messages_builds_them_from_scratch(ready):
+    ready.message.write_text("string other\n")
+    (ready.root / "hold").touch()
+    builds = ready.builds()
+    process = ready.start()
+    wait_until(lambda: ready.builds() == builds + 1)
+    process.send_signal(signal.SIGKILL)
+    (ready.root / "hold").unlink()
+    process.communicate()
+    half_built = ready.venv / "build/hitab_msgs"
+    half_built.mkdir(parents=True)
+    assert ready.setup("--check")[1].endswith(": messages\n")
+    code, said = ready.setup()
+    assert code == 0, said
+    assert not half_built.exists()
+
+
+def test_a_second_set_up_at_once_waits_and_says_so(ready):
+    ready.message.write_text("string yet_another\n")
+    (ready.root / "hold").touch()
+    builds = ready.builds()
+    first = ready.start()
+    wait_until(lambda: ready.builds() == builds + 1)
+    second = ready.start()
+    assert "waiting" in second.stderr.readline()
+    assert second.poll() is None
+    (ready.root / "hold").unlink()
+    first.communicate()
+    second.communicate()
+    assert (first.returncode, second.returncode) == (0, 0)
+    assert ready.builds() == builds + 1
+
+
+def test_a_failed_step_shows_the_end_of_its_log_and_where_the_rest_is(ready):
+    ready.message.write_text("strin typo\n")
+    colcon = (ready.stubs / "colcon").read_text()
+    ready.stub("colcon", "#!/bin/sh\nseq 100\necho unknown type strin\nexit 1\n")
+    try:
+        code, said = ready.setup()
+    finally:
+        ready.stub("colcon", colcon)
+    assert code == 1
+    assert "unknown type strin" in said
+    assert "    99\n" in said
+    assert "    1\n" not in said
+    assert str(ready.venv / "setup.log") in said
+    assert ready.setup()[0] == 0
+
+
+def test_the_environment_file_takes_another_ros_out_of_the_shell(checkout):
+    environment = checkout.environment() | {
+        "AMENT_PREFIX_PATH": "/home/me/ws/install/a:/opt/ros/humble",
+        "PYTHONPATH": "/opt/ros/humble/lib/python3.10/site-packages",
+        "LD_LIBRARY_PATH": "/opt/ros/humble/lib:/home/me/ws/install/a/lib:/opt/cuda/lib",
+        "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp",
+        "ROS_DISTRO": "humble",
+    }
+    environment["PATH"] += ":/opt/ros/humble/bin"
+    shown = sourced(checkout, environment)
+    assert shown["PATH"].split(":")[0] == f"{checkout.venv}/bin"
+    assert "humble" not in "".join(f"{name}={value}" for name, value in shown.items())
+    assert shown["LD_LIBRARY_PATH"] == "/opt/cuda/lib"
+    assert shown["ROS_DISTRO"] == "jazzy"
+    assert "PYTHONPATH" not in shown
+    assert "RMW_IMPLEMENTATION" not in shown
+
+
+def test_the_environment_file_changes_nothing_the_second_time(checkout):
+    once = sourced(checkout, checkout.environment())
+    assert sourced(checkout, once) == once
+
+
+@pytest.mark.parametrize(("said", "counts"), [(None, "LOCALHOST"), ("SUBNET", "SUBNET")])
+def test_nodes_stay_on_this_machine_unless_the_user_says_otherwise(checkout, said, counts):
+    environment = checkout.environment()
+    if said:
+        environment["ROS_AUTOMATIC_DISCOVERY_RANGE"] = said
+    assert sourced(checkout, environment)["ROS_AUTOMATIC_DISCOVERY_RANGE"] == counts
+
+
+def sourced(checkout: Checkout, environment: dict[str, str]) -> dict[str, str]:
+    """What the environment is after sourcing scripts/env.sh, in a shell that allows no slip."""
+    script = 'set -eu; . "$0"; env -0'
+    shown = subprocess.run(
+        ["bash", "-c", script, checkout.root / "scripts/env.sh"],
+        env=environment,
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    pairs = (line.split("=", 1) for line in shown.split("\0") if line)
+    return {name: value for name, value in pairs if name not in ("_", "SHLVL", "PWD")}
+
+
+def test_lock_files_pin_all_with_hashes_and_name_no_host():
+    locks = sorted(ROOT.glob("requirements/*.lock"))
+    assert len(locks) == 3
+    for lock in locks:
+        text = lock.read_text()
+        assert "://" not in text
+        entries = re.split(r"\n(?=\S)", re.sub(r"^\s*#.*\n", "", text, flags=re.MULTILINE))
+        assert all("==" in entry and "--hash=sha256:" in entry for entry in entries)
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
+def test_the_ament_index_leads_to_the_package_as_it_is_in_the_checkout(package):
+    shown = subprocess.run(
+        [
+            "bash",
+            "-c",
+            '. "$0" && python -c "$1" "$2"',
+            ROOT / "scripts/env.sh",
+            LOCATE,
+            package.name,
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.strip()
+    assert Path(shown, "package.xml").read_text() == (package / "package.xml").read_text()
+
+
+LOCATE = """
+import sys
+from ament_index_python import get_package_share_directory
+print(get_package_share_directory(sys.argv[1]))
+"""
