@@ -1,0 +1,148 @@
+"""Measures how much of what DDS allows is left to a game of keepaway in lockstep.
+
+Measured one after the other, in turns: a bare loop in which one process publishes a message and
+waits until three others have answered, and the keepaway world with three keeper processes that
+perform the trained Keepaway automaton.
+
+    scripts/python benchmarks/lockstep.py --seconds 10 --json lockstep.json
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from statistics import median
+from typing import Annotated
+
+import typer
+from report import tell
+
+KEEPERS = 3
+
+
+def answer(name: str) -> None:
+    """Be one of the processes that answer."""
+    from hitab_msgs.msg import Action, Percept
+
+    from hitab_ros import qos
+    from hitab_ros.spinning import Spinner, make_node, run
+
+    def start(spinning: Spinner) -> None:
+        node = make_node(name)
+        publisher = node.create_publisher(Action, "bare_answer", qos.CYCLE)
+        reply = Action(agent=name)
+
+        def respond(message: Percept) -> None:
+            reply.sequence = message.sequence
+            publisher.publish(reply)
+
+        node.create_subscription(Percept, "bare_state", respond, qos.CYCLE)
+        spinning.executor.add_node(node)
+
+    sys.exit(run(start, []))
+
+
+def bare(seconds: float) -> float:
+    """Return the cycles per second of publish-and-wait-for-all with three processes."""
+    from hitab_msgs.msg import Action, Percept
+
+    from hitab_ros import qos
+    from hitab_ros.spinning import make_node, spinner
+
+    program = [sys.executable, __file__, "--answer"]
+    others = [subprocess.Popen([*program, f"bare_{i}"]) for i in range(KEEPERS)]
+    try:
+        with spinner([]) as spinning:
+            node = make_node("bare_world")
+            spinning.executor.add_node(node)
+            publisher = node.create_publisher(Percept, "bare_state", qos.CYCLE)
+            waiting: set[str] = set()
+            state = Percept()
+
+            def take(reply: Action) -> None:
+                if reply.sequence == state.sequence:
+                    waiting.discard(reply.agent)
+
+            node.create_subscription(Action, "bare_answer", take, qos.CYCLE)
+            if not spinning.spin_until(
+                lambda: (
+                    publisher.get_subscription_count() == KEEPERS
+                    and node.count_publishers("bare_answer") == KEEPERS
+                ),
+                20.0,
+            ):
+                raise SystemExit("error: the answering processes did not start")
+            spinning.spin_until(lambda: False, 0.5)
+            cycles, began = 0, time.perf_counter()
+            while (passed := time.perf_counter() - began) < seconds:
+                state.sequence += 1
+                waiting |= {f"bare_{i}" for i in range(KEEPERS)}
+                publisher.publish(state)
+                while waiting:
+                    spinning.executor.spin_once(timeout_sec=1.0)
+                cycles += 1
+            return cycles / passed
+    finally:
+        for other in others:
+            other.terminate()
+        for other in others:
+            other.wait()
+
+
+def keepaway(library: Path, seconds: float, seed: int) -> tuple[float, int]:
+    """Return the cycles per second of keepaway in lockstep, and the deadlines missed."""
+    from hitab_bringup.bringing_up import temporary_swarm
+    from hitab_bringup.keepaway.evaluation import play_lockstep, trained_keepers
+
+    swarm = trained_keepers(library, "Keepaway", {})
+    with temporary_swarm(swarm, progress=lambda *_: None) as running:
+        cycles, wall, missed, episodes = 0, 0.0, 0, 0
+        while wall < seconds:
+            played, took, late = play_lockstep(running, 20, seed + episodes, lambda *_: None)
+            cycles += sum(p.cycles for p in played)
+            wall += took
+            missed += late
+            episodes += 20
+    return cycles / wall, missed
+
+
+def main(
+    seconds: Annotated[float, typer.Option(help="Length of each measurement.")] = 8.0,
+    turns: Annotated[int, typer.Option(help="How often the two take turns.")] = 3,
+    library: Annotated[Path | None, typer.Option(help="A trained library.")] = None,
+    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    role: Annotated[str, typer.Option("--answer", hidden=True)] = "",
+) -> None:
+    """Compare keepaway in lockstep with a bare publish-and-wait-for-all loop."""
+    if role:
+        answer(role)
+    from hitab_bringup.domain_ids import reserved
+    from hitab_bringup.shipped import shipped
+
+    trained = library or shipped("libraries") / "paper"
+    loops, games, missed = [], [], 0
+    for turn in range(turns):
+        with reserved() as domain:
+            os.environ["ROS_DOMAIN_ID"] = str(domain)
+            loops.append(bare(seconds))
+            del os.environ["ROS_DOMAIN_ID"]
+        rate, late = keepaway(trained, seconds, 1000 * turn)
+        games.append(rate)
+        missed += late
+    tell(
+        f"Lockstep with {KEEPERS} keeper processes, medians of {turns} turns",
+        {
+            "bare_cycles_per_s": round(median(loops)),
+            "keepaway_cycles_per_s": round(median(games)),
+            "ratio": median(game / loop for game, loop in zip(games, loops, strict=True)),
+            "missed_deadlines": missed,
+        },
+        json,
+    )
+
+
+if __name__ == "__main__":
+    typer.run(main)
