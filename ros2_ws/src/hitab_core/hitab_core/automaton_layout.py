@@ -86,13 +86,17 @@ def curve(start: Box, end: Box, bend: float, points: int = 41) -> Floats:
     return drawn
 
 
-def bend_arrows(boxes: Mapping[str, Box], pairs: Sequence[tuple[str, str]]) -> list[float]:
+def bend_arrows(
+    boxes: Mapping[str, Box], pairs: Sequence[tuple[str, str]], width: float, height: float
+) -> list[float]:
     """Return how far each arrow bows out, so that it touches no other state and no other's tip.
 
     Args:
         boxes: where the states are.
         pairs: source and target of each arrow.
+        width, height: of the panel around the origin.
     """
+    panel = Box(0.0, 0.0, width, height)
     if not pairs:
         return []
     bends = np.empty((len(pairs), 2 * len(BENDS)))
@@ -106,7 +110,8 @@ def bend_arrows(boxes: Mapping[str, Box], pairs: Sequence[tuple[str, str]]) -> l
         for k, bend in enumerate(bends[i]):
             points = curve(boxes[source], boxes[target], bend, 201)
             tips[i, k] = _tip(points, boxes[source]), _tip(points[::-1], boxes[target])
-            alone[i, k] = abs(bend) + 30.0 * sum(box.share(points) for box in others)
+            touched = sum(box.share(points) for box in others) + (1.0 - panel.share(points))
+            alone[i, k] = abs(bend) + 30.0 * touched
     ends = np.array([[list(boxes).index(state) for state in pair] for pair in pairs])
     meet = ends[:, None, None, None, :, None] == ends[None, None, :, None, None, :]
     squared = (

@@ -154,7 +154,7 @@ class _Panel:
         )
         outlines = {state: self._state(state, boxes[state], drawn_too) for state in states}
         pairs = [(arrow.source, arrow.target) for arrow in drawn]
-        bends = bend_arrows(boxes, pairs)
+        bends = bend_arrows(boxes, pairs, self._width, self._height)
         curves = [curve(boxes[s], boxes[t], b) for (s, t), b in zip(pairs, bends, strict=True)]
         places = place_words(sizes, curves, [*boxes.values()], self._width, self._height)
         for arrow, bend in zip(drawn, bends, strict=True):

@@ -127,7 +127,7 @@ def locked(folder: Path, *, alone: bool, patience: float = PATIENCE) -> Iterator
                         f"{'using' if alone else 'writing to'} it for {patience:g} s; "
                         "try again, or end that process"
                     ) from None
-                time.sleep(0.005)
+                time.sleep(0.001)
             except OSError:
                 break  # a file system without locks; single files are still whole or not there
         yield

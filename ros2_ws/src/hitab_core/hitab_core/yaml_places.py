@@ -73,6 +73,10 @@ class Complaints:
         self._error = error
         self._found: list[tuple[int, str]] = []
 
+    def __len__(self) -> int:
+        """Return how many complaints there are."""
+        return len(self._found)
+
     def add(self, path: Path, text: str) -> None:
         """Note that what is at ``path`` is wrong; ``text`` says how, and the way out."""
         found = (self._document.line(path), text)

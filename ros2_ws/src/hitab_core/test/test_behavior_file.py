@@ -1,0 +1,371 @@
+from __future__ import annotations
+
+import string
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from hitab_core import behavior_schema
+from hitab_core.automaton import Automaton
+from hitab_core.behavior_file import BehaviorFile, text_of
+from hitab_core.behavior_reader import read_behavior, read_behavior_file
+from hitab_core.domain import Domain, Feature, FeatureKind
+from hitab_core.errors import LibraryError
+from hitab_core.example import Example, ExampleKind
+from hitab_core.provenance import Provenance
+
+Teach = Callable[..., Automaton]
+USES = {"Approach": "0" * 64, "Kick": "basic", "GoTo": "basic"}
+fuzzing = settings(
+    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+
+
+@pytest.fixture(scope="module")
+def text(robot: Domain, control: Automaton) -> str:
+    """Return the file of `control`."""
+    provenance = Provenance(3, "2012-06-18T09:30:00Z", "Ann", "keeper_1", "hitab", "", "")
+    return text_of(control, robot, classifier="tree", uses=USES, provenance=provenance)
+
+
+def complaints_of(text: str, robot: Domain, file: str = "Control.hfa.yaml") -> list[str]:
+    with pytest.raises(LibraryError) as refused:
+        read_behavior(text, file, robot)
+    return str(refused.value).splitlines()
+
+
+def line_of(text: str, part: str) -> int:
+    return text[: text.index(part)].count("\n") + 1
+
+
+def edited(text: str, old: str, new: str) -> str:
+    assert old in text
+    return text.replace(old, new)
+
+
+def says_the_same(one: BehaviorFile, other: Automaton) -> bool:
+    automaton = one.automaton
+    return (
+        (automaton.name, automaton.states, automaton.features, automaton.parameters)
+        == (other.name, other.states, other.features, other.parameters)
+        and automaton.examples == other.examples
+        and automaton.description == other.description
+        and one.trees == {s: f.digest() for s, f in other.transitions.items()}  # type: ignore[attr-defined]
+    )
+
+
+def test_a_behavior_comes_back_from_its_file_as_it_was(
+    text: str, robot: Domain, control: Automaton
+) -> None:
+    file = read_behavior(text, "Control.hfa.yaml", robot)
+    assert says_the_same(file, control)
+    assert file.classifier == "tree"
+    assert file.uses == USES
+    assert file.provenance.version == 3
+    assert file.provenance.agent == "keeper_1"
+
+
+def test_any_yaml_reader_can_read_a_behavior_file(text: str, control: Automaton) -> None:
+    content = yaml.safe_load(text)
+    assert content["states"] == list(control.labels)
+    assert [tuple(e["features"]) for e in content["examples"]] == [
+        e.features for e in control.examples
+    ]
+    assert content["checksum"] == behavior_checksum(content)
+
+
+def behavior_checksum(content: dict[str, object]) -> str:
+    from hitab_core.digests import checksum
+
+    return checksum(content)
+
+
+def test_a_reader_sees_kinds_units_and_rules_and_one_example_per_line(text: str) -> None:
+    assert "  - {feature: DistanceTo(ball), kind: continuous, unit: m}\n" in text
+    assert "kind: toroidal, unit: deg, period: 360.0}" in text
+    assert 'categories: [keeper, taker, "off"]' in text
+    assert "  # always: Approach (1 example)\n  Start: " in text
+    rows = [line for line in text.splitlines() if line.startswith("  - {number: ")]
+    assert len(rows) == 6
+    assert len({row.index("next_state:") for row in rows}) == 1, "columns stand below each other"
+
+
+@given(data=st.data())
+@settings(max_examples=40, deadline=None)
+def test_values_and_descriptions_come_back_exactly(
+    data: st.DataObject, robot: Domain, teach: Teach
+) -> None:
+    number = st.floats(allow_nan=False, allow_infinity=False)
+    row = st.tuples(
+        st.sampled_from(["Start", "GoFast", "Stop"]),
+        st.tuples(number, st.sampled_from([0, 1, 2])),
+        st.sampled_from(["GoFast", "Stop", "Done"]),
+    )
+    rows = data.draw(st.lists(row, max_size=12))
+    taught = teach("Any", ["DistanceTo(ball)", "Role"], rows)
+    automaton = Automaton(
+        "Any", taught.states, taught.features, taught.transitions, (), taught.examples,
+        data.draw(st.text()),
+    )
+    written = text_of(
+        automaton, robot, classifier="tree", uses={"GoFast": "basic", "Stop": "basic"},
+        provenance=Provenance(author=data.draw(st.text())),
+    )
+    assert says_the_same(read_behavior(written, "Any.hfa.yaml", robot), automaton)
+
+
+@given(data=st.data())
+@fuzzing
+def test_a_damaged_file_is_refused_or_says_what_it_said(
+    data: st.DataObject, text: str, robot: Domain, control: Automaton
+) -> None:
+    damaged = bytearray(text.encode())
+    match data.draw(st.sampled_from(["cut", "bytes", "insert", "remove", "swap lines"])):
+        case "cut":
+            del damaged[data.draw(st.integers(0, len(damaged) - 1)) :]
+        case "bytes":
+            for _ in range(data.draw(st.integers(1, 4))):
+                place = data.draw(st.integers(0, len(damaged) - 1))
+                damaged[place] = data.draw(st.integers(0, 255))
+        case "insert":
+            place = data.draw(st.integers(0, len(damaged)))
+            damaged[place:place] = data.draw(
+                st.text("{}[]:,&*!|>'\"%@`#-? \n\t0123456789.eE+" + string.ascii_letters)
+            ).encode()
+        case "remove":
+            place = data.draw(st.integers(0, len(damaged) - 1))
+            del damaged[place : place + data.draw(st.integers(1, 200))]
+        case _:
+            lines = text.splitlines(keepends=True)
+            i, j = (data.draw(st.integers(0, len(lines) - 1)) for _ in range(2))
+            lines[i], lines[j] = lines[j], lines[i]
+            damaged = bytearray("".join(lines).encode())
+    with suppress(UnicodeDecodeError, LibraryError):
+        assert says_the_same(
+            read_behavior(damaged.decode(), "Control.hfa.yaml", robot), control
+        )
+
+
+@given(st.text(max_size=300) | st.binary(max_size=300).map(lambda data: data.decode("latin-1")))
+@fuzzing
+def test_anything_that_is_no_behavior_file_is_refused(robot: Domain, text: str) -> None:
+    with pytest.raises(LibraryError, match=r"^Some\.hfa\.yaml"):
+        read_behavior(text, "Some.hfa.yaml", robot)
+
+
+@given(data=st.data())
+@fuzzing
+def test_an_edited_file_that_is_being_accepted_is_refused_or_makes_an_automaton(
+    data: st.DataObject, text: str, robot: Domain
+) -> None:
+    words = ["Start", "Kick", "Done", ".nan", "-.inf", "1e999", "''", "[]", "{}", "null", "-1",
+             "GoTo()", "GoTo(ball, ball)", "true", "tree(max_depth=-1)", "default",
+             "3.5", "Control", "Approach"]
+    tokens = text.split(" ")
+    for _ in range(data.draw(st.integers(1, 3))):
+        place = data.draw(st.integers(0, len(tokens) - 1))
+        end = "".join(c for c in tokens[place] if c in ",]}\n")
+        tokens[place] = data.draw(st.sampled_from(words)) + end
+    try:
+        file = read_behavior(" ".join(tokens), "Control.hfa.yaml", robot, accepting=True)
+    except LibraryError:
+        return
+    for example in file.automaton.examples:
+        assert len(example.features) == len(file.automaton.features)
+        assert all(abs(value) < float("inf") for value in example.features)
+
+
+def test_a_file_edited_by_hand_names_the_way_to_accept_it(text: str, robot: Domain) -> None:
+    line = line_of(text, "checksum:")
+    assert complaints_of(edited(text, "author: Ann", "author: Bob"), robot) == [
+        f"Control.hfa.yaml:{line}: the checksum is not that of the file: it was edited or "
+        "damaged; if it was edited on purpose, run: hitab library check --accept "
+        "Control.hfa.yaml; if not, restore an earlier version"
+    ]
+
+
+def test_comments_and_spaces_may_be_changed(text: str, robot: Domain) -> None:
+    changed = edited(text, "examples:", "# a note\n\nexamples:").replace("\n", "\r\n")
+    assert read_behavior(changed, "Control.hfa.yaml", robot) == read_behavior(
+        text, "Control.hfa.yaml", robot
+    )
+
+
+def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domain) -> None:
+    wrong = edited(text, "kind: toroidal", "kind: round")
+    wrong = edited(wrong, "parameters: []", "parameters: [ball?]")
+    wrong = edited(wrong, "cycle: 10}", "cycle: -1, colour: red}")
+    complaints = complaints_of(wrong, robot)
+    assert len(complaints) == 7  # two examples have this cycle; the checksum is another one
+    assert complaints[0].endswith('item 1 of "parameters" is "ball?", not a name; '
+                                  "use letters, digits and _")
+    assert 'must be one of continuous, toroidal, categorical, boolean, flag' in complaints[1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at", "complaint"),
+    [
+        ("next_state: Approach,", "next_state: Aproach,", "next_state: Aproach",
+         'goes to "Aproach", which is not a listed state (has: Approach, Done, GoTo(goal), Kick)'),
+        ("{number: 1, state: Start,", "{number: 1, state: Begin,", "Begin",
+         'example 1 is of state "Begin", which is not listed'),
+        ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1]", "0.1,  10.0, 1]",
+         "example 3 has 3 values for 4 features"),
+        ("0.1,  10.0, 1, 0]", ".nan,  10.0, 1, 0]", ".nan",
+         "example 3 has nan as value 1; write a finite number"),
+        ("0.1,  10.0, 1, 0]", "1e400,  10.0, 1, 0]", "1e400", "example 3 has inf as value 1"),
+        ("0.1,  10.0, 1, 0]", "0.1,  10.0, 2, 0]", "10.0, 2", "boolean: 0 or 1"),
+        ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1, 3]", "10.0, 1, 3]", "a category: 0 to 2"),
+        ("{number: 3,", "{number: 1,", "{number: 1, state: Approach, ",
+         "there is another example 1 at line"),
+        ("- GoTo(goal)", "- GoTo(moon)", "- GoTo(moon)",
+         'unknown target "moon" in state "GoTo(moon)" (has: ball, goal)'),
+        ("- GoTo(goal)", "- Kick", "  - Kick\n\nfeatures", 'has "Kick" twice'),
+        ("- Done", "- Start", "- Start", "Start is always there and not listed"),
+        ("DirectionTo(goal), kind", "Direction(goal), kind", "Direction(goal)",
+         'unknown feature "Direction" (has: BallIsKickable, DirectionTo, DistanceTo, Role)'),
+        ("period: 360.0", "period: 400.0", "period: 400",
+         '"period" of feature "DirectionTo(goal)" is 400.0 here and 360.0 in the domain'),
+        ("unit: m}", "unit: cm}", "unit: cm", '"unit" of feature "DistanceTo(ball)" is cm here'),
+        ("classifier: tree", "classifier: tree(depth=3)", "classifier: ",
+         'nothing can be learned: the classifier "tree" has no parameter "depth"'),
+        ("parameters: []", "parameters: [ball]", "parameters:", "is also a target"),
+        ("name: Control", "name: Attack", "name: Attack",
+         'is called "Attack", but the file is called "Control.hfa.yaml"'),
+    ],
+)  # fmt: skip
+def test_what_makes_no_sense_is_told_by_line(
+    text: str, robot: Domain, old: str, new: str, at: str, complaint: str
+) -> None:
+    wrong = edited(text, old, new)
+    found = [line for line in complaints_of(wrong, robot) if complaint in line]
+    assert found
+    assert found[0].startswith(f"Control.hfa.yaml:{line_of(wrong, at)}: ")
+
+
+def test_trees_are_learned_again_and_compared(
+    text: str, robot: Domain, control: Automaton
+) -> None:
+    digest = control.transitions["Approach"].digest()  # type: ignore[attr-defined]
+    complaints = complaints_of(edited(text, digest, "f" * 64), robot)
+    assert len(complaints) == 2  # the checksum is another one, too
+    assert complaints[0].startswith(f"Control.hfa.yaml:{line_of(text, digest)}: what is learned")
+    assert 'for state "Approach" from the examples differs from what was saved' in complaints[0]
+
+
+def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
+    at_a_line = text[: text.index("provenance:")]
+    assert complaints_of(at_a_line, robot) == [
+        'Control.hfa.yaml:3: the file lacks "provenance", "checksum"; was it cut off?'
+    ]
+    assert "was cut off" in complaints_of(text[: text.index("next_state: ") + 4], robot)[0]
+
+
+def test_a_file_of_a_newer_hitab_is_refused(text: str, robot: Domain) -> None:
+    complaints = complaints_of(edited(text, "format: 1", "format: 2"), robot)
+    assert len(complaints) == 1
+    assert "has format 2, and this HiTAB reads formats up to 1; update HiTAB" in complaints[0]
+
+
+def test_a_file_of_an_older_hitab_is_brought_up_to_date(
+    text: str, robot: Domain, control: Automaton, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    old = edited(text, "format: 1", "format: 0")
+    assert "cannot read (reads: 1)" in complaints_of(old, robot)[0]
+    content = yaml.safe_load(old)
+    old = edited(old, content["checksum"], behavior_checksum(content))
+    monkeypatch.setattr(
+        behavior_schema, "MIGRATIONS", {0: lambda content: {**content, "format": 1}}
+    )
+    assert says_the_same(read_behavior(old, "Control.hfa.yaml", robot), control)
+
+
+def test_a_file_of_another_domain_is_refused_with_nothing_else_said(
+    text: str, robot: Domain
+) -> None:
+    other = Domain.of("boat", "1", robot.body, behaviors=[], features=[])
+    assert complaints_of(text, other) == [
+        f'Control.hfa.yaml:{line_of(text, "domain:")}: was trained in domain "small_robot", '
+        'and this is "boat"; use a library of this domain'
+    ]
+
+
+def test_a_file_of_another_version_of_the_domain_is_refused_until_accepted(
+    text: str, robot: Domain, control: Automaton
+) -> None:
+    grown = Domain.of(
+        robot.name, "2", robot.body, behaviors=robot.behaviors.values(),
+        features=[*robot.features.values(), Feature("Battery", float)],
+        targets=robot.targets.values(),
+    )
+    complaint = complaints_of(text, grown)[0]
+    assert 'with domain "small_robot" version 1' in complaint
+    assert "run: hitab library check --accept Control.hfa.yaml" in complaint
+    accepted = read_behavior(text, "Control.hfa.yaml", grown, accepting=True)
+    assert says_the_same(accepted, control)
+
+
+def test_a_file_whose_feature_now_means_something_else_is_not_accepted(
+    text: str, robot: Domain
+) -> None:
+    features = {**robot.features, "BallIsKickable": Feature(
+        "BallIsKickable", float, FeatureKind.CONTINUOUS)}
+    changed = Domain.of(
+        robot.name, "2", robot.body, behaviors=robot.behaviors.values(),
+        features=features.values(), targets=robot.targets.values(),
+    )
+    with pytest.raises(LibraryError, match='"kind" of feature "BallIsKickable" is boolean here'):
+        read_behavior(text, "Control.hfa.yaml", changed, accepting=True)
+
+
+@pytest.mark.parametrize(
+    ("make", "complaint"),
+    [
+        (lambda path: path.write_bytes(b"format: 1\nname: \xff\n"), ":2: is not UTF-8 text"),
+        (lambda path: path.mkdir(), "cannot read it: Is a directory; it is a folder"),
+        (lambda path: None, "cannot read it: No such file or directory; look for a mistyped"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_named(
+    tmp_path: Path, robot: Domain, make: Callable[[Path], object], complaint: str
+) -> None:
+    path = tmp_path / "Control.hfa.yaml"
+    make(path)
+    with pytest.raises(LibraryError) as refused:
+        read_behavior_file(path, robot)
+    assert "Control.hfa.yaml" in str(refused.value)
+    assert complaint in str(refused.value)
+
+
+def test_a_hand_written_automaton_cannot_be_stored(robot: Domain) -> None:
+    from hitab_core.transition_function import HandWritten
+
+    automaton = Automaton("Fixed", (), (), {"Start": HandWritten(lambda: "Start")})
+    with pytest.raises(LibraryError, match="was not learned from examples"):
+        text_of(automaton, robot, classifier="tree", uses={}, provenance=Provenance())
+
+
+def test_an_example_with_the_wrong_number_of_values_cannot_be_stored(robot: Domain) -> None:
+    example = Example("Start", (1.0,), "Stop", ExampleKind.DEMONSTRATED, 1)
+    automaton = Automaton("Odd", (), (), {}, (), (example,))
+    with pytest.raises(LibraryError, match="example 1 has 1 values for 0 features; delete it"):
+        text_of(automaton, robot, classifier="tree", uses={}, provenance=Provenance())
+
+
+def test_a_library_is_read_without_scikit_learn_or_matplotlib() -> None:
+    code = (
+        "import sys; import hitab_core.behavior_library, hitab_core.bundle, hitab_core.trimming; "
+        "import hitab_core.automaton_text, hitab_core.automaton_picture; "
+        "print([m for m in ('sklearn', 'matplotlib', 'scipy', 'rclpy') if m in sys.modules])"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert found.stdout.strip() == "[]"

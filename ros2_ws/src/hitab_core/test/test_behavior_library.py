@@ -1,0 +1,502 @@
+from __future__ import annotations
+
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hitab_core.automaton import Automaton
+from hitab_core.behavior_library import BehaviorLibrary, accept_edit
+from hitab_core.domain import Domain
+from hitab_core.durable_files import locked
+from hitab_core.errors import LibraryError
+from hitab_core.library_commit import COMMIT, commit
+from hitab_core.library_diff import difference
+from hitab_core.repertoire import Repertoire
+
+Teach = Callable[..., Automaton]
+
+
+@pytest.fixture
+def library(
+    tmp_path: Path, robot: Domain, approach: Automaton, control: Automaton, keepaway: Automaton
+) -> BehaviorLibrary:
+    """Return a library of three behaviors, each using the one before."""
+    library = BehaviorLibrary(tmp_path / "library", robot, clock=lambda: "2012-06-18T09:30:00Z")
+    for automaton in (approach, control, keepaway):
+        library.save(automaton, agent="keeper_1")
+    library.load()
+    return library
+
+
+def again(library: BehaviorLibrary) -> BehaviorLibrary:
+    """Return another look at the same folder, as another process has it."""
+    return BehaviorLibrary(library.folder, library.domain)
+
+
+def snapshot(folder: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def test_what_was_saved_is_there_for_others(
+    library: BehaviorLibrary, robot: Domain, keepaway: Automaton
+) -> None:
+    other = again(library)
+    trained = other.load()
+    assert sorted(trained) == other.names() == ["Approach", "Control", "Keepaway"]
+    assert trained["Keepaway"].examples == keepaway.examples
+    assert other.digest == library.digest
+    assert Repertoire(robot, trained).needed_by("Keepaway") == ["Approach", "Control", "Keepaway"]
+
+
+def test_a_library_that_is_not_there_yet_is_empty_and_has_a_digest(
+    tmp_path: Path, robot: Domain, approach: Automaton
+) -> None:
+    library = BehaviorLibrary(tmp_path / "not" / "yet", robot)
+    assert library.load() == {}
+    assert library.digest == hashlib.sha256(b"").hexdigest()
+    assert library.save(approach) == tmp_path / "not" / "yet" / "Approach.hfa.yaml"
+    assert library.digest != hashlib.sha256(b"").hexdigest()
+
+
+def test_libraries_with_the_same_behaviors_have_the_same_digest(
+    library: BehaviorLibrary, tmp_path: Path, robot: Domain
+) -> None:
+    copy = BehaviorLibrary(tmp_path / "copy", robot)
+    copy.install(library.texts())
+    assert copy.digest == library.digest
+    assert copy.file_digest("Control") == library.file_digest("Control")
+    copy.remove("Keepaway")
+    assert copy.digest != library.digest
+
+
+def test_a_file_tells_what_it_was_made_of_and_where_it_comes_from(
+    library: BehaviorLibrary,
+) -> None:
+    file = library.file("Control")
+    assert file.uses == {
+        "Approach": library.file_digest("Approach"), "GoTo": "basic", "Kick": "basic",
+    }
+    assert file.provenance.agent == "keeper_1"
+    assert file.provenance.created == "2012-06-18T09:30:00Z"
+
+
+def test_a_hand_written_automaton_can_be_used(
+    library: BehaviorLibrary, teach: Teach
+) -> None:
+    library.save(teach("Watch", ["BallIsKickable"], [("Start", [0], "Patrol")]))
+    assert library.file("Watch").uses == {"Patrol": "hand-written"}
+
+
+def test_a_used_behavior_can_be_retrained_without_touching_those_that_use_it(
+    library: BehaviorLibrary, teach: Teach
+) -> None:
+    before = snapshot(library.folder)["Control.hfa.yaml"]
+    library.save(teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")]))
+    assert snapshot(library.folder)["Control.hfa.yaml"] == before
+    assert again(library).load()["Approach"].labels == ("GoSlow",)
+
+
+def test_earlier_versions_are_kept_and_can_be_restored(
+    library: BehaviorLibrary, approach: Automaton, teach: Teach
+) -> None:
+    first = library.file_digest("Approach")
+    library.save(teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")]))
+    second = library.file("Approach")
+    assert library.versions("Approach") == [1, 2]
+    assert second.provenance.version == 2
+    assert second.provenance.earlier == first
+    assert library.version("Approach", 1).checksum == first
+    library.restore("Approach", 1)
+    third = again(library).file("Approach")
+    assert third.automaton.examples == approach.examples
+    assert (third.provenance.version, third.provenance.note) == (3, "version 1 restored")
+    with pytest.raises(LibraryError, match=r'no version 7 of "Approach" \(has: 1, 2, 3\)'):
+        library.restore("Approach", 7)
+
+
+def test_the_difference_between_versions_names_examples_rules_states_and_features(
+    library: BehaviorLibrary, teach: Teach
+) -> None:
+    library.save(
+        teach(
+            "Approach",
+            ["DistanceTo(ball)", "BallIsKickable"],
+            [("Start", [20.25, 0], "GoFast"), ("GoFast", [9, 1], "Kick")],
+        )
+    )
+    found = difference(library.version("Approach", 1), library.version("Approach", 2))
+    assert found.added == ("state Kick", "feature BallIsKickable")
+    assert found.removed == ("state GoSlow", "state Stop")
+    assert "GoFast: if BallIsKickable: Kick" in found.added_rules
+    assert "Stop -> GoFast (demonstrated) DistanceTo(ball) 7.1" in found.removed_examples
+    assert "+ GoFast: if BallIsKickable: Kick" in str(found)
+    same = difference(library.file("Control"), library.file("Control"))
+    assert not same
+    assert str(same) == "no difference"
+
+
+def test_a_behavior_that_others_use_cannot_be_removed(library: BehaviorLibrary) -> None:
+    with pytest.raises(LibraryError, match='"Control" cannot be removed, since Keepaway'):
+        library.remove("Control")
+    library.remove("Keepaway")
+    library.remove("Control")
+    assert again(library).names() == library.names() == ["Approach"]
+    assert library.versions("Control") == [1]
+    library.restore("Control", 1)
+    assert again(library).names() == ["Approach", "Control"]
+    with pytest.raises(LibraryError, match=r'has no behavior "Dance" \(has: Approach, Control\)'):
+        library.remove("Dance")
+
+
+def test_a_missing_behavior_is_named_with_the_line_of_the_state(
+    library: BehaviorLibrary,
+) -> None:
+    (library.folder / "Approach.hfa.yaml").unlink()
+    with pytest.raises(LibraryError) as refused:
+        again(library).load()
+    line = library.file("Control").state_lines[0]
+    assert str(refused.value).splitlines() == [
+        f'Control.hfa.yaml:{line}: state "Approach" uses behavior "Approach" which is not in the '
+        'library (has: Control, Keepaway) nor a behavior of domain "small_robot" (has: GoFast, '
+        "GoSlow, GoTo, Kick, Patrol, Stop); put Approach.hfa.yaml into the folder, or take the "
+        "state out",
+        'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which is not right '
+        "either; mend that first",
+    ]
+
+
+def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_used(
+    library: BehaviorLibrary, teach: Teach
+) -> None:
+    library.save(teach("Wait", [], [("Start", [], "Stop")]))
+    for name, old, new in (("Approach", "GoFast", "GoFsat"), ("Control", "mat: 1", "mat: 9")):
+        path = library.folder / f"{name}.hfa.yaml"
+        path.write_text(path.read_text().replace(old, new))
+    other = again(library)
+    with pytest.raises(LibraryError) as refused:
+        other.load()
+    assert "Approach.hfa.yaml:" in str(refused.value)
+    assert "Control.hfa.yaml:3: has format 9" in str(refused.value)
+    assert list(other.load(strict=False)) == ["Wait"]
+    assert sorted(other.problems) == ["Approach", "Control", "Keepaway"]
+    assert other.digest == other.digest != library.digest
+
+
+def test_an_automaton_that_uses_itself_is_refused_on_saving_and_on_loading(
+    library: BehaviorLibrary, teach: Teach
+) -> None:
+    before = snapshot(library.folder)
+    with pytest.raises(LibraryError, match=r"Loop -> Loop\); a behavior cannot use itself"):
+        library.save(teach("Loop", [], [("Start", [], "Loop")]))
+    with pytest.raises(LibraryError, match="Approach -> Keepaway -> Control -> Approach"):
+        library.save(teach("Approach", [], [("Start", [], "Keepaway")]))
+    assert snapshot(library.folder) == before
+    looping = library.folder.parent / "looping"
+    one, two = BehaviorLibrary(looping / "1", library.domain), BehaviorLibrary(
+        looping / "2", library.domain)
+    one.save(teach("One", [], [("Start", [], "Stop")]))
+    one.save(teach("Two", [], [("Start", [], "One")]))
+    two.save(teach("Two", [], [("Start", [], "Stop")]))
+    two.save(teach("One", [], [("Start", [], "Two")]))
+    (one.folder / "One.hfa.yaml").write_bytes((two.folder / "One.hfa.yaml").read_bytes())
+    with pytest.raises(LibraryError) as refused:
+        again(one).load()
+    assert "One.hfa.yaml:10: " in str(refused.value)
+    assert "recursive (One -> Two -> One)" in str(refused.value)
+
+
+def test_a_retrained_behavior_must_still_fit_those_that_use_it(
+    library: BehaviorLibrary, teach: Teach
+) -> None:
+    changed = teach(
+        "Approach", ["DistanceTo(A)"], [("Start", [3], "GoSlow")], parameters=["A"]
+    )
+    with pytest.raises(LibraryError) as refused:
+        library.save(changed)
+    assert str(refused.value).startswith('"Approach" cannot be added:\nControl.hfa.yaml:10: ')
+    assert "takes 1 target(s) (A), not 0; train one of the two again" in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["GoFast", "Start", "Done"])
+def test_names_that_mean_something_else_are_refused(
+    library: BehaviorLibrary, teach: Teach, name: str
+) -> None:
+    with pytest.raises(LibraryError, match=name):
+        library.save(teach(name, [], [("Start", [], "Stop")]))
+
+
+def test_a_name_cannot_lead_out_of_the_folder(library: BehaviorLibrary) -> None:
+    with pytest.raises(LibraryError, match="no behavior can be called"):
+        library.install({"../Approach": library.texts()["Approach"]})
+    with pytest.raises(LibraryError, match="no behavior can be called"):
+        library.versions("../../library")
+
+
+def test_transition_functions_that_are_not_what_the_examples_teach_are_refused(
+    library: BehaviorLibrary, approach: Automaton, teach: Teach
+) -> None:
+    other = teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")])
+    mixed = Automaton("Mixed", approach.states, approach.features, other.transitions, (),
+                      approach.examples)
+    with pytest.raises(LibraryError, match='"Mixed" cannot be saved:\nMixed'):
+        library.save(mixed)
+
+
+def test_another_classifier_is_stored_by_name(library: BehaviorLibrary, teach: Teach) -> None:
+    spec = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
+    pytest.importorskip("sklearn")
+    library.save(
+        teach("Near", ["DistanceTo(ball)"],
+              [("Start", [3], "GoSlow"), ("Start", [8], "GoFast")], classifier=spec),
+        classifier=spec,
+    )
+    assert again(library).file("Near").classifier == spec
+
+
+def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
+    path = library.folder / "Approach.hfa.yaml"
+    first = library.file_digest("Approach")
+    path.write_text(path.read_text().replace("4.5", "four"))
+    with pytest.raises(LibraryError, match="must be a number"):
+        accept_edit(path, library.domain)
+    path.write_text(path.read_text().replace("four", "2.5"))
+    with pytest.raises(LibraryError, match="hitab library check --accept Approach"):
+        again(library).load()
+    assert accept_edit(path, library.domain) == path
+    accepted = again(library).file("Approach")
+    assert accepted.automaton.examples[2].features == (2.5,)
+    assert (accepted.provenance.version, accepted.provenance.earlier) == (2, first)
+    assert accepted.provenance.note == "edited by hand"
+    before = snapshot(library.folder)
+    accept_edit(path, library.domain)
+    assert snapshot(library.folder) == before, "there is nothing more to accept"
+
+
+def test_a_file_changed_by_other_means_is_kept_before_it_is_replaced(
+    library: BehaviorLibrary, approach: Automaton
+) -> None:
+    path = library.folder / "Approach.hfa.yaml"
+    path.write_bytes(b"\xff something of value")
+    again(library).save(approach)
+    assert library.versions("Approach") == [1, 2, 3]
+    kept = library.folder / ".versions/Approach/0002.hfa.yaml"
+    assert kept.read_bytes() == b"\xff something of value"
+    assert again(library).load().keys() == {"Approach", "Control", "Keepaway"}
+
+
+def test_installing_is_all_or_nothing(
+    library: BehaviorLibrary, tmp_path: Path, robot: Domain
+) -> None:
+    other = BehaviorLibrary(tmp_path / "other", robot)
+    texts = library.texts()
+    broken = {**texts, "Control": texts["Control"].replace("Kick", "Kcik")}
+    with pytest.raises(LibraryError):
+        other.install(broken)
+    with pytest.raises(LibraryError, match="cannot be added"):
+        other.install({"Control": texts["Control"]})
+    assert snapshot(tmp_path / "other") == {}
+    assert other.install(texts) == ["Approach", "Control", "Keepaway"]
+    assert other.install(texts) == []
+    assert other.versions("Control") == [1]
+
+
+def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
+    library: BehaviorLibrary,
+    tmp_path: Path,
+    robot: Domain,
+    teach: Teach,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    library.save(teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")]))
+    other = BehaviorLibrary(tmp_path / "other", robot)
+    replaced: list[object] = []
+
+    def failing(source: Path, target: Path, count: list[object] = replaced) -> None:
+        count.append(target)
+        if len(count) == 4:
+            raise OSError(5, "the disk is gone")
+        os.rename(source, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("hitab_core.durable_files.os.replace", failing)
+        with pytest.raises(LibraryError, match="Input/output error"):
+            other.install(library.texts())
+    assert (other.folder / COMMIT).exists()
+    assert again(other).load().keys() == {"Approach", "Control", "Keepaway"}
+    assert again(other).digest == library.digest
+    assert not (other.folder / COMMIT).exists()
+
+
+def test_a_note_of_changes_that_leads_out_of_the_folder_is_refused(
+    library: BehaviorLibrary,
+) -> None:
+    (library.folder / COMMIT).write_text('{"../stolen": "x"}')
+    with pytest.raises(LibraryError, match="does not say what is to be done"):
+        library.load()
+
+
+def test_a_failed_save_changes_nothing(
+    library: BehaviorLibrary, approach: Automaton, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = snapshot(library.folder)
+
+    def full(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("hitab_core.durable_files.os.fsync", full)
+        with pytest.raises(LibraryError, match="No space left on device; make room on the disk"):
+            library.save(approach)
+    assert snapshot(library.folder) == before
+
+
+def test_a_folder_that_is_a_file_is_named(tmp_path: Path, robot: Domain) -> None:
+    (tmp_path / "library").write_text("")
+    with pytest.raises(LibraryError, match="Not a directory; a part of the path is a file"):
+        BehaviorLibrary(tmp_path / "library", robot).load()
+
+
+def test_a_folder_that_may_not_be_written_can_be_read_and_is_named(
+    library: BehaviorLibrary, approach: Automaton, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened = os.open
+
+    def read_only(path: Path, flags: int, mode: int = 0o777) -> int:
+        if flags & (os.O_WRONLY | os.O_RDWR):
+            raise PermissionError(13, "Permission denied")
+        return opened(path, flags, mode)
+
+    monkeypatch.setattr("hitab_core.durable_files.os.open", read_only)
+    assert again(library).load()
+    with pytest.raises(LibraryError, match="Permission denied; give yourself the right to"):
+        library.save(approach)
+
+
+def test_whoever_has_to_wait_too_long_is_told_for_what(library: BehaviorLibrary) -> None:
+    with (
+        locked(library.folder, alone=True),
+        pytest.raises(LibraryError, match=r"another process has been writing to it for 0\.05 s"),
+        locked(library.folder, alone=False, patience=0.05),
+    ):
+        pass
+
+
+WRITER = """
+import sys, time
+from pathlib import Path
+from hitab_core.durable_files import locked
+from hitab_core.library_commit import commit
+folder, texts = Path(sys.argv[1]), [Path(p).read_bytes() for p in sys.argv[2:]]
+print("ready", flush=True)
+for i in range(100_000):
+    with locked(folder, alone=True):
+        commit(folder, {n: texts[i % 2] for n in ("One.txt", "Two.txt", ".versions/A/1.txt")})
+    time.sleep(0.003)  # others get their turn
+"""
+
+
+def test_readers_never_see_half_of_what_several_writers_write_even_if_they_are_killed(
+    tmp_path: Path,
+) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    texts = {tmp_path / name: name.encode() * 50_000 for name in "abcd"}
+    for path, text in texts.items():
+        path.write_bytes(text)
+    paths = [str(path) for path in texts]
+    writers = [
+        subprocess.Popen(
+            [sys.executable, "-c", WRITER, str(folder), *mine],
+            stdout=subprocess.PIPE, text=True,
+        )
+        for mine in (paths[:2], paths[2:])
+    ]
+    try:
+        for writer in writers:
+            assert writer.stdout is not None
+            assert writer.stdout.readline() == "ready\n"
+        seen: set[bytes] = set()
+        deadline = time.monotonic() + 20
+        while len(seen - {b""}) < 3 and time.monotonic() < deadline:
+            seen.add(read_together(folder))
+        writers[0].send_signal(signal.SIGKILL)
+        writers[0].wait(10)
+        assert read_together(folder) in texts.values()
+        writers[1].send_signal(signal.SIGKILL)
+        writers[1].wait(10)
+        with locked(folder, alone=True):
+            commit(folder, {})
+        assert read_together(folder) in texts.values()
+        assert not [path for path in folder.rglob("*") if ".tmp" in path.name]
+        assert seen - {b""} <= set(texts.values())
+        assert len(seen - {b""}) >= 2
+    finally:
+        for writer in writers:
+            writer.kill()
+            writer.wait(10)
+            assert writer.stdout is not None
+            writer.stdout.close()
+
+
+def read_together(folder: Path) -> bytes:
+    """Return what all files hold, as a reader of a library sees them."""
+    from hitab_core.library_folder import LibraryFolder
+
+    with LibraryFolder(folder).held(alone=False):
+        found = {
+            path.read_bytes() if path.exists() else b""
+            for path in (folder / name for name in ("One.txt", "Two.txt", ".versions/A/1.txt"))
+        }
+    assert len(found) == 1
+    return found.pop()
+
+
+SAVER = textwrap.dedent(
+    """
+    import sys
+    from hitab_core.behavior_library import BehaviorLibrary
+    from hitab_core.domain import BasicBehavior, Domain
+    from hitab_core.automaton import Automaton
+    from hitab_core.example import Example
+    from hitab_core.learning import learn_transitions
+    from hitab_core.use import Use
+
+    robot = Domain.of("r", "1", None, behaviors=[BasicBehavior("Stop")], features=[])
+    library = BehaviorLibrary(sys.argv[1], robot)
+    example = (Example("Start", (), "Stop", number=1),)
+    for i in range(int(sys.argv[3])):
+        automaton = Automaton(
+            "Rest", (Use("Stop"),), (), learn_transitions(example, ()), (), example
+        )
+        library.save(automaton, agent=sys.argv[2])
+    """
+)
+
+
+def test_two_processes_that_save_the_same_behavior_lose_no_version(tmp_path: Path) -> None:
+    folder = tmp_path / "library"
+    savers = [
+        subprocess.Popen([sys.executable, "-c", SAVER, str(folder), agent, "8"])
+        for agent in ("keeper_1", "keeper_2")
+    ]
+    assert [saver.wait(60) for saver in savers] == [0, 0]
+    from hitab_core.domain import BasicBehavior
+
+    robot = Domain.of("r", "1", lambda name: None, behaviors=[BasicBehavior("Stop")], features=[])
+    library = BehaviorLibrary(folder, robot)
+    assert library.versions("Rest") == list(range(1, 17))
+    files = [library.version("Rest", number) for number in library.versions("Rest")]
+    assert [file.provenance.earlier for file in files[1:]] == [f.checksum for f in files[:-1]]
+    assert {file.provenance.agent for file in files} == {"keeper_1", "keeper_2"}

@@ -1,0 +1,153 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hitab_core.automaton import Automaton
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.bundle import Bundle, bundle_digest, install, make_bundle, unpack
+from hitab_core.domain import Domain
+from hitab_core.errors import LibraryError
+from hitab_core.repertoire import Repertoire
+
+Teach = Callable[..., Automaton]
+
+
+@pytest.fixture
+def library(
+    tmp_path: Path, robot: Domain, approach: Automaton, control: Automaton, keepaway: Automaton,
+    teach: Teach,
+) -> BehaviorLibrary:
+    library = BehaviorLibrary(tmp_path / "sender", robot)
+    other = teach("Other", [], [("Start", [], "Patrol")])
+    for automaton in (approach, control, keepaway, other):
+        library.save(automaton)
+    return library
+
+
+@pytest.fixture
+def repertoire(robot: Domain, library: BehaviorLibrary) -> Repertoire:
+    return Repertoire(robot, library.load())
+
+
+@pytest.fixture
+def bundle(library: BehaviorLibrary, repertoire: Repertoire) -> Bundle:
+    return make_bundle(library, repertoire, "Keepaway")
+
+
+def repacked(*files: tuple[str, str]) -> Bundle:
+    return Bundle(files, bundle_digest(files))
+
+
+def test_a_bundle_holds_all_that_a_behavior_is_made_of_each_after_what_it_uses(
+    bundle: Bundle, library: BehaviorLibrary, repertoire: Repertoire
+) -> None:
+    assert [name for name, _ in bundle.files] == ["Approach", "Control", "Keepaway"]
+    assert bundle.name == "Keepaway"
+    assert make_bundle(library.texts(), repertoire, "Keepaway") == bundle
+
+
+def test_an_unpacked_bundle_gives_the_same_automata(
+    bundle: Bundle, robot: Domain, keepaway: Automaton, library: BehaviorLibrary
+) -> None:
+    automata = unpack(bundle, robot)
+    assert list(automata) == ["Approach", "Control", "Keepaway"]
+    assert automata["Keepaway"].examples == keepaway.examples
+    assert Repertoire(robot, automata).needed_by("Keepaway") == list(automata)
+
+
+def test_a_receiver_has_the_same_files_and_digests_as_the_sender(
+    bundle: Bundle, library: BehaviorLibrary, robot: Domain, tmp_path: Path
+) -> None:
+    receiver = BehaviorLibrary(tmp_path / "receiver", robot)
+    assert install(bundle, receiver) == ["Approach", "Control", "Keepaway"]
+    library.remove("Other")
+    assert receiver.digest == library.digest
+    assert receiver.texts() == library.texts()
+    assert install(bundle, receiver) == []
+
+
+def test_what_comes_with_the_domain_is_not_sent(
+    library: BehaviorLibrary, repertoire: Repertoire
+) -> None:
+    assert [n for n, _ in make_bundle(library, repertoire, "Other").files] == ["Other"]
+    with pytest.raises(LibraryError, match='"Patrol" need not be sent: it comes with domain'):
+        make_bundle(library, repertoire, "Patrol")
+
+
+def test_what_is_not_there_or_not_saved_cannot_be_sent(
+    library: BehaviorLibrary, repertoire: Repertoire, teach: Teach
+) -> None:
+    with pytest.raises(LibraryError, match='cannot be sent: unknown behavior "Dance"'):
+        make_bundle(library, repertoire, "Dance")
+    repertoire.add(teach("New", [], [("Start", [], "Keepaway")]))
+    with pytest.raises(LibraryError, match=r'"New" has no file .*; save it first'):
+        make_bundle(library, repertoire, "New")
+
+
+def test_a_bundle_that_changed_on_its_way_is_refused(bundle: Bundle, robot: Domain) -> None:
+    (name, text), *rest = bundle.files
+    for files in (((name, text + "# more\n"), *rest), tuple(rest), (*rest, (name, text))):
+        with pytest.raises(LibraryError, match="it has changed on its way; send it again"):
+            unpack(replace(bundle, files=files), robot)
+    with pytest.raises(LibraryError, match="it has changed on its way"):
+        unpack(replace(bundle, digest="0" * 64), robot)
+
+
+def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
+    bundle: Bundle, robot: Domain, tmp_path: Path
+) -> None:
+    approach, control, keepaway = bundle.files
+    wrong = {
+        "the bundle is empty": repacked(),
+        'Control.hfa.yaml:10: state "Approach" uses behavior "Approach" which is not in': (
+            repacked(control, keepaway)
+        ),
+        '"Approach" comes after Control': repacked(control, approach, keepaway),
+        '"Approach" is in the bundle twice': repacked(approach, approach, control, keepaway),
+        'Control.hfa.yaml:4: is called "Keepaway"': (
+            repacked(approach, ("Control", keepaway[1]), keepaway)
+        ),
+        'Keepaway.hfa.yaml:3: the file lacks "features"': (
+            repacked(approach, control, ("Keepaway", keepaway[1].partition("features:")[0]))
+        ),
+    }
+    receiver = BehaviorLibrary(tmp_path / "receiver", robot)
+    for complaint, sent in wrong.items():
+        with pytest.raises(LibraryError) as refused:
+            install(sent, receiver)
+        assert complaint in str(refused.value)
+    assert receiver.load() == {}
+
+
+def test_a_behavior_that_is_not_needed_is_refused(
+    bundle: Bundle, library: BehaviorLibrary, robot: Domain
+) -> None:
+    with pytest.raises(LibraryError, match='"Keepaway" is not made of Other; pack it again'):
+        unpack(repacked(("Other", library.texts()["Other"]), *bundle.files), robot)
+
+
+def test_a_bundle_for_another_domain_is_refused(bundle: Bundle, robot: Domain) -> None:
+    other = Domain.of("boat", "1", robot.body, behaviors=[], features=[])
+    with pytest.raises(LibraryError) as refused:
+        unpack(bundle, other)
+    assert str(refused.value).count('was trained in domain "small_robot"') == 3
+
+
+def test_a_bundle_that_does_not_fit_the_receivers_own_behaviors_changes_nothing(
+    bundle: Bundle, robot: Domain, tmp_path: Path, teach: Teach
+) -> None:
+    receiver = BehaviorLibrary(tmp_path / "receiver", robot)
+    receiver.save(
+        teach("Approach", ["DistanceTo(A)"], [("Start", [3], "GoSlow")], parameters=["A"])
+    )
+    receiver.save(teach("Mine", [], [("Start", [], "Approach(ball)")]))
+    before = receiver.digest
+    with pytest.raises(LibraryError, match=r"Mine\.hfa\.yaml:10: .* takes 0 target"):
+        install(bundle, receiver)
+    receiver.load()
+    assert receiver.digest == before
+    assert receiver.names() == ["Approach", "Mine"]
