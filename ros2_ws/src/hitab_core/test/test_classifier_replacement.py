@@ -160,21 +160,27 @@ def test_it_reads_all_features_from_their_slots_each_once():
     assert read == [2]
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=20)
 @given(st.integers(1, 9), st.integers(1, 9))
 def test_it_draws_from_the_probabilities_that_it_predicts(stop, go):
     y = ["Stop"] * stop + ["GoFast"] * go
     function = learn_transition("sklearn.dummy.DummyClassifier", [METERS], [[1]] * len(y), y)
-    decide = function.compile([0], {"GoFast": 1, "Stop": 4})
+    decide = function.compile([0], {"Stop": 1, "GoFast": 4})
     n = stop + go
     drawn = Counter(decide([1.0], no_reading, lambda i=i: (i + 0.5) / n) for i in range(n))
-    assert drawn == {1: go, 4: stop}
+    assert drawn == {1: stop, 4: go}
     assert decide([1.0], no_reading, lambda: 0.0) == 1
-    assert decide([1.0], no_reading, lambda: math.nextafter(1, 0)) == 4
-    likely = function.compile([0], {"GoFast": 1, "Stop": 4}, most_probable=True)
-    assert likely([1.0], no_reading, None) == (1 if go >= stop else 4)
+    likely = function.compile([0], {"Stop": 1, "GoFast": 4}, most_probable=True)
+    assert likely([1.0], no_reading, None) == (1 if stop >= go else 4)
     odds = function.explain([1.0], ["x"]).distribution
     assert odds == pytest.approx({"GoFast": go / n, "Stop": stop / n})
+
+
+def test_the_highest_draw_takes_the_last_state_though_probabilities_do_not_add_up_to_1():
+    labels = list("ABCDEFGHIJ")  # ten tenths add up to less than 1
+    function = learn_transition("sklearn.dummy.DummyClassifier", [METERS], [[1]] * 10, labels)
+    decide = function.compile([0], {label: i for i, label in enumerate(labels)})
+    assert decide([1.0], no_reading, lambda: math.nextafter(1, 0)) == 9
 
 
 @pytest.mark.parametrize(

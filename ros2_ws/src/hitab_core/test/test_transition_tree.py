@@ -688,7 +688,8 @@ def test_a_leaf_replaces_a_subtree_that_expects_up_to_a_tenth_of_an_error_less()
         return pessimistic_errors(min(node.counts), sum(node.counts), 0.25)
 
     for node, saved in ((slightly, 0.093), (clearly, 0.102)):
-        assert errors(node) - errors(node.low) - errors(node.high) == pytest.approx(saved, abs=5e-4)
+        difference = errors(node) - errors(node.low) - errors(node.high)
+        assert difference == pytest.approx(saved, abs=5e-4)
     assert prune(slightly) == Leaf((5, 4))
     assert prune(clearly) == clearly
 
