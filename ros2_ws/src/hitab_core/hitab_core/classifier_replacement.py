@@ -39,8 +39,7 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
         VocabularyError: if scikit-learn does not list the class or it lacks a keyword.
     """
     try:
-        # Here, so that trees do without it.
-        from sklearn.utils import all_estimators  # type: ignore[import-untyped]
+        from sklearn.utils import all_estimators  # here, so that trees do without it
     except ImportError as error:
         raise VocabularyError(
             f'"{spec}" needs scikit-learn, which is not installed; install it or use "tree"'
