@@ -128,6 +128,8 @@ def read_yaml(
             f"{file}:{line}: not YAML: a character that text cannot have "
             f"(code {wrong.character}); remove it"
         ) from None
+    except (ValueError, OverflowError) as wrong:  # PyYAML lets escapes of no character through
+        raise error(f"{file}: not YAML: {wrong}; look for a wrong escape such as \\U") from None
 
 
 def resolved_scalar(text: str) -> Any:

@@ -42,6 +42,7 @@ def test_numbers_are_numbers_also_without_a_point() -> None:
         ("a: \x07\n", "f.yaml:1: not YAML"),
         ("", "f.yaml:1: is empty"),
         ("[" * 5000, "f.yaml:1: has more than 20 levels"),
+        ('a: "\\UFFFFFFFF"', "f.yaml"),
         ("a: \ud800", "f.yaml: has a lone surrogate"),
     ],
 )
