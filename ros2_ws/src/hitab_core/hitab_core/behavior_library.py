@@ -214,7 +214,10 @@ class BehaviorLibrary:
         with self._folder.held(alone=True):
             there, problems = self._read()
             self._check_fit(there, problems, new)
-            changed = sorted(name for name in new if there.get(name) != new[name])
+            # By their texts, comments included: senders and receivers compare these.
+            changed = sorted(
+                name for name in new if name not in there or there[name].text != new[name].text
+            )
             changes: dict[str, bytes | None] = {}
             for name in changed:
                 changes |= self._unkept(name, there)

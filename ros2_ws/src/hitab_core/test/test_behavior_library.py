@@ -310,6 +310,10 @@ def test_installing_is_all_or_nothing(
     assert other.install(texts) == ["Approach", "Control", "Keepaway"]
     assert other.install(texts) == []
     assert other.versions("Control") == [1]
+    noted = {**texts, "Control": texts["Control"] + "# well done\n"}
+    assert other.install(noted) == ["Control"]
+    assert again(other).texts() == noted
+    assert other.versions("Control") == [1, 2]
 
 
 def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
