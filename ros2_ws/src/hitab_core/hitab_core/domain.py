@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -227,18 +228,28 @@ class Domain:
 
 
 def load_domain(name: str) -> Domain:
-    """Return the installed domain called ``name``.
+    """Return the installed domain called ``name``, or the one at ``"module:ATTRIBUTE"``.
 
     Raises:
-        VocabularyError: if no installed package provides it.
+        VocabularyError: if there is none, or it is not a domain.
     """
-    found = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
-    if name not in found:
-        raise VocabularyError(
-            f'no domain "{name}" is installed {has(found)}; '
-            f'a package provides one under the entry-point group "{ENTRY_POINT_GROUP}"'
-        )
-    domain = found[name].load()
-    if not isinstance(domain, Domain):
-        raise VocabularyError(f'entry point "{name}" ({found[name].value}) is not a Domain')
-    return domain
+    module, _, attribute = name.partition(":")
+    if attribute:
+        try:
+            found = getattr(import_module(module), attribute)
+        except (ImportError, AttributeError) as error:
+            raise VocabularyError(
+                f'domain "{name}" cannot be imported: {error}; it must read "module:ATTRIBUTE", '
+                "with the module where Python finds it"
+            ) from error
+    else:
+        points = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+        if name not in points:
+            raise VocabularyError(
+                f'no domain "{name}" is installed {has(points)}; a package provides one under '
+                f'the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE"'
+            )
+        found = points[name].load()
+    if not isinstance(found, Domain):
+        raise VocabularyError(f'"{name}" is not a Domain but a {type(found).__name__}')
+    return found
