@@ -10,9 +10,10 @@ from collections.abc import Iterable
 from types import TracebackType
 from typing import Self
 
+from hitab_msgs.msg import TransitionEvent
+
 from hitab_bringup import names
 from hitab_bringup.ros_link import RosLink
-from hitab_msgs.msg import TransitionEvent
 from hitab_ros import qos
 
 

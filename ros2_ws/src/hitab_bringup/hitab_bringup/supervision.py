@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 from xmlrpc.client import Fault, ServerProxy
 
-import psutil
+import psutil  # type: ignore[import-untyped]
 
 from hitab_bringup.domain_ids import LOCALHOST
 from hitab_bringup.errors import SwarmError

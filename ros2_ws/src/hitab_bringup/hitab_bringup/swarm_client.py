@@ -31,6 +31,7 @@ from hitab_ros import qos
 DISCOVERY_SECONDS = 8.0
 """Nodes mostly find each other within a second, but it may take several."""
 
+SETTLE_SECONDS = 1.5
 ACKNOWLEDGE_SECONDS = 10.0
 
 
@@ -120,12 +121,21 @@ class SwarmClient:
     def await_agents(
         self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
     ) -> list[str]:
-        """Wait for these agents, else for the expected ones, else for any; return who is there."""
+        """Wait for these agents, else for the expected ones, and return who is there.
+
+        If nobody knows who is to be expected, wait until nobody new has turned up for a while.
+        """
         wanted = set(agents or self.expected)
+        newest = (0, time.monotonic())
 
         def complete() -> bool:
+            nonlocal newest
             self.discover()
-            return wanted <= self.statuses.keys() if wanted else bool(self.statuses)
+            if wanted:
+                return wanted <= self.statuses.keys()
+            if len(self.statuses) != newest[0]:
+                newest = (len(self.statuses), time.monotonic())
+            return newest[0] > 0 and time.monotonic() > newest[1] + SETTLE_SECONDS
 
         self.link.spin_until(complete, seconds)
         return self.agents()

@@ -40,7 +40,7 @@ def _folder(library: Path | None, agent: str | None) -> Path:
     from hitab_bringup.run_folder import find_running
     from hitab_bringup.shipped import shipped
     from hitab_bringup.suggest import did_you_mean
-    from hitab_bringup.swarm_description import read_swarm
+    from hitab_bringup.swarm_file import read_swarm
     from hitab_bringup.swarm_processes import library_of
     from hitab_core.errors import has
 

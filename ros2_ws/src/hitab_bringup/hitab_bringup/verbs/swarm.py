@@ -50,7 +50,8 @@ def up(
     from hitab_bringup.bringing_up import bring_up
     from hitab_bringup.run_folder import RunFolder
     from hitab_bringup.shipped import find_file
-    from hitab_bringup.swarm_description import PACES, read_swarm
+    from hitab_bringup.swarm_description import PACES
+    from hitab_bringup.swarm_file import read_swarm
 
     description = read_swarm(find_file(swarm, "swarms", "swarm"))
     if pace and pace not in PACES:

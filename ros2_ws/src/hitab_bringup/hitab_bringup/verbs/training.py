@@ -80,9 +80,11 @@ def train(
       hitab train keeper_1
     """
     bound = _bound(parameter or [])
+    taking_over = automaton is None and not resume_from
+    if taking_over and any((feature, state, parameter, resume, classifier, discard)):
+        raise typer.BadParameter("name the automaton to train: hitab train AGENT AUTOMATON ...")
     with connection(swarm) as swarm_up:
-        if automaton is None and not resume_from:
-            _refuse_choices(feature, state, parameter, resume, classifier, discard)
+        if taking_over:
             answer = swarm_up.agents.set_mode(agent, "training")
         else:
             answer = swarm_up.agents.begin(
@@ -107,11 +109,6 @@ def _bound(parameters: list[str]) -> dict[str, str]:
             raise typer.BadParameter(f'"{text}" is not NAME=TARGET, such as A=ball')
         bound[name] = target
     return bound
-
-
-def _refuse_choices(*chosen: object) -> None:
-    if any(chosen):
-        raise typer.BadParameter("name the automaton to train: hitab train AGENT AUTOMATON ...")
 
 
 def start_testing(

@@ -1,0 +1,58 @@
+"""Launches a swarm from its description, for users with an installed ROS 2 Jazzy.
+
+    ros2 launch hitab_bringup swarm.launch.py swarm:=keepaway
+    ros2 launch hitab_bringup swarm.launch.py swarm:=my_swarm.yaml run_dir:=my_run
+
+Starts the same processes as `hitab up`, in this terminal and in this ROS domain.
+"""
+
+from pathlib import Path
+
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+
+from hitab_bringup.libraries import fill_libraries
+from hitab_bringup.run_folder import RunFolder
+from hitab_bringup.shipped import find_file
+from hitab_bringup.swarm_file import read_swarm
+from hitab_bringup.swarm_processes import processes
+from launch import LaunchContext, LaunchDescription
+
+
+def start(context: LaunchContext) -> list[ExecuteProcess]:
+    """Return the processes of the swarm that the arguments name."""
+    given = LaunchConfiguration("swarm").perform(context)
+    run_dir = LaunchConfiguration("run_dir").perform(context)
+    swarm = read_swarm(find_file(given, "swarms", "swarm"))
+    folder = RunFolder.of_swarm(swarm.name, Path(run_dir) if run_dir else None)
+    folder.prepare()
+    fill_libraries(swarm, folder.path)
+    return [
+        ExecuteProcess(
+            cmd=process.command,
+            name=process.name,
+            output="screen",
+            respawn=True,
+            respawn_delay=1.0,
+        )
+        for process in processes(swarm, folder.path)
+    ]
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return what is to be launched."""
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument(
+                "swarm",
+                default_value="keepaway",
+                description="A swarm description, or the name of a shipped one",
+            ),
+            DeclareLaunchArgument(
+                "run_dir",
+                default_value="",
+                description="Where libraries and journals go; empty: where `hitab up` puts them",
+            ),
+            OpaqueFunction(function=start),
+        ]
+    )

@@ -1,0 +1,141 @@
+"""The command: quick, helpful, and without tracebacks for a user's mistakes."""
+
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from hitab_bringup.main import make_app
+
+HEAVY = ("rclpy", "numpy", "matplotlib", "psutil", "sklearn", "hitab_msgs", "pymunk")
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """Keep away from the user's own swarms."""
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.chdir(tmp_path)
+
+
+def hitab(*arguments: str):
+    return CliRunner().invoke(make_app(), list(arguments), env={"COLUMNS": "120", "TERM": "dumb"})
+
+
+def in_one_line(text: str) -> str:
+    return re.sub(r"[\s│╭╮╰╯─]+", " ", text)
+
+
+def verbs(app, path=()):
+    """Go through all verbs of the command, inner ones too."""
+    for command in app.registered_commands:
+        name = command.name or command.callback.__name__.replace("_", "-")
+        yield (*path, name), command.callback
+    for group in app.registered_groups:
+        yield from verbs(group.typer_instance, (*path, group.name))
+
+
+ALL = dict(verbs(make_app()))
+
+
+def test_the_verbs_are_there():
+    names = {" ".join(path) for path in ALL}
+    assert {"demo", "up", "down", "status", "demonstrate", "train", "test", "undo"} <= names
+    assert {"save", "perform", "distribute", "vocabulary", "examples list"} <= names
+    assert {"world pause", "world place", "library show", "lesson run"} <= names
+    assert "keepaway evaluate" in names
+
+
+@pytest.mark.parametrize("path", sorted(ALL), ids=" ".join)
+def test_every_verb_has_help(path):
+    result = hitab(*path, "--help")
+    assert result.exit_code == 0
+    assert in_one_line(ALL[path].__doc__.split("\n")[0]) in in_one_line(result.stdout)
+
+
+@pytest.mark.parametrize("path", [p for p in sorted(ALL) if len(p) == 1], ids=" ".join)
+def test_the_help_of_every_main_verb_shows_an_example(path):
+    if path[0] != "vocabulary":
+        assert f"hitab {path[0]}".replace("begin", "train") in hitab(*path, "--help").stdout
+
+
+def test_help_imports_nothing_that_takes_long():
+    script = (
+        "import sys\nfrom hitab_bringup.main import make_app\n"
+        "try:\n    make_app()(['--help'])\nexcept SystemExit:\n    pass\n"
+        f"print('loaded', [m for m in {HEAVY!r} if m in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "loaded []"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "expected"),
+    [
+        (["demonstrat"], 2, "No such command"),
+        (["demonstrate", "keeper_1"], 2, "Missing argument"),
+        (["up", "nothing_like_it"], 1, 'error: no swarm "nothing_like_it"'),
+        (["up", "keepaway", "--pace", "fast"], 2, "is not one of lockstep, realtime"),
+        (["status", "--swarm", "red"], 1, 'no swarm "red" is up (has none)'),
+        (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
+        (["train", "keeper_1", "-f", "DistanceTo(ball)"], 2, "name the automaton to train"),
+        (["world", "place", "x=1"], 2, "write NAME x=1"),
+        (["lesson", "check", "no_such"], 1, 'no lesson "no_such"'),
+        (["library", "list", "-l", "nowhere"], 1, "there is no such library folder"),
+        (["library", "list", "-l", "."], 1, "has no behaviors"),
+        (["library", "show", "A", "--agent", "keeper_1"], 1, "no swarm is up"),
+        (["keepaway", "evaluate", "-l", "nowhere"], 1, "there is no such library folder"),
+        (["keepaway", "evaluate", "--pace", "slow"], 2, "is not one of lockstep, inprocess"),
+        (["keepaway", "evaluate", "--episodes", "0"], 2, "'--episodes'"),
+    ],
+)
+def test_a_users_mistake_is_told_in_words(arguments, code, expected):
+    result = hitab(*arguments)
+    told = in_one_line(result.stderr + result.stdout)
+    assert result.exit_code == code, told
+    assert expected in told
+    assert "Traceback" not in told
+
+
+def test_down_without_a_swarm_is_no_error():
+    result = hitab("down")
+    assert (result.exit_code, result.stdout) == (0, "no swarm is up\n")
+
+
+def test_lessons_are_listed_and_checked():
+    listed = hitab("lesson", "list").stdout
+    assert "approach_ball: teaches ApproachBall to keeper_1, at most 18 examples" in listed
+    result = hitab("lesson", "check", "approach_ball", "keepaway")
+    assert result.exit_code == 0
+    assert result.stdout.count("nothing is wrong") == 2
+
+
+def test_a_bad_lesson_is_told_by_file_and_line(tmp_path):
+    (tmp_path / "bad.yaml").write_text("lesson: A\nagent: b\nsteps:\n  - comand: Stop\n")
+    result = hitab("lesson", "check", "bad.yaml")
+    assert result.exit_code == 1
+    assert "bad.yaml:4: a step has no known kind" in in_one_line(result.stderr)
+
+
+def test_what_was_meant_is_guessed_from_what_there_is(capsys):
+    from hitab_bringup import console
+
+    console.error('keeper_1: unknown behavior "GoFats" (has: GetOpen, GoFast, Stop)')
+    assert in_one_line(capsys.readouterr().err).strip().endswith('Did you mean "GoFast"?')
+
+
+def test_json_goes_where_it_is_asked_to(tmp_path, capsys):
+    from hitab_bringup import console
+    from hitab_core.errors import HitabError
+
+    console.write_json(str(tmp_path / "a.json"), {"a": 1})
+    assert json.loads((tmp_path / "a.json").read_text()) == {"a": 1}
+    console.write_json("-", {"a": 2})
+    assert json.loads(capsys.readouterr().out) == {"a": 2}
+    with pytest.raises(HitabError, match="cannot be written"):
+        console.write_json(str(tmp_path / "none" / "a.json"), {})

@@ -1,0 +1,91 @@
+"""Conditions of lessons hold when a person would say that they do."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from hitab_bringup.conditions import Active, Combination, Comparison, Ended, Passed, Said
+from hitab_bringup.errors import LessonError
+from hitab_bringup.world_view import WorldView, speakers
+
+
+@dataclass
+class Thing:
+    name: str
+    kind: str
+    x: float
+    y: float
+    heading: float = 0.0
+    vx: float = 0.0
+    vy: float = 0.0
+    say: str = ""
+
+
+KEEPER = Thing("keeper_1", "keeper", 0.0, 0.0, heading=0.0, vx=3.0, vy=4.0)
+BALL = Thing("ball", "ball", 0.0, 5.0)
+NEAR = Thing("taker_1", "taker", -3.0, 0.0, say="mine")
+FAR = Thing("taker_2", "taker", 9.0, 0.0)
+VIEW = WorldView(
+    (KEEPER, BALL, NEAR, FAR),
+    seconds=2.0,
+    paths={"keeper_1": ["GotoBall", "ApproachBall(ball)"]},
+    said=frozenset({"taker_1"}),
+    ended=("taken",),
+)
+
+
+def comparison(what: str, *things: str, below=None, above=None) -> Comparison:
+    return Comparison(what, things, below, above)
+
+
+@pytest.mark.parametrize(
+    ("condition", "holds"),
+    [
+        (comparison("distance", "keeper_1", "ball", below=5.1), True),
+        (comparison("distance", "keeper_1", "ball", below=5.0), False),
+        (comparison("distance", "keeper_1", "ball", above=4.9, below=5.1), True),
+        (comparison("distance", "keeper_1", "closest taker", below=3.1), True),
+        (comparison("distance", "taker_2", "closest taker", above=11.9), True),
+        (comparison("bearing", "keeper_1", "ball", above=89, below=91), True),
+        (comparison("bearing", "keeper_1", "taker_1", above=179), True),
+        (comparison("speed", "keeper_1", above=4.9, below=5.1), True),
+        (Active("GotoBall", "keeper_1"), True),
+        (Active("ApproachBall", "keeper_1"), True),
+        (Active("ApproachBall(ball)", "keeper_1"), True),
+        (Active("Pass", "keeper_1"), False),
+        (Active("GotoBall", "keeper_2"), False),
+        (Said("taker_1"), True),
+        (Said("keeper_1"), False),
+        (Ended("taken"), True),
+        (Ended("out"), False),
+        (Ended("any"), True),
+        (Passed(2.0), True),
+        (Passed(2.1), False),
+        (Combination("all", (Passed(1), Said("taker_1"))), True),
+        (Combination("all", (Passed(1), Said("ball"))), False),
+        (Combination("any", (Passed(9), Said("taker_1"))), True),
+        (Combination("not", (Passed(9),)), True),
+    ],
+)
+def test_a_condition_holds_when_it_should(condition, holds):
+    assert condition.holds(VIEW) is holds
+    assert condition.describe(VIEW)
+
+
+def test_a_condition_is_told_with_what_was_seen():
+    condition = comparison("distance", "keeper_1", "ball", below=4)
+    assert condition.describe(VIEW) == "distance of keeper_1 and ball below 4 (is 5.00)"
+    assert Active("Pass", "keeper_1").describe(VIEW) == (
+        "keeper_1 in Pass (is in GotoBall > ApproachBall(ball))"
+    )
+
+
+def test_a_thing_that_is_not_there_is_told_with_what_was_meant():
+    with pytest.raises(LessonError, match=r'no "bal" in the world .*Did you mean "ball"'):
+        VIEW.distance("keeper_1", "bal")
+    with pytest.raises(LessonError, match=r'no "robot" here \(has: ball, keeper, taker\)'):
+        VIEW.distance("keeper_1", "closest robot")
+
+
+def test_speakers_are_those_who_say_something():
+    assert speakers(VIEW.things) == {"taker_1"}

@@ -1,0 +1,105 @@
+"""Lessons: how they read, and that what is wrong is told by file and line."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup.conditions import Active, Comparison, Passed
+from hitab_bringup.errors import LessonError
+from hitab_bringup.lesson import Begin, Command, Distribute, Perform, Place, Save, Test, Until
+from hitab_bringup.lesson_file import parse_lesson, read_lesson
+from hitab_bringup.shipped import find_file
+from hitab_core.use import Use
+
+HERE = Path("lessons/dance.yaml")
+HEAD = "lesson: Dance\nagent: keeper_1\nsteps:\n"
+
+
+def steps(text: str):
+    return parse_lesson(HEAD + text, HERE).steps
+
+
+def complaint(text: str) -> str:
+    with pytest.raises(LessonError) as error:
+        parse_lesson(text, HERE)
+    return str(error.value)
+
+
+def test_a_lesson_is_read_step_by_step():
+    read = steps(
+        "  - place: {ball: {x: 1, heading: 90}}\n    new_episode: true\n"
+        "  - begin: Dance\n    features: [DistanceTo(A)]\n    parameters: {A: ball}\n"
+        "  - command: GoTo(A)\n"
+        "  - until: {distance: [keeper_1, ball], below: 4}\n    within: 3\n"
+        "  - wait: 1.5\n"
+        "  - test: true\n    restart: true\n"
+        "  - save: true\n    bind: {ball: A}\n"
+        "  - distribute: Dance\n    receivers: [keeper_2]\n    start: true\n"
+        "  - perform: nothing\n    agents: [keeper_2, keeper_3]\n"
+    )
+    place, begin, command, until, wait, test, save, distribute, perform = read
+    assert isinstance(place, Place)
+    assert place.things == {"ball": {"x": 1.0, "heading": math.radians(90)}}
+    assert place.new_episode
+    assert isinstance(begin, Begin)
+    assert begin.parameters == {"A": "ball"}
+    assert command == Command(9, "keeper_1", Use("GoTo", ("A",)))
+    assert isinstance(until, Until)
+    assert until.condition == Comparison("distance", ("keeper_1", "ball"), 4.0, None)
+    assert until.within == 3.0
+    assert isinstance(wait, Until)
+    assert wait.condition == Passed(1.5)
+    assert test == Test(13, "keeper_1", restart=True)
+    assert isinstance(save, Save)
+    assert save.bind == {"ball": "A"}
+    assert distribute == Distribute(17, "keeper_1", Use("Dance"), ("keeper_2",), start=True)
+    assert perform == Perform(20, "keeper_1", None, ("keeper_2", "keeper_3"))
+
+
+def test_a_step_may_be_for_another_agent():
+    assert steps("  - command: Stop\n    agent: keeper_2\n")[0].agent == "keeper_2"
+
+
+def test_conditions_mean_the_learner_where_no_agent_is_named():
+    (step,) = steps("  - check: {all: [{active: Pass}, {active: Stop, agent: keeper_2}]}\n")
+    assert isinstance(step, Until)
+    assert step.condition.parts == (Active("Pass", "keeper_1"), Active("Stop", "keeper_2"))
+
+
+@pytest.mark.parametrize("name", ["approach_ball", "goto_ball", "control_ball", "keepaway"])
+def test_the_shipped_lessons_keep_to_the_papers_budgets(name):
+    budgets = {"ApproachBall": 18, "GotoBall": 10, "ControlBall": 11, "Keepaway": 10}
+    lesson = read_lesson(find_file(name, "lessons", "lesson"))
+    assert lesson.budget is not None
+    assert lesson.budget <= budgets[lesson.name]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("agent: a\nsteps: [{say: hi}]\n", "lessons/dance.yaml:1: `lesson:` is missing here"),
+        ("lesson: D\nagent: a\n", "1: a lesson needs `steps:`"),
+        (HEAD + "  - comand: Stop\n", "4: a step has no known kind (has: begin"),
+        (HEAD + "  - comand: Stop\n", 'Did you mean "command"?'),
+        (HEAD + "  - command: Stop\n    say: hi\n", "4: a step needs exactly one kind"),
+        (HEAD + "  - say: hi\n  - command: Go(to\n", '5: "Go(to" is not a use of a behavior'),
+        (HEAD + "  - command: Stop\n    witin: 3\n", "5: `witin:` is not known here"),
+        (HEAD + "  - until: {distance: [a], below: 1}\n", "needs 2 thing(s), such as [keeper_1"),
+        (HEAD + "  - until: {distance: [a, b]}\n", "`distance:` needs `below:` or `above:`"),
+        (HEAD + "  - until: {far: 1}\n", "4: a condition needs one of: distance, bearing"),
+        (HEAD + "  - until: {seconds: soon}\n", "`seconds:` must be a number, not the text"),
+        (HEAD + "  - wait: -1\n", "`wait: -1` must be more than 0"),
+        (HEAD + "  - place: {ball: {z: 3}}\n", "4: `z:` is not known here (has: heading, vx"),
+        (HEAD + "  - begin: D\n    features: 3\n", "5: `features:` must be a list of texts"),
+        ("lesson: D\nagent: a\nbudget: 0\nsteps: [{say: x}]\n", "3: `budget: 0` must be at least"),
+        (HEAD + "  - {say: [\n", "not YAML"),
+    ],
+)
+def test_everything_wrong_is_told_with_its_place(text, expected):
+    assert expected in complaint(text)
+
+
+def test_all_complaints_come_at_once():
+    told = complaint(HEAD + "  - wait: x\n  - say: fine\n  - comand: Stop\n")
+    assert [line.split(":")[1] for line in told.splitlines()] == ["4", "6"]

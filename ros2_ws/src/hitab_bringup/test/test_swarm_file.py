@@ -1,0 +1,136 @@
+"""Swarm descriptions: what is wrong is told by file and line, with the way out."""
+
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup.errors import DescriptionError
+from hitab_bringup.shipped import find_file
+from hitab_bringup.swarm_file import parse_swarm, read_swarm
+from hitab_bringup.swarm_processes import processes
+from hitab_core.errors import HitabError
+
+HERE = Path("/somewhere/team.yaml")
+
+
+def complaint(text: str, path: Path = HERE) -> str:
+    with pytest.raises(DescriptionError) as error:
+        parse_swarm(text, path)
+    return str(error.value)
+
+
+def test_the_shipped_swarm_is_three_keepers_in_processes_of_their_own():
+    swarm = read_swarm(find_file("keepaway", "swarms", "swarm"))
+    assert swarm.agent_names == ("keeper_1", "keeper_2", "keeper_3")
+    assert swarm.world is not None
+    assert swarm.world.pace == "realtime"
+    names = [process.name for process in processes(swarm, Path("/run"))]
+    assert names == ["world", "keeper_1", "keeper_2", "keeper_3"]
+
+
+def test_what_is_said_for_all_can_be_said_otherwise_for_one():
+    swarm = parse_swarm(
+        "domain: keepaway\nbehavior: GetOpen\nagents:\n  a: {}\n  b: {behavior: Stop, seed: 7}\n",
+        HERE,
+    )
+    assert [(a.name, a.behavior, a.seed) for a in swarm.agents] == [
+        ("a", "GetOpen", 1),
+        ("b", "Stop", 7),
+    ]
+    assert swarm.name == "team"
+    assert swarm.world is None
+
+
+def test_many_likes_take_one_line_and_few_processes():
+    swarm = parse_swarm(
+        "domain: keepaway\nagents:\n  ant: {count: 5, per_process: 2}\n  queen: {}\n", HERE
+    )
+    assert len(swarm.agents) == 6
+    found = {process.name: process.agents for process in processes(swarm, Path("/run"))}
+    assert found == {
+        "ant_host_1": ("ant_1", "ant_2"),
+        "ant_host_2": ("ant_3", "ant_4"),
+        "ant_host_3": ("ant_5",),
+        "queen": ("queen",),
+    }
+
+
+def test_agents_that_differ_cannot_share_a_process():
+    swarm = parse_swarm(
+        "domain: keepaway\nagents:\n  a: {host: one}\n  b: {host: one, behavior: Stop}\n", HERE
+    )
+    with pytest.raises(DescriptionError, match="differ in `behavior`; put them into different"):
+        processes(swarm, Path("/run"))
+
+
+def test_an_agent_twice_is_refused_with_both_places():
+    text = "domain: keepaway\nagents:\n  a: {}\n  b: {}\n  a: {}\n"
+    assert complaint(text) == (
+        '/somewhere/team.yaml:5: has the key "a" twice (first at line 3); remove one'
+    )
+    text = "domain: keepaway\nagents:\n  ant: {count: 2}\n  ant_2: {}\n"
+    assert complaint(text).startswith('/somewhere/team.yaml:4: a second agent "ant_2" (see `ant`)')
+
+
+def test_an_unknown_domain_is_told_once_and_with_what_was_meant():
+    told = complaint("domain: keepawya\nagents: {a: {}, b: {}}\n")
+    assert told.count("\n") == 0
+    assert told.startswith('/somewhere/team.yaml:1: no domain "keepawya" is installed (has: ')
+    assert told.endswith('Did you mean "keepaway"?')
+
+
+def test_an_unknown_behavior_is_told_where_it_stands(tmp_path):
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "Dance.hfa.yaml").touch()
+    text = (
+        "domain: keepaway\nstart_from: lib\n"
+        "agents:\n  a: {behavior: Dance}\n  b: {behavior: Danse}\n"
+    )
+    told = complaint(text, tmp_path / "team.yaml")
+    assert told.startswith(f'{tmp_path}/team.yaml:5: unknown behavior "Danse" (has: Dance, ')
+    assert told.endswith('Did you mean "Dance"?')
+
+
+def test_a_missing_library_is_told_with_the_way_out():
+    told = complaint("domain: keepaway\nlibrary: nowhere\nagents: {a: {}}\n")
+    assert told.startswith('/somewhere/team.yaml:2: `library:` there is no folder "nowhere"; make')
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("domain: keepaway\n", "1: a swarm needs `agents:`"),
+        ("domain: keepaway\nagents: [a, b]\n", "needs `key: value` lines here, not a list"),
+        ("domain: keepaway\nagents: {1a: {}}\n", '"1a" is not a name for an agent'),
+        ("domain: keepaway\nagents: {world: {}}\n", 'an agent cannot be called "world"'),
+        ("domain: keepaway\nagent: {a: {}}\n", 'Did you mean "agents"?'),
+        ("domain: keepaway\nagents: {a: {count: 0}}\n", "`count: 0` must be at least 1"),
+        ("domain: keepaway\nagents: {a: {seed: x}}\n", "`seed:` must be a whole number"),
+        ("domain: keepaway\nworld: {kind: chess}\nagents: {a: {}}\n", 'there is no world "chess"'),
+        (
+            "domain: keepaway\nworld: {kind: keepaway, pace: fast}\nagents: {a: {}}\n",
+            "2: `pace: fast` is not known (has: lockstep, realtime)",
+        ),
+        (
+            "domain: keepaway\nworld: {kind: keepaway, parameters: {a: [1]}}\nagents: {a: {}}\n",
+            "`a:` must be a number, a text, true or false",
+        ),
+        ("domain: keepaway\nagents: {a: {behavior: 'Go('}}\n", "is not a use of a behavior"),
+        ("agents: {a: {}\n", "not YAML"),
+        ("", "is empty"),
+    ],
+)
+def test_everything_wrong_is_told_with_its_place(text, expected):
+    assert expected in complaint(text)
+
+
+def test_all_complaints_come_at_once():
+    told = complaint("domain: keepaway\nworld: {pace: fast}\nagents:\n  a: {seed: -1}\n")
+    assert [line.split(":")[1] for line in told.splitlines()] == ["2", "2", "4"]
+
+
+def test_a_file_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(DescriptionError, match="cannot be read"):
+        read_swarm(tmp_path / "none.yaml")
+    with pytest.raises(HitabError, match=r'no swarm "keepaways": .*\(has: keepaway\)'):
+        find_file("keepaways", "swarms", "swarm")
