@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 from hitab_core.domain import BasicBehavior
-
 from keepaway_world import percept
 from keepaway_world.angles import wrapped
 from keepaway_world.body import NOBODY, YELL, KeeperBody
@@ -19,6 +18,8 @@ from keepaway_world.percept import BALL
 FAST, MEDIUM, SLOW = 100.0, 90.0, 75.0
 
 AT_REST = 0.1  # m/cycle: a ball that seems slower than this is left alone
+
+BALL_RESTS = 0.02  # m/cycle: a ball as slow as this rolls on for a third of a metre
 
 OPEN_STEP = 3.0  # m: how far ahead GetOpen looks down its potential field
 OPEN_ARRIVED = 0.5  # m: a place so near is not worth going to

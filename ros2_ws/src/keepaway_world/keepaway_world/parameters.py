@@ -27,9 +27,8 @@ class KeepawayParameters:
     Attributes:
         keepers, takers: number of players in each team.
         width, height: of the box, which is centred on the origin, m.
-        taker_speed: factor on the power of the takers' dashes (the paper: a quarter).
-        takers_know_speed: whether the takers plan with that factor; the UT players, slowed
-            down, do not.
+        taker_speed: factor on the power of the takers' dashes (the paper: a quarter), which they
+            know of.
         ball_collides: whether players collide with the ball (the paper: they cannot).
         players_collide: whether players collide with each other.
         sight: "quantised" as a player of rcssserver sees, or "full": exact.
@@ -50,7 +49,6 @@ class KeepawayParameters:
     width: float = 20.0
     height: float = 20.0
     taker_speed: float = 0.25
-    takers_know_speed: bool = False
     ball_collides: bool = False
     players_collide: bool = True
     sight: str = "quantised"

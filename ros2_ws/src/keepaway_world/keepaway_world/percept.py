@@ -21,9 +21,13 @@ x points right, y up, angles are counter-clockwise.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from keepaway_world.physics import PI, Mover, Physics
+from keepaway_world.angles import PI
 from keepaway_world.sight import quantised_direction, quantised_distance, seen_velocity
+
+if TYPE_CHECKING:  # an agent needs the layout, not pymunk
+    from keepaway_world.physics import Mover, Physics
 
 NUMBER, KEEPERS, TAKERS, WIDTH, HEIGHT = range(5)
 X, Y, HEADING, VX, VY = range(5, 10)

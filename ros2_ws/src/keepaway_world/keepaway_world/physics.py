@@ -17,6 +17,7 @@ from typing import Any
 
 import pymunk
 
+from keepaway_world.angles import PI, wrapped
 from keepaway_world.kicking import off_place
 from keepaway_world.parameters import KeepawayParameters
 
@@ -25,7 +26,6 @@ PLAYER_CATEGORY = 2
 COLLISION_ROUNDS = 10  # rcssserver gives up separating bodies after as many
 REBOUND = -0.1
 GAP = 1e-10  # rcssserver's EPS: bodies that were moved apart no longer touch
-PI = math.pi
 
 
 class Mover:
@@ -257,10 +257,3 @@ class Physics:
         """Whether ``player`` can kick the ball now."""
         ball = self.ball
         return math.hypot(ball.x - player.x, ball.y - player.y) <= self.parameters.kickable
-
-
-def wrapped(angle: float) -> float:
-    """Return ``angle``, in rad, on [-pi, pi]."""
-    if -PI <= angle <= PI:
-        return angle
-    return math.remainder(angle, 2.0 * PI)

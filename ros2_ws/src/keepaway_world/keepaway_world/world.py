@@ -8,13 +8,7 @@ from random import Random
 from typing import Any
 
 from hitab_core.seeding import world_seed
-
-from keepaway_world import action, referee
-from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.percept import CYCLES_PER_SECOND, perceive
-from keepaway_world.physics import Mover, Physics
-from keepaway_world.takers import TakerTeam
-from keepaway_world.world_interface import (
+from hitab_world.world import (
     Action,
     Entity,
     EpisodeResult,
@@ -22,12 +16,17 @@ from keepaway_world.world_interface import (
     Sensed,
     WorldError,
 )
+from keepaway_world import action, referee
+from keepaway_world.parameters import PAPER, KeepawayParameters
+from keepaway_world.percept import CYCLES_PER_SECOND, perceive
+from keepaway_world.physics import Mover, Physics
+from keepaway_world.takers import TakerTeam
 
 SNAPSHOT_VERSION = 1
 
 
 class KeepawayWorld:
-    """A game of keepaway; see `keepaway_world.world_interface.World` for what can be done.
+    """A game of keepaway; see `hitab_world.world.World` for what can be done.
 
     What keepers perceive is laid out as `keepaway_world.percept` tells, what they do as
     `keepaway_world.action` does. The takers are part of the world.
@@ -142,7 +141,7 @@ class KeepawayWorld:
         physics = self._physics
         for taker, (kind, amount, direction) in zip(physics.takers, commands, strict=True):
             if kind == "dash":
-                physics.dash(taker, amount * self.parameters.taker_speed)
+                physics.dash(taker, amount)
             elif kind == "turn":
                 physics.turn(taker, amount)
             elif physics.kick(taker, amount, direction):

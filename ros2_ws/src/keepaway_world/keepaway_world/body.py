@@ -1,0 +1,199 @@
+"""A keeper's body: what it perceives in this cycle, and the one command that it gives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from keepaway_world import percept
+from keepaway_world.action import DASH, KICK, TURN
+from keepaway_world.angles import PI, wrapped
+from keepaway_world.parameters import PAPER, KeepawayParameters
+from keepaway_world.percept import BALL, CYCLES_PER_SECOND, OTHERS
+
+NOBODY = -1
+"""The place of a player that there is not, such as the closest taker without takers."""
+
+YELL = "pass {}"
+"""What a passer yells: the receiver's number makes it 10 characters at most up to 99999."""
+
+
+class KeeperBody:
+    """The `hitab_core.domain.Body` of one keeper.
+
+    Ball and players are referred to by their *place* in the percept: the index of their
+    distance, after which their direction follows. `dash`, `turn` and `kick` set the command of
+    this cycle; the last one counts, as a keeper gives at most one a cycle.
+
+    Args:
+        name: of the agent.
+        parameters: the mechanics that the keeper believes in; speeds are in m/cycle.
+
+    Attributes:
+        values: the percept, laid out as `keepaway_world.percept` tells; the SI units of its
+            velocities included.
+        heard: the messages heard in this cycle.
+    """
+
+    __slots__ = (
+        "_action",
+        "_closest_keeper",
+        "_closest_taker",
+        "_first_taker",
+        "_keepers",
+        "_length",
+        "_say",
+        "heard",
+        "name",
+        "parameters",
+        "values",
+    )
+
+    def __init__(self, name: str, parameters: KeepawayParameters = PAPER) -> None:
+        self.name = name
+        self.parameters = parameters
+        self.values: Sequence[float] = ()
+        self.heard: Sequence[str] = ()
+        self._keepers = 0
+        self._length = self._first_taker = OTHERS
+        self._closest_keeper: int | None = None
+        self._closest_taker: int | None = None
+        self._action: list[float] = []
+        self._say = ""
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        """Take this cycle's percept and forget the last one, and the command that followed.
+
+        Raises:
+            ValueError: if the percept is not laid out for a keeper.
+        """
+        if len(values) != self._length or values[percept.KEEPERS] != self._keepers:
+            self._lay_out(values)
+        self.values = values
+        self.heard = heard
+        self._closest_keeper = self._closest_taker = None
+        self._action = []
+        self._say = ""
+
+    def _lay_out(self, values: Sequence[float]) -> None:
+        if len(values) >= OTHERS:
+            keepers, takers = int(values[percept.KEEPERS]), int(values[percept.TAKERS])
+            expected = percept.percept_length(keepers, takers)
+            if len(values) == expected:
+                self._keepers, self._length = keepers, expected
+                self._first_taker = OTHERS + 2 * (keepers - 1)
+                return
+        raise ValueError(
+            f"{self.name}: a percept of {len(values)} values is not one of keepaway; "
+            "is the agent linked to another world?"
+        )
+
+    def act(self) -> tuple[Sequence[float], str]:
+        """Return this cycle's command, see `keepaway_world.action`, and what to say."""
+        return self._action, self._say
+
+    # Commands.
+
+    def dash(self, power: float) -> None:
+        """Dash along the body with a power from -100 to 100."""
+        self._action = [DASH, power]
+
+    def turn_by(self, angle: float) -> None:
+        """Turn by ``angle`` rad, or as far as one turn goes: less the faster the keeper is."""
+        moment = angle * (1.0 + self.parameters.inertia * self.speed)
+        self._action = [TURN, min(max(moment, -PI), PI)]
+
+    def kick(self, power: float, direction: float) -> None:
+        """Kick with a power from 0 to 100 towards ``direction``, rad relative to the body."""
+        self._action = [KICK, power, direction]
+
+    def say(self, message: str) -> None:
+        """Say something that the others hear in the next cycle."""
+        self._say = message
+
+    # The percept.
+
+    @property
+    def number(self) -> int:
+        """Its number, from 1."""
+        return int(self.values[percept.NUMBER])
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """Where it is, m."""
+        return self.values[percept.X], self.values[percept.Y]
+
+    @property
+    def heading(self) -> float:
+        """Where its body points, rad."""
+        return self.values[percept.HEADING]
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Its velocity, m/cycle."""
+        values = self.values
+        return values[percept.VX] / CYCLES_PER_SECOND, values[percept.VY] / CYCLES_PER_SECOND
+
+    @property
+    def speed(self) -> float:
+        """Its speed, m/cycle."""
+        values = self.values
+        return math.hypot(values[percept.VX], values[percept.VY]) / CYCLES_PER_SECOND
+
+    @property
+    def ball_velocity(self) -> tuple[float, float]:
+        """The ball's velocity in the world's axes, m/cycle."""
+        values = self.values
+        return (
+            values[percept.BALL_VX] / CYCLES_PER_SECOND,
+            values[percept.BALL_VY] / CYCLES_PER_SECOND,
+        )
+
+    @property
+    def ball_is_kickable(self) -> bool:
+        """Whether the ball is within kicking range, as far as the keeper can see."""
+        return self.values[BALL] <= self.parameters.kickable
+
+    @property
+    def others(self) -> range:
+        """The places of the other keepers, by rising number."""
+        return range(OTHERS, self._first_taker, 2)
+
+    @property
+    def takers(self) -> range:
+        """The places of the takers."""
+        return range(self._first_taker, self._length, 2)
+
+    def number_at(self, place: int) -> int:
+        """Return the number of the other keeper at a place."""
+        number = (place - OTHERS) // 2 + 1
+        return number if number < self.number else number + 1
+
+    def closest_keeper(self) -> int:
+        """Return the place of the closest other keeper; the lowest number if there are more."""
+        if self._closest_keeper is None:
+            self._closest_keeper = self._closest(self.others)
+        return self._closest_keeper
+
+    def closest_taker(self) -> int:
+        """Return the place of the closest taker, or `NOBODY`."""
+        if self._closest_taker is None:
+            self._closest_taker = self._closest(self.takers)
+        return self._closest_taker
+
+    def _closest(self, places: range) -> int:
+        values, found, least = self.values, NOBODY, math.inf
+        for place in places:
+            if values[place] < least:
+                found, least = place, values[place]
+        return found
+
+    def vector_to(self, place: int) -> tuple[float, float]:
+        """Return where the ball or a player is, relative to the keeper, in the world's axes, m."""
+        bearing = self.values[percept.HEADING] + self.values[place + 1]
+        distance = self.values[place]
+        return distance * math.cos(bearing), distance * math.sin(bearing)
+
+    def angle_between(self, place: int, other: int) -> float:
+        """Return the angle at the keeper between two players, on [0, pi]."""
+        return abs(wrapped(self.values[place + 1] - self.values[other + 1]))

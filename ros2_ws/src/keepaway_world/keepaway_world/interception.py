@@ -1,0 +1,108 @@
+"""Where a player first meets a rolling ball, and what to do now to get there.
+
+The ball's track is predicted without noise; for each of the next cycles turns and dashes towards
+the ball's place in that cycle are simulated, as the UT Austin keepaway players do. Horizon and
+angle are those that these players show on the real simulator. Speeds are in m/cycle.
+"""
+
+from __future__ import annotations
+
+import math
+
+from keepaway_world.angles import PI, wrapped
+from keepaway_world.parameters import KeepawayParameters
+from keepaway_world.physics import Mover
+
+SOONEST, HORIZON = 2, 40  # cycles that a player looks ahead
+FULL = 100.0
+TURNS_MAX = 5
+ALIGNED = math.radians(10.0)  # a player that is off by less dashes
+
+Order = tuple[str, float, float]
+"""("dash", power, 0), ("turn", moment, 0) or ("kick", power, direction); angles in rad."""
+
+Point = tuple[float, float]
+
+
+class Interceptor:
+    """Plans interceptions with given mechanics.
+
+    Args:
+        parameters: the mechanics.
+        dash_factor: factor on the power of the player's dashes, which it knows of.
+    """
+
+    def __init__(self, parameters: KeepawayParameters, dash_factor: float = 1.0) -> None:
+        self.parameters = p = parameters
+        self._power = FULL * dash_factor
+        self._kickable = p.kickable
+        self._dashed = [0.0]  # m covered from rest by a number of dashes
+        self._coasted = [0.0]  # m covered by rolling for a number of cycles, per initial speed
+        self._rolled = [0.0]  # likewise for the ball
+        speed = 0.0
+        for cycle in range(HORIZON):
+            speed = min(speed * p.player_decay + self._power * p.dash_rate, p.player_speed_max)
+            self._dashed.append(self._dashed[-1] + speed)
+            self._coasted.append(self._coasted[-1] + p.player_decay**cycle)
+            self._rolled.append(self._rolled[-1] + p.ball_decay**cycle)
+
+    def track(self, ball: Mover) -> list[Point]:
+        """Return where the ball will be after 0, 1, ... cycles if nobody kicks it, m."""
+        x, y, vx, vy = ball.x, ball.y, ball.vx, ball.vy
+        return [(x + vx * rolled, y + vy * rolled) for rolled in self._rolled]
+
+    def intercept(self, player: Mover, track: list[Point]) -> tuple[int, Order]:
+        """Return in how many cycles the player can kick the ball, and its order for this one.
+
+        The cycles are `HORIZON` + 1 if it cannot be reached; it then goes to the track's end.
+        """
+        cycles = self._cycles(player, track)
+        x, y = track[min(cycles, HORIZON)]
+        bearing = math.atan2(y - player.y - player.vy, x - player.x - player.vx)
+        off = wrapped(bearing - player.heading)
+        if abs(off) > ALIGNED:
+            return cycles, turn_by(self.parameters, player, off)
+        return cycles, ("dash", self._power, 0.0)
+
+    def _cycles(self, player: Mover, track: list[Point]) -> int:
+        kickable = self._kickable
+        dashed, coasted = self._dashed, self._coasted
+        x, y, vx, vy = player.x, player.y, player.vx, player.vy
+        for cycles in range(SOONEST, HORIZON + 1):
+            ball_x, ball_y = track[cycles]
+            dx, dy = ball_x - x - vx * coasted[cycles], ball_y - y - vy * coasted[cycles]
+            far = math.hypot(dx, dy)
+            if far - kickable > dashed[cycles]:
+                continue  # not even without a turn
+            bearing = math.atan2(dy, dx)
+            heading, turns = self._turned(player, bearing, cycles)
+            reach = dashed[cycles - turns]
+            left_x, left_y = dx - reach * math.cos(heading), dy - reach * math.sin(heading)
+            if math.hypot(left_x, left_y) < kickable:
+                return cycles
+        return HORIZON + 1
+
+    def _turned(self, player: Mover, bearing: float, cycles: int) -> tuple[float, int]:
+        """Return the heading after the turns that it takes to face ``bearing``, and their number.
+
+        They are as many as fit into ``cycles``, and few.
+        """
+        p = self.parameters
+        heading, turns = player.heading, 0
+        speed = math.hypot(player.vx, player.vy)
+        most_turns = min(cycles, TURNS_MAX)
+        while turns < most_turns:
+            off = wrapped(bearing - heading)
+            if abs(off) <= ALIGNED:
+                break
+            most = PI / (1.0 + p.inertia * speed)
+            heading += min(max(off, -most), most)
+            speed *= p.player_decay
+            turns += 1
+        return heading, turns
+
+
+def turn_by(p: KeepawayParameters, player: Mover, angle: float) -> Order:
+    """Return the order to turn by ``angle`` rad, or as far as one turn goes at this speed."""
+    moment = angle * (1.0 + p.inertia * math.hypot(player.vx, player.vy))
+    return "turn", min(max(moment, -PI), PI), 0.0
