@@ -84,5 +84,6 @@ class Distributor:
             answer.success = True
         except HitabError as error:
             answer.message = str(error)
-        self._acknowledge.publish(answer)
+        # The status first: who has all acknowledgements may look at everybody's digest.
         self._node.report_distribution(sent.sequence, answer.message)
+        self._acknowledge.publish(answer)
