@@ -122,7 +122,7 @@ def main(
     from hitab_bringup.domain_ids import reserved
     from hitab_bringup.shipped import shipped
 
-    trained = library or shipped("libraries") / "paper"
+    trained = library or shipped("libraries") / "keepaway"
     loops, games, missed = [], [], 0
     for turn in range(turns):
         with reserved() as domain:
