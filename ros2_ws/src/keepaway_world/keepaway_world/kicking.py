@@ -52,8 +52,8 @@ def kick_acceleration(
     """Return the acceleration, m/cycle², of one kick that sends the ball along +x.
 
     If one kick cannot bring the ball to ``wanted``, the direction counts more than the speed:
-    the ball is kicked as hard as can be so that it leaves along +x, only slower. If not even the
-    ball's speed across can be undone, that is undone as far as it goes.
+    the ball is kicked as hard as can be so that it leaves along +x, only slower. If it comes too
+    fast even for that, it is brought as near to the wanted velocity as one kick can.
 
     Args:
         p: the mechanics.
@@ -65,6 +65,9 @@ def kick_acceleration(
     ax, ay = wanted - vx, -vy
     if math.hypot(ax, ay) <= reachable:
         return ax, ay
-    if abs(vy) >= reachable:
-        return 0.0, -math.copysign(reachable, vy)
-    return math.sqrt(reachable * reachable - vy * vy), -vy
+    if abs(vy) < reachable:
+        along = math.sqrt(reachable * reachable - vy * vy)
+        if vx + along > 0.0:
+            return along, -vy
+    scale = reachable / math.hypot(ax, ay)
+    return ax * scale, ay * scale

@@ -1,0 +1,103 @@
+"""Whole episodes in one process."""
+
+import math
+
+import pytest
+
+from hitab_core.automaton import START, Automaton
+from hitab_core.repertoire import Repertoire
+from hitab_core.seeding import agent_seed
+from hitab_core.transition_function import HandWritten
+from hitab_core.use import Use
+from hitab_world.world import Placement
+from keepaway_world.body import KeeperBody
+from keepaway_world.domain import DOMAIN
+from keepaway_world.inprocess import PolicyPlayer, perform, play, play_on
+from keepaway_world.parameters import variant
+from keepaway_world.world import KeepawayWorld
+
+
+def automaton(name, states, features, choose):
+    """Return an automaton that decides by one function in all its states."""
+    function = HandWritten(choose, tuple(range(len(features))))
+    return Automaton(
+        name,
+        tuple(Use.parse(state) for state in states),
+        tuple(Use.parse(feature) for feature in features),
+        dict.fromkeys((START, *states), function),
+    )
+
+
+CONTROL_BALL = Automaton(
+    "ControlBall",
+    tuple(Use(state) for state in ("ServoBall", "Stop", "Pass", "Done")),
+    (Use.parse("DistanceTo(closest_taker)"), Use("BallIsKickable")),
+    {
+        **dict.fromkeys(
+            (START, "ServoBall", "Stop"),
+            HandWritten(
+                lambda taker, kickable: (
+                    "ServoBall" if not kickable else "Pass" if taker < 5.0 else "Stop"
+                ),
+                (0, 1),
+            ),
+        ),
+        "Pass": HandWritten(lambda: "Done"),
+    },
+)
+
+KEEPAWAY = automaton(
+    "Keepaway",
+    ("GetOpen", "ControlBall"),
+    ("ATeammateIsCloserToBall", "IWasYelledAt"),
+    lambda closer, yelled: "GetOpen" if closer and not yelled else "ControlBall",
+)
+
+REPERTOIRE = Repertoire(DOMAIN, {a.name: a for a in (CONTROL_BALL, KEEPAWAY)})
+
+
+def test_the_hand_written_approach_takes_a_keeper_to_the_ball(quiet):
+    for x, y, heading in ((-8.0, 3.0, 0.0), (5.0, 5.0, 0.5), (2.0, -9.0, 3.0)):
+        world = quiet(takers=0, sight="quantised")
+        world.place([Placement("keeper_1", x, y, heading), Placement("ball", 0.0, 0.0)])
+        players = {"keeper_1": perform(world, REPERTOIRE, "ServoBall")["keeper_1"]}
+        play_on(world, players, cycles_max=30)
+        keeper = world.entities()[1]
+        assert math.hypot(keeper.x, keeper.y) < world.parameters.kickable
+
+
+def test_hand_written_keepers_hold_the_ball_longer_than_idle_ones():
+    world = KeepawayWorld(seed=3)
+    idle = play(world, {}, 20, cycles_max=3000)
+    playing = play(world, perform(world, REPERTOIRE, "Keepaway"), 20, cycles_max=3000)
+    assert sum(r.cycles for r in playing) > sum(r.cycles for r in idle)
+    assert sum(r.measures["passes"] for r in playing) >= 20.0
+    assert {r.ended for r in playing} <= {"out", "taken", ""}
+
+
+def test_episodes_are_the_same_whatever_was_played_before():
+    world = KeepawayWorld(seed=3)
+    players = perform(world, REPERTOIRE, "Keepaway")
+    results = play(world, players, 6)
+    assert [r.number for r in results] == [0, 1, 2, 3, 4, 5]
+    again = KeepawayWorld(seed=3)
+    assert play(again, perform(again, REPERTOIRE, "Keepaway"), 2, first=4) == results[4:]
+    assert play(world, players, 1)[0].number == 6
+
+
+def test_a_policy_is_any_function_of_the_body():
+    world = KeepawayWorld(variant("paper", takers=0), seed=3)
+    seen = []
+
+    def forward(body):
+        seen.append(body.values[0])
+        body.dash(100.0)
+
+    play(world, {n: PolicyPlayer(KeeperBody(n), forward) for n in world.agents}, cycles_max=10)
+    assert seen == [1.0, 2.0, 3.0] * 10
+
+
+@pytest.mark.parametrize("other", [(2, 1, "keeper_1"), (1, 2, "keeper_1"), (1, 1, "keeper_2")])
+def test_agents_draw_from_generators_of_their_own(other):
+    assert agent_seed(1, 1, "keeper_1") == 9563207601062259070
+    assert agent_seed(*other) != agent_seed(1, 1, "keeper_1")

@@ -1,0 +1,247 @@
+"""The world as those who drive it see it: seeds, snapshots, placing, and bad input."""
+
+import json
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hitab_world.world import Placement, World, WorldError
+from keepaway_world.parameters import (
+    PAPER,
+    KeepawayParameters,
+    ParameterError,
+    variant,
+)
+from keepaway_world.world import KeepawayWorld
+
+
+def wander(world, cycles):
+    """Let the keepers do varied things; return all that happens."""
+    happened = []
+    for _ in range(cycles):
+        if world.ended:
+            world.reset()
+        n = world.episode_cycle
+        actions = {
+            "keeper_1": ([1.0, 60.0 + n % 40], "" if n % 7 else f"pass {n % 3 + 1}"),
+            "keeper_2": ([2.0, 0.4 * (n % 5)], "" if n % 14 else "hello"),
+            "keeper_3": ([3.0, 50.0, 0.3] if n % 2 else [1.0, 90.0], ""),
+        }
+        happened.append(world.step(actions))
+        happened.append(world.entities())
+        happened.extend(world.percept(name) for name in world.agents)
+        happened.append(world.result())
+    return happened
+
+
+def test_it_is_a_world():
+    world: World = KeepawayWorld()
+    assert world.name == "keepaway"
+    assert world.agents == ("keeper_1", "keeper_2", "keeper_3")
+    assert world.size == (20.0, 20.0)
+
+
+def test_the_same_seed_and_actions_give_the_same_episodes():
+    assert wander(KeepawayWorld(seed=4), 300) == wander(KeepawayWorld(seed=4), 300)
+
+
+def test_another_seed_gives_other_episodes():
+    assert wander(KeepawayWorld(seed=4), 5) != wander(KeepawayWorld(seed=5), 5)
+
+
+def test_an_episode_can_be_played_by_itself():
+    one, other = KeepawayWorld(seed=4), KeepawayWorld(seed=99)
+    wander(one, 200)
+    one.reset(17)
+    other.reset(17, seed=4)
+    assert one.entities() == other.entities()
+    first, second = wander(one, 60), wander(other, 60)
+    assert first == second
+
+
+def test_episodes_differ_from_each_other():
+    world = KeepawayWorld(seed=4)
+    starts = []
+    for _ in range(10):
+        starts.append(tuple((e.x, e.y) for e in world.entities()))
+        world.reset()
+    assert len(set(starts)) == 10
+    assert world.episode == 10
+
+
+def test_an_episode_starts_the_same_with_every_version_of_python():
+    world = KeepawayWorld(seed=1)
+    assert world.entities()[1].x == pytest.approx(7.453340158941588, abs=1e-12)
+
+
+
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 80), st.integers(0, 1000))
+def test_a_restored_world_goes_on_as_if_nothing_had_happened(cycles, seed):
+    world = KeepawayWorld(variant("standard"), seed=seed)
+    wander(world, cycles)
+    kept = json.loads(json.dumps(world.snapshot()))
+    expected = wander(world, 40)
+    world.restore(kept)
+    assert wander(world, 40) == expected
+    fresh = KeepawayWorld(variant("standard"), seed=seed + 1)
+    fresh.restore(kept)
+    assert wander(fresh, 40) == expected
+
+
+def test_a_snapshot_of_another_game_is_refused():
+    kept = KeepawayWorld(variant("paper", takers=3)).snapshot()
+    world = KeepawayWorld()
+    before = world.snapshot()
+    with pytest.raises(WorldError, match="parameters"):
+        world.restore(kept)
+    with pytest.raises(WorldError, match="world"):
+        world.restore({})
+    assert world.snapshot() == before
+
+
+def test_placing_moves_what_is_named_and_keeps_what_is_not_given():
+    world = KeepawayWorld(seed=2)
+    before = {e.name: e for e in world.entities()}
+    world.place([Placement("keeper_2", x=1.5), Placement("ball", 2.0, 3.0, vx=4.0)])
+    after = {e.name: e for e in world.entities()}
+    assert after["keeper_2"].x == 1.5
+    assert after["keeper_2"].y == before["keeper_2"].y
+    assert after["keeper_2"].heading == pytest.approx(before["keeper_2"].heading)
+    assert (after["ball"].x, after["ball"].vx, after["ball"].vy) == (2.0, pytest.approx(4.0), 0.0)
+    assert after["taker_1"] == before["taker_1"]
+
+
+@pytest.mark.parametrize(
+    ("placement", "message"),
+    [
+        (Placement("goalie", 0.0, 0.0), 'nothing is called "goalie"'),
+        (Placement("ball", math.inf, 0.0), "ball: x is infinite"),
+        (Placement("keeper_1", vx=30.0), "keeper_1: a speed of 30.00 m/s"),
+    ],
+)
+def test_nothing_is_placed_if_anything_is_refused(placement, message):
+    world = KeepawayWorld()
+    before = world.snapshot()
+    with pytest.raises(WorldError, match=message):
+        world.place([Placement("ball", 0.0, 0.0), placement], new_episode=True)
+    assert world.snapshot() == before
+
+
+def test_a_placement_can_begin_a_new_episode():
+    world = KeepawayWorld()
+    wander(world, 5)
+    world.place([Placement("ball", 0.0, 0.0)], new_episode=True)
+    assert (world.episode, world.episode_cycle, world.cycle) == (1, 0, 5)
+    assert world.entities()[0].x == 0.0
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (([1.0, math.nan], ""), "finite"),
+        (([3.0, 50.0, math.inf], ""), "finite"),
+        (([7.0, 1.0], ""), "no kind of action"),
+        (([math.nan], ""), "no kind of action"),
+        (([3.0, 50.0], ""), "a kick has 3 values"),
+        ((["dash", 100.0], ""), "no kind of action"),
+        (([1.0, "fast"], ""), "taken as no action"),
+        (None, "taken as no action"),
+        (([1.0, [2.0]], ""), "taken as no action"),
+    ],
+)
+def test_a_bad_action_is_named_and_counts_as_none(quiet, action, message):
+    world, idle = quiet(), quiet()
+    idle.step({})
+    world.step({"keeper_2": action})
+    assert message in world.refused["keeper_2"]
+    assert world.refused["keeper_2"].startswith("keeper_2: ")
+    assert world.entities() == idle.entities()
+    world.step({})
+    assert world.refused == {}
+
+
+def test_an_action_of_a_stranger_is_named():
+    world = KeepawayWorld()
+    world.step({"keeper_9": ([1.0, 100.0], "")})
+    assert 'no keeper "keeper_9"' in world.refused["keeper_9"]
+    with pytest.raises(WorldError, match="keeper_9"):
+        world.percept("keeper_9")
+
+
+def test_a_message_too_long_is_not_heard_but_the_command_is_performed():
+    world = KeepawayWorld()
+    x = world.entities()[1].x
+    world.step({"keeper_1": ([1.0, 100.0], "x" * 11)})
+    assert "at most 10 characters" in world.refused["keeper_1"]
+    assert world.percept("keeper_2")[1] == []
+    assert world.entities()[1].x != x
+
+
+def test_of_several_messages_each_hears_one_and_nobody_hears_itself():
+    world = KeepawayWorld()
+    world.step({name: ([], f"I am {name[-1]}") for name in world.agents})
+    for name in world.agents:
+        (message,) = world.percept(name)[1]
+        assert message != f"I am {name[-1]}"
+
+
+def test_an_episode_that_has_ended_must_be_reset():
+    world = KeepawayWorld()
+    world.place([Placement("ball", 9.99, 0.0, vx=20.0)])
+    assert world.step({}) == "out"
+    assert world.ended == "out"
+    result = world.result()
+    assert (result.ended, result.cycles, result.seconds) == ("out", 1, 0.1)
+    with pytest.raises(WorldError, match="reset"):
+        world.step({})
+    world.reset()
+    assert world.step({}) is None
+
+
+def test_passes_are_measured(quiet, put):
+    world = quiet()
+    put(world, keeper_1=(0.0, 0.0), keeper_2=(0.0, 1.5), ball=(0.0, 0.7))
+    kick = ([3.0, 1.0, 0.0], "")
+    world.step({"keeper_1": kick})
+    world.step({"keeper_2": kick})
+    assert world.result().measures == {"passes": 1.0}
+
+
+def test_entities_are_in_si_units(quiet, put):
+    world = quiet()
+    put(world, ball=(0.0, 0.0, 1.0, 0.5))
+    ball = world.entities()[0]
+    assert (ball.kind, ball.vx, ball.vy) == ("ball", pytest.approx(10.0), pytest.approx(5.0))
+
+
+@pytest.mark.parametrize(
+    ("figures", "message"),
+    [
+        ({"keepers": 1}, "keepers is 1"),
+        ({"takers": -1}, "takers is -1"),
+        ({"keepers": 2.5}, "whole number"),
+        ({"width": 3.0}, "at least 12"),
+        ({"ball_decay": 1.0}, "between 0 and 1"),
+        ({"taker_speed": -0.5}, "must not be negative"),
+        ({"ball_radius": math.nan}, "must be finite"),
+        ({"sight": "blurred"}, "one of: quantised, full"),
+        ({"ball_collides": 1}, "true or false"),
+        ({"gravity": 9.81}, 'no keepaway parameter "gravity"'),
+    ],
+)
+def test_parameters_that_cannot_be_are_refused_by_name(figures, message):
+    with pytest.raises(ParameterError, match=message):
+        KeepawayParameters.from_dict(figures)
+
+
+def test_named_variants_can_be_changed():
+    assert variant("paper") == PAPER
+    changed = variant("standard", takers=3)
+    assert (changed.taker_speed, changed.ball_collides, changed.takers) == (1.0, True, 3)
+    with pytest.raises(ParameterError, match="paper, standard"):
+        variant("indoor")
