@@ -65,6 +65,7 @@ class AgentNode(Node):
         )
         self._status_timer.cancel()
         self._waiting_for_timer = False
+        self._link: Any = None
         if settings.behavior and self.agent.session is None:
             self.agent.perform(use_of(settings.behavior, ()))
 
@@ -84,6 +85,13 @@ class AgentNode(Node):
             )
         else:
             self.publish_status()
+
+    def destroy_node(self) -> None:
+        """Have the link leave the robot at rest, then take the node down."""
+        if self._link is not None:
+            self._link.close()
+            self._link = None
+        super().destroy_node()
 
     # -- percepts ---------------------------------------------------------------------------
 

@@ -17,7 +17,8 @@ class WorldLink:
 
     A robot's own link has the same constructor: it calls ``on_percept`` with a percept made from
     the robot's sensors, at the rate at which the agent shall tick, and carries out what is
-    returned. A domain names its link in `Domain.link`.
+    returned; no values are returned if something was wrong. Before the agent ends, ``close()`` is
+    called, which must leave the robot at rest. A domain names its link in `Domain.link`.
     """
 
     def __init__(self, node: Node, world: str, on_percept: OnPercept) -> None:
@@ -38,3 +39,6 @@ class WorldLink:
         action.values = values
         action.say = say
         self._actions.publish(action)
+
+    def close(self) -> None:
+        """Do nothing: a world notices by itself that an agent is gone."""
