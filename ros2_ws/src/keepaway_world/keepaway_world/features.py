@@ -44,9 +44,7 @@ def a_teammate_is_closer_to_ball(body: KeeperBody) -> float:
 
 
 FEATURES = (
-    Feature(
-        "DistanceTo", distance_to, parameters=("X",), unit="m", description="distance to X"
-    ),
+    Feature("DistanceTo", distance_to, parameters=("X",), unit="m", description="distance to X"),
     Feature(
         "DirectionTo",
         direction_to,

@@ -144,9 +144,7 @@ class KeepawayParameters:
 
 
 PAPER = KeepawayParameters()
-STANDARD = replace(
-    PAPER, taker_speed=1.0, ball_collides=True, players_collide=True, sight="full"
-)
+STANDARD = replace(PAPER, taker_speed=1.0, ball_collides=True, players_collide=True, sight="full")
 
 VARIANTS: Mapping[str, KeepawayParameters] = MappingProxyType(
     {"paper": PAPER, "standard": STANDARD}

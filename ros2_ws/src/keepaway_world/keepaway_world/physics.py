@@ -109,8 +109,15 @@ class Physics:
     def _touch(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         self._touching.append(arbiter.shapes)
 
-    def put(self, mover: Mover, x: float, y: float, heading: float = 0.0,
-            vx: float = 0.0, vy: float = 0.0) -> None:
+    def put(
+        self,
+        mover: Mover,
+        x: float,
+        y: float,
+        heading: float = 0.0,
+        vx: float = 0.0,
+        vy: float = 0.0,
+    ) -> None:
         """Put a body somewhere; speeds in m/cycle."""
         mover.x, mover.y, mover.heading, mover.vx, mover.vy = x, y, heading, vx, vy
         mover.ax = mover.ay = 0.0

@@ -47,11 +47,7 @@ class Referee:
     def saw_kick(self, player: Mover) -> None:
         """Note that ``player`` kicked the ball."""
         last = self._last_kick
-        if (
-            last is not None
-            and last is not player
-            and last.kind == player.kind == "keeper"
-        ):
+        if last is not None and last is not player and last.kind == player.kind == "keeper":
             self.passes += 1
         self._last_kick = player
 
@@ -114,8 +110,11 @@ def set_up(physics: Physics, random: Random) -> None:
         heading = random.uniform(-math.pi, math.pi) if drawn else player.heading
         physics.put(player, x, y, heading)
     corner_x, corner_y = KEEPER_CORNERS[0]
-    physics.put(physics.ball, corner_x * (p.width / 2.0 - BALL_INSET),
-                corner_y * (p.height / 2.0 - BALL_INSET))
+    physics.put(
+        physics.ball,
+        corner_x * (p.width / 2.0 - BALL_INSET),
+        corner_y * (p.height / 2.0 - BALL_INSET),
+    )
 
 
 def _in_corner(

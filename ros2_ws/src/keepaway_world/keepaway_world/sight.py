@@ -36,8 +36,9 @@ def quantised_direction(direction: float) -> float:
     return round(direction / DIRECTION_STEP) * DIRECTION_STEP
 
 
-def seen_velocity(dx: float, dy: float, vx: float, vy: float,
-                  seen_distance: float, seen_bearing: float) -> tuple[float, float]:
+def seen_velocity(
+    dx: float, dy: float, vx: float, vy: float, seen_distance: float, seen_bearing: float
+) -> tuple[float, float]:
     """Return the velocity of something relative to the observer, as it is seen.
 
     The observer sees how fast the distance and the direction change, both quantised, and puts
@@ -55,8 +56,6 @@ def seen_velocity(dx: float, dy: float, vx: float, vy: float,
     closing = (vx * dx + vy * dy) / squared  # change of the distance, as a part of it
     turning = (vy * dx - vx * dy) / squared  # rad/cycle
     along = seen_distance * round(closing / DISTANCE_CHANGE_STEP) * DISTANCE_CHANGE_STEP
-    across = (
-        seen_distance * round(turning / DIRECTION_CHANGE_STEP) * DIRECTION_CHANGE_STEP
-    )
+    across = seen_distance * round(turning / DIRECTION_CHANGE_STEP) * DIRECTION_CHANGE_STEP
     c, s = math.cos(seen_bearing), math.sin(seen_bearing)
     return along * c - across * s, along * s + across * c

@@ -48,7 +48,7 @@ class KeepawayWorld:
         self.cycle = 0
         self.episode_cycle = 0
         self.ended = ""
-        self.refused: dict[str, str] = {}
+        self.refused: Mapping[str, str] = {}
         self._random = Random()
         self._physics = Physics(parameters, self._random)
         self._referee = referee.Referee(parameters)
@@ -91,9 +91,8 @@ class KeepawayWorld:
             raise WorldError(
                 f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
             )
-        self.refused = {}
         takers = self._team.decide(self._physics)  # on what was true when the cycle began
-        said = self._perform(actions)
+        said, self.refused = self._perform(actions)
         self._perform_takers(takers)
         self._physics.advance()
         self._said = said
@@ -105,10 +104,11 @@ class KeepawayWorld:
             self.ended = happened
         return happened
 
-    def _perform(self, actions: Mapping[str, Action]) -> dict[str, str]:
-        """Carry out the keepers' commands; return what they say."""
+    def _perform(self, actions: Mapping[str, Action]) -> tuple[dict[str, str], dict[str, str]]:
+        """Carry out the keepers' commands; return what they say, and what was refused."""
         physics = self._physics
         said: dict[str, str] = {}
+        refused: dict[str, str] = {}
         for name, keeper in self._keepers.items():
             if name not in actions:
                 continue
@@ -116,7 +116,7 @@ class KeepawayWorld:
                 values, say = actions[name]
                 kind, amount, direction = action.parse(values)
             except (ValueError, TypeError) as error:
-                self.refused[name] = f"{name}: {error}; taken as no action"
+                refused[name] = f"{name}: {error}; taken as no action"
                 continue
             if kind == action.DASH:
                 physics.dash(keeper, amount)
@@ -126,7 +126,7 @@ class KeepawayWorld:
                 self._referee.saw_kick(keeper)
             if say:
                 if not isinstance(say, str) or len(say) > self.parameters.say_length:
-                    self.refused[name] = (
+                    refused[name] = (
                         f"{name}: cannot say {say!r}: a message is text of at most "
                         f"{self.parameters.say_length} characters; it is not heard"
                     )
@@ -134,8 +134,8 @@ class KeepawayWorld:
                     said[name] = say
         for name in actions:
             if name not in self._keepers:
-                self.refused[name] = f'no keeper "{name}" (has: {", ".join(self.agents)})'
-        return said
+                refused[name] = f'no keeper "{name}" (has: {", ".join(self.agents)})'
+        return said, refused
 
     def _perform_takers(self, commands: Iterable[tuple[str, float, float]]) -> None:
         physics = self._physics
@@ -219,9 +219,7 @@ class KeepawayWorld:
             "cycle": self.cycle,
             "episode_cycle": self.episode_cycle,
             "ended": self.ended,
-            "movers": {
-                m.name: [m.x, m.y, m.heading, m.vx, m.vy] for m in self._physics.movers
-            },
+            "movers": {m.name: [m.x, m.y, m.heading, m.vx, m.vy] for m in self._physics.movers},
             "said": dict(self._said),
             "heard": {name: list(messages) for name, messages in self._heard.items()},
             "referee": self._referee.state(),

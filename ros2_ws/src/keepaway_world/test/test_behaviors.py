@@ -34,10 +34,20 @@ def perform(world, behavior, name="keeper_1", cycles=1):
 
 def test_the_vocabulary_is_the_papers():
     assert set(DOMAIN.behaviors) == {
-        "GoFast", "GoMedium", "GoSlow", "Stop", "Pass", "GetOpen", "TurnToBall"
+        "GoFast",
+        "GoMedium",
+        "GoSlow",
+        "Stop",
+        "Pass",
+        "GetOpen",
+        "TurnToBall",
     }
     assert set(DOMAIN.features) == {
-        "DistanceTo", "DirectionTo", "IWasYelledAt", "BallIsKickable", "ATeammateIsCloserToBall"
+        "DistanceTo",
+        "DirectionTo",
+        "IWasYelledAt",
+        "BallIsKickable",
+        "ATeammateIsCloserToBall",
     }
     assert set(DOMAIN.targets) == {"ball", "closest_keeper", "closest_taker"}
     assert [b.name for b in DOMAIN.behaviors.values() if b.one_shot] == ["Pass"]
@@ -76,19 +86,21 @@ def test_a_keeper_that_stops_keeps_a_ball_that_rolls_by(quiet, put):
 
 
 @settings(max_examples=40, deadline=None)
-@given(
-    st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), st.floats(-3.1, 3.1), st.floats(0.0, 3.9)
-)
+@given(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), st.floats(-3.1, 3.1), st.floats(0.0, 3.9))
 def test_turning_to_the_ball_faces_it_however_fast_the_keeper_is(x, y, heading, speed):
     world = KeepawayWorld(
         variant("paper", takers=0, sight="full", turn_noise=0.0, movement_noise=0.0)
     )
-    world.place([
-        Placement("keeper_1", 0.0, 0.0, heading, speed * math.cos(heading),
-                  speed * math.sin(heading)),
-        Placement("keeper_2", -9.0, -9.0), Placement("keeper_3", -9.0, -7.0),
-        Placement("ball", x, y, 0.0, 0.0, 0.0),
-    ])
+    world.place(
+        [
+            Placement(
+                "keeper_1", 0.0, 0.0, heading, speed * math.cos(heading), speed * math.sin(heading)
+            ),
+            Placement("keeper_2", -9.0, -9.0),
+            Placement("keeper_3", -9.0, -7.0),
+            Placement("ball", x, y, 0.0, 0.0, 0.0),
+        ]
+    )
     if math.hypot(x, y) < 1.5:
         return
     perform(world, behaviors.turn_to_ball, cycles=6)
@@ -116,8 +128,15 @@ def test_a_pass_arrives_at_the_receiver_at_about_1_2_m_per_cycle(
     quiet, put, act, receiver, ball, sight
 ):
     world = quiet(sight=sight)
-    put(world, keeper_1=(0.0, 0.0, 20.0), ball=ball, keeper_2=receiver,
-        keeper_3=(-9.0, -9.0), taker_1=(-9.5, -9.5), taker_2=(-9.5, -9.0))
+    put(
+        world,
+        keeper_1=(0.0, 0.0, 20.0),
+        ball=ball,
+        keeper_2=receiver,
+        keeper_3=(-9.0, -9.0),
+        taker_1=(-9.5, -9.5),
+        taker_2=(-9.5, -9.0),
+    )
     action = act(world, behaviors.pass_ball)
     assert action[1] == "pass 2"
     world.step({"keeper_1": action})
@@ -142,8 +161,15 @@ def test_a_kick_too_weak_for_the_speed_still_sends_the_ball_in_the_right_directi
     quiet, put, act
 ):
     world = quiet()
-    put(world, keeper_1=(0.0, 0.0, 180.0), ball=(0.9, 0.0, -0.5, 1.0), keeper_2=(9.0, 0.0),
-        keeper_3=(-9.0, -9.0), taker_1=(-9.5, -9.5), taker_2=(-9.5, -9.0))
+    put(
+        world,
+        keeper_1=(0.0, 0.0, 180.0),
+        ball=(0.9, 0.0, -0.5, 1.0),
+        keeper_2=(9.0, 0.0),
+        keeper_3=(-9.0, -9.0),
+        taker_1=(-9.5, -9.5),
+        taker_2=(-9.5, -9.0),
+    )
     world.step({"keeper_1": act(world, behaviors.pass_ball)})
     ball = entity(world, "ball")
     assert ball.vx > 0.0
@@ -152,8 +178,15 @@ def test_a_kick_too_weak_for_the_speed_still_sends_the_ball_in_the_right_directi
 
 def test_a_ball_too_fast_to_be_sent_back_is_at_least_slowed_down(quiet, put, act):
     world = quiet()
-    put(world, keeper_1=(0.0, 0.0, 180.0), ball=(0.9, 0.0, -1.8, 1.2), keeper_2=(9.0, 0.0),
-        keeper_3=(-9.0, -9.0), taker_1=(-9.5, -9.5), taker_2=(-9.5, -9.0))
+    put(
+        world,
+        keeper_1=(0.0, 0.0, 180.0),
+        ball=(0.9, 0.0, -1.8, 1.2),
+        keeper_2=(9.0, 0.0),
+        keeper_3=(-9.0, -9.0),
+        taker_1=(-9.5, -9.5),
+        taker_2=(-9.5, -9.0),
+    )
     world.step({"keeper_1": act(world, behaviors.pass_ball)})
     ball = entity(world, "ball")
     assert math.hypot(ball.vx, ball.vy) / 10.0 < 1.2
@@ -163,8 +196,15 @@ def test_the_pass_goes_to_the_team_mate_at_the_largest_angle_from_the_closest_ta
     quiet, put, act
 ):
     world = quiet()
-    put(world, keeper_1=(0.0, 0.0), ball=(0.5, 0.0), keeper_2=(5.0, 1.0), keeper_3=(-5.0, 3.0),
-        taker_1=(4.0, 0.0), taker_2=(-6.0, 3.6))
+    put(
+        world,
+        keeper_1=(0.0, 0.0),
+        ball=(0.5, 0.0),
+        keeper_2=(5.0, 1.0),
+        keeper_3=(-5.0, 3.0),
+        taker_1=(4.0, 0.0),
+        taker_2=(-6.0, 3.6),
+    )
     assert act(world, behaviors.pass_ball)[1] == "pass 3"
     put(world, taker_2=(-3.0, 2.0))  # now the closest
     assert act(world, behaviors.pass_ball)[1] == "pass 2"
@@ -178,8 +218,15 @@ def test_a_pass_without_the_ball_is_neither_kicked_nor_yelled(quiet, put, act):
 
 def test_a_yell_is_heard_by_its_receiver_in_the_next_cycle_alone(quiet, put, act):
     world = quiet()
-    put(world, keeper_1=(0.0, 0.0), ball=(0.5, 0.0), keeper_2=(6.0, 0.0), keeper_3=(-9.0, -9.0),
-        taker_1=(-9.5, -9.5), taker_2=(-9.5, -9.0))
+    put(
+        world,
+        keeper_1=(0.0, 0.0),
+        ball=(0.5, 0.0),
+        keeper_2=(6.0, 0.0),
+        keeper_3=(-9.0, -9.0),
+        taker_1=(-9.5, -9.5),
+        taker_2=(-9.5, -9.0),
+    )
     world.step({"keeper_1": act(world, behaviors.pass_ball)})
     assert entity(world, "keeper_1").say == "pass 2"
     yelled = [features.i_was_yelled_at(body_of(world, name)) for name in world.agents]
@@ -192,9 +239,7 @@ def test_a_yell_is_heard_by_its_receiver_in_the_next_cycle_alone(quiet, put, act
 def test_getting_open_keeps_away_from_team_mates_and_within_10_m_of_the_centre(seed):
     world = KeepawayWorld(variant("paper", takers=0), seed=seed)
     world.place([Placement("ball", 0.0, 0.0)])
-    players = {
-        name: PolicyPlayer(KeeperBody(name), behaviors.get_open) for name in world.agents
-    }
+    players = {name: PolicyPlayer(KeeperBody(name), behaviors.get_open) for name in world.agents}
     inside = set()
     for _ in range(150):
         cycle(world, players)
@@ -211,8 +256,13 @@ def test_getting_open_keeps_away_from_team_mates_and_within_10_m_of_the_centre(s
 
 def test_a_keeper_outside_the_circle_comes_back_in(quiet, put):
     world = quiet(takers=0)
-    put(world, keeper_1=(11.0, 11.0, 45.0), keeper_2=(0.0, 0.0), keeper_3=(-5.0, 0.0),
-        ball=(0.0, 5.0))
+    put(
+        world,
+        keeper_1=(11.0, 11.0, 45.0),
+        keeper_2=(0.0, 0.0),
+        keeper_3=(-5.0, 0.0),
+        ball=(0.0, 5.0),
+    )
     perform(world, behaviors.get_open, cycles=60)
     keeper = entity(world, "keeper_1")
     assert math.hypot(keeper.x, keeper.y) < 10.0
@@ -220,8 +270,15 @@ def test_a_keeper_outside_the_circle_comes_back_in(quiet, put):
 
 def test_features_say_what_the_keeper_sees(quiet, put):
     world = quiet()
-    put(world, keeper_1=(0.0, 0.0, 90.0), ball=(3.0, 4.0), keeper_2=(3.0, 9.5),
-        keeper_3=(-9.0, 0.0), taker_1=(0.0, -6.0), taker_2=(8.0, 0.0))
+    put(
+        world,
+        keeper_1=(0.0, 0.0, 90.0),
+        ball=(3.0, 4.0),
+        keeper_2=(3.0, 9.5),
+        keeper_3=(-9.0, 0.0),
+        taker_1=(0.0, -6.0),
+        taker_2=(8.0, 0.0),
+    )
     body = body_of(world)
     reading = {
         (name, target): DOMAIN.features[name].read(body, DOMAIN.targets[target].resolve(body))

@@ -34,8 +34,14 @@ def begin(physics, row):
     physics.put(
         physics.ball, value["ball_x"], -value["ball_y"], 0.0, value["ball_vx"], -value["ball_vy"]
     )
-    physics.put(physics.keepers[0], value["x"], -value["y"], -math.radians(value["body"]),
-                value["vx"], -value["vy"])
+    physics.put(
+        physics.keepers[0],
+        value["x"],
+        -value["y"],
+        -math.radians(value["body"]),
+        value["vx"],
+        -value["vy"],
+    )
     physics.put(physics.keepers[1], 200.0, 200.0)
 
 
@@ -55,8 +61,17 @@ def perform(physics, command):
 def seen(physics):
     """Return the figures of a recorded row as they are now."""
     ball, player = physics.ball, physics.keepers[0]
-    return (ball.x, -ball.y, ball.vx, -ball.vy, player.x, -player.y, player.vx, -player.vy,
-            -math.degrees(player.heading))
+    return (
+        ball.x,
+        -ball.y,
+        ball.vx,
+        -ball.vy,
+        player.x,
+        -player.y,
+        player.vx,
+        -player.vy,
+        -math.degrees(player.heading),
+    )
 
 
 def replay(physics, rows):
@@ -95,8 +110,12 @@ def samples(noise):
     for name, rows in NOISY.items():
         scenario, repetition = name.split("#")
         for again in range(REPETITIONS):
-            physics = make(1000 * int(repetition) + again, movement_noise=noise,
-                           kick_noise=noise, turn_noise=noise)
+            physics = make(
+                1000 * int(repetition) + again,
+                movement_noise=noise,
+                kick_noise=noise,
+                turn_noise=noise,
+            )
             for number, figures in enumerate(replay(physics, rows)):
                 recorded, simulated = found.setdefault((scenario, number), ([], []))
                 simulated.append(figures)

@@ -16,12 +16,41 @@ from keepaway_world.world import KeepawayWorld
 
 def test_full_sight_gives_what_is_true(quiet, put):
     world = quiet()
-    put(world, keeper_1=(1.0, 2.0, 90.0), ball=(1.0, 5.0, 0.3, -0.2), keeper_2=(-3.0, 2.0),
-        keeper_3=(1.0, -4.0), taker_1=(5.0, 2.0), taker_2=(1.0, 2.7))
+    put(
+        world,
+        keeper_1=(1.0, 2.0, 90.0),
+        ball=(1.0, 5.0, 0.3, -0.2),
+        keeper_2=(-3.0, 2.0),
+        keeper_3=(1.0, -4.0),
+        taker_1=(5.0, 2.0),
+        taker_2=(1.0, 2.7),
+    )
     values, heard = world.percept("keeper_1")
     half = math.pi / 2.0
-    expected = [1, 3, 2, 20, 20, 1, 2, half, 0, 0, 3, 0, 3, -2,
-                4, half, 6, math.pi, 4, -half, 0.7, 0]
+    expected = [
+        1,
+        3,
+        2,
+        20,
+        20,
+        1,
+        2,
+        half,
+        0,
+        0,
+        3,
+        0,
+        3,
+        -2,
+        4,
+        half,
+        6,
+        math.pi,
+        4,
+        -half,
+        0.7,
+        0,
+    ]
     assert [abs(v) if abs(v) == pytest.approx(math.pi) else v for v in values] == pytest.approx(
         expected, abs=1e-12
     )
@@ -53,8 +82,14 @@ def test_every_keeper_of_any_team_can_read_its_percept(keepers, takers, sight):
 
 def test_the_closest_are_found_among_equals_by_the_lowest_number(quiet, put):
     world = quiet()
-    put(world, keeper_2=(0.0, 0.0), keeper_1=(0.0, 2.0), keeper_3=(0.0, -2.0),
-        taker_1=(3.0, 0.0), taker_2=(-3.0, 0.0))
+    put(
+        world,
+        keeper_2=(0.0, 0.0),
+        keeper_1=(0.0, 2.0),
+        keeper_3=(0.0, -2.0),
+        taker_1=(3.0, 0.0),
+        taker_2=(-3.0, 0.0),
+    )
     body = KeeperBody("keeper_2")
     body.sense(*world.percept("keeper_2"))
     assert body.number_at(body.closest_keeper()) == 1
@@ -79,8 +114,19 @@ def test_a_body_notices_that_the_teams_have_changed():
 # From rcssserver's rule: round(log(d) / 0.1) * 0.1, exponential of that, rounded to 0.1.
 @pytest.mark.parametrize(
     ("distance", "seen"),
-    [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0), (1.04, 1.0), (1.06, 1.1), (5.0, 5.0), (5.2, 5.0),
-     (5.3, 5.5), (10.0, 10.0), (14.1, 13.5), (14.3, 14.9)],
+    [
+        (0.0, 0.0),
+        (0.5, 0.5),
+        (1.0, 1.0),
+        (1.04, 1.0),
+        (1.06, 1.1),
+        (5.0, 5.0),
+        (5.2, 5.0),
+        (5.3, 5.5),
+        (10.0, 10.0),
+        (14.1, 13.5),
+        (14.3, 14.9),
+    ],
 )
 def test_distances_are_quantised_as_rcssserver_does(distance, seen):
     assert quantised_distance(distance) == pytest.approx(seen)

@@ -19,18 +19,34 @@ def test_a_taker_decides_as_recorded_on_the_real_simulator():
     parameters = variant("standard", taker_speed=0.25)
     world = Physics(parameters, None)
     team = TakerTeam(parameters)
-    names = {"l1": world.keepers[0], "l2": world.keepers[1], "l3": world.keepers[2],
-             "r1": world.takers[0], "r2": world.takers[1]}
+    names = {
+        "l1": world.keepers[0],
+        "l2": world.keepers[1],
+        "l3": world.keepers[2],
+        "r1": world.takers[0],
+        "r2": world.takers[1],
+    }
     same_kind = same_amount = cycles = 0
     with gzip.open(RECORDED, "rt") as file:
         for row in csv.DictReader(file):
             value = {key: float(v) for key, v in row.items() if key != "command" and v}
-            world.put(world.ball, value["ball_x"], -value["ball_y"], 0.0,
-                      value["ball_vx"], -value["ball_vy"])
+            world.put(
+                world.ball,
+                value["ball_x"],
+                -value["ball_y"],
+                0.0,
+                value["ball_vx"],
+                -value["ball_vy"],
+            )
             for name, mover in names.items():
-                world.put(mover, value[f"{name}_x"], -value[f"{name}_y"],
-                          -math.radians(value[f"{name}_body"]),
-                          value[f"{name}_vx"], -value[f"{name}_vy"])
+                world.put(
+                    mover,
+                    value[f"{name}_x"],
+                    -value[f"{name}_y"],
+                    -math.radians(value[f"{name}_body"]),
+                    value[f"{name}_vx"],
+                    -value[f"{name}_vy"],
+                )
             kind, amount, _ = team.decide(world)[0]
             amount = -math.degrees(amount) if kind == "turn" else amount
             cycles += 1
@@ -66,8 +82,14 @@ def test_slow_takers_need_about_four_times_as_long():
 
 def test_a_taker_stops_a_rolling_ball_within_its_reach(quiet, put):
     world = quiet(takers=1)
-    put(world, keeper_1=(-9.0, 9.0), keeper_2=(9.0, 9.0), keeper_3=(9.0, -9.0),
-        taker_1=(0.0, 0.0), ball=(0.5, 0.0, 0.6, 0.3))
+    put(
+        world,
+        keeper_1=(-9.0, 9.0),
+        keeper_2=(9.0, 9.0),
+        keeper_3=(9.0, -9.0),
+        taker_1=(0.0, 0.0),
+        ball=(0.5, 0.0, 0.6, 0.3),
+    )
     world.step({})
     ball = world.entities()[0]
     assert math.hypot(ball.vx, ball.vy) < 0.01
@@ -75,8 +97,15 @@ def test_a_taker_stops_a_rolling_ball_within_its_reach(quiet, put):
 
 def test_the_other_taker_waits_facing_the_ball_that_a_team_mate_has(quiet, put):
     world = quiet()
-    put(world, keeper_1=(-9.0, 9.0), keeper_2=(9.0, 9.0), keeper_3=(9.0, -9.0),
-        taker_1=(0.0, 0.0), ball=(0.5, 0.0), taker_2=(0.0, 4.0, 0.0))
+    put(
+        world,
+        keeper_1=(-9.0, 9.0),
+        keeper_2=(9.0, 9.0),
+        keeper_3=(9.0, -9.0),
+        taker_1=(0.0, 0.0),
+        ball=(0.5, 0.0),
+        taker_2=(0.0, 4.0, 0.0),
+    )
     world.step({})
     world.step({})
     other = next(e for e in world.entities() if e.name == "taker_2")
