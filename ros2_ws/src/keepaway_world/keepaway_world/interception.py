@@ -2,7 +2,7 @@
 
 The ball's track is predicted without noise; for each of the next cycles turns and dashes towards
 the ball's place in that cycle are simulated, as the UT Austin keepaway players do. Horizon and
-angle are those that these players show on the real simulator. Speeds are in m/cycle.
+angle are those of takers recorded on the real simulator. Speeds are in m/cycle.
 """
 
 from __future__ import annotations

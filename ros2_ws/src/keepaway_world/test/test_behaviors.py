@@ -1,6 +1,8 @@
 """What the keepers' basic behaviors bring about, and what their features say."""
 
 import math
+import subprocess
+import sys
 
 import pytest
 from hypothesis import given, settings
@@ -106,6 +108,11 @@ def test_turning_to_the_ball_faces_it_however_fast_the_keeper_is(x, y, heading, 
     perform(world, behaviors.turn_to_ball, cycles=6)
     body = body_of(world)
     assert abs(features.direction_to(body, DOMAIN.targets["ball"].resolve(body))) < 0.01
+
+
+def test_an_agent_does_without_the_simulation():
+    code = "import keepaway_world.domain, sys; sys.exit('pymunk' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_a_ball_to_the_left_is_turned_to_by_a_turn_to_the_left(quiet, put, act):
