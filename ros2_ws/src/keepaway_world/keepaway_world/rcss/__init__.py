@@ -1,0 +1,1 @@
+"""Keepaway on a real RoboCup Soccer Simulator: rcssserver's protocol, and a world that is it."""
