@@ -29,6 +29,17 @@ from hitab_ros import qos
 EXAMPLE = Path(__file__).parents[1] / "examples/diff_drive"
 NAME = "diff_drive.domain:DOMAIN"
 ROBOT = "robot_1"
+BROKEN = """
+from dataclasses import replace
+from diff_drive import domain
+
+def broken(body, *targets):
+    return 1 / 0
+
+FEATURES = {**domain.DOMAIN.features, "RangeAhead": replace(
+    domain.DOMAIN.features["RangeAhead"], read=broken)}
+DOMAIN = replace(domain.DOMAIN, features=FEATURES)
+"""
 HULL = 0.2  # m
 SECONDS = 30.0
 
@@ -84,15 +95,17 @@ class Desk:
 
 
 @pytest.fixture
-def desk(home: Path, tmp_path: Path) -> Iterator[Desk]:
+def desk(home: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Desk]:
     """The simulated robot and its agent, each a process of its own."""
+    (tmp_path / "broken.py").write_text(BROKEN)
+    paths = [str(EXAMPLE), str(tmp_path), os.environ.get("PYTHONPATH", "")]
     with ExitStack() as stack:
         domain_id = stack.enter_context(reserved())
         link = stack.enter_context(RosLink(domain_id))
         environment = {
             **os.environ,
             "ROS_DOMAIN_ID": str(domain_id),
-            "PYTHONPATH": os.pathsep.join([str(EXAMPLE), os.environ.get("PYTHONPATH", "")]),
+            "PYTHONPATH": os.pathsep.join(paths),
         }
 
         def start(module: str, **parameters: str) -> subprocess.Popen[bytes]:
@@ -104,9 +117,10 @@ def desk(home: Path, tmp_path: Path) -> Iterator[Desk]:
             stack.callback(process.kill)
             return process
 
+        domain = getattr(request, "param", NAME)
         processes = {
             "robot": start("diff_drive.simulated_robot"),
-            "agent": start("hitab_agent.agent_main", domain=NAME, state_dir=str(tmp_path)),
+            "agent": start("hitab_agent.agent_main", domain=domain, state_dir=str(tmp_path)),
         }
         desk = Desk(link, SwarmClient(link, [ROBOT]), processes)
         desk.watch()
@@ -169,6 +183,15 @@ def test_a_silent_sensor_is_told_and_the_robot_stands_still(desk):
     desk.until(lambda: desk.agents.statuses[ROBOT].last_error)
     assert 'feature "RangeAhead" has no value' in desk.agents.statuses[ROBOT].last_error
     desk.until(desk.told_to_stand_still)
+
+
+@pytest.mark.parametrize("desk", ["broken:DOMAIN"], indirect=True)
+def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(desk):
+    desk.agents.begin(ROBOT, "Wander", features=["RangeAhead"])
+    with pytest.raises(SwarmError, match=r"ZeroDivisionError in broken\.py:6: division by zero"):
+        desk.agents.command(ROBOT, "Forward")
+    desk.agents.begin(ROBOT, "Wander", features=["Bumped"])
+    assert desk.agents.command(ROBOT, "Stop").examples == 2
 
 
 def load_domain_of_example() -> Domain:

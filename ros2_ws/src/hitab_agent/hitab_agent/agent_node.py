@@ -109,15 +109,8 @@ class AgentNode(Node):
             else:
                 agent.tick()
                 answer = agent.act()
-        except HitabError as error:
-            self._tick_failed(str(error))
-            return _NO_ACTION
         except Exception as error:
-            # A domain's code is a user's: its mistakes must not take the agent down.
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            self._tick_failed(
-                f"{type(error).__name__} in {Path(place.filename).name}:{place.lineno}: {error}"
-            )
+            self._tick_failed(_what_went_wrong(error))
             return _NO_ACTION
         if self._tick_error and not percept.look:
             self._tick_error = ""
@@ -149,9 +142,9 @@ class AgentNode(Node):
         self.transition_log.commanded = True
         try:
             self.agent.command(use_of(command.behavior, command.targets))
-        except HitabError as error:
+        except Exception as error:
             status.last_refused_sequence = command.sequence
-            self.report_error(str(error))
+            self.report_error(_what_went_wrong(error))
         else:
             status.last_command_sequence = command.sequence
             self.report_error("")
@@ -193,6 +186,14 @@ class AgentNode(Node):
         self.transition_log.look()
         if self.agent.active_path != self._last_path:
             self.publish_status()
+
+
+def _what_went_wrong(error: Exception) -> str:
+    """Say it in words: a domain's code is a user's, whose mistakes must not end the agent."""
+    if isinstance(error, HitabError):
+        return str(error)
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__} in {Path(place.filename).name}:{place.lineno}: {error}"
 
 
 def _link_class(domain: Domain) -> Any:
