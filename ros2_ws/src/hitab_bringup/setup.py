@@ -22,6 +22,7 @@ setup(
     name=NAME,
     version="0.1.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
+    package_data={NAME: ["py.typed", "*.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
@@ -36,7 +37,7 @@ setup(
         "supervisor",
         "matplotlib",
     ],
-    zip_safe=True,
+    zip_safe=False,
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",
     description="Swarm descriptions, lessons, trained libraries and the hitab command",

@@ -44,6 +44,7 @@ def bring_up(
     Raises:
         SwarmError: telling what did not start; then nothing is left running.
     """
+    supervision.refuse_running(folder)
     domain_id = domain_ids.for_swarm()
     _refuse_conflicts(swarm, domain_id)
     remove_stale()
@@ -73,6 +74,7 @@ def temporary_swarm(
             run_folder = Path(tempfile.mkdtemp(prefix="hitab-"))
             stack.callback(shutil.rmtree, run_folder, ignore_errors=True)
         folder = RunFolder(run_folder)
+        supervision.refuse_running(folder)
         domain_id = stack.enter_context(domain_ids.reserved())
         remove_stale()
         stack.callback(supervision.stop, folder)

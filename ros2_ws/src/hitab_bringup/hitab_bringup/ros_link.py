@@ -14,6 +14,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from hitab_bringup.dds_profile import choose_profile
 from hitab_bringup.domain_ids import LOCALHOST
 from hitab_bringup.errors import SwarmError
 
@@ -26,6 +27,7 @@ class RosLink:
 
     def __init__(self, domain_id: int | None = None) -> None:
         os.environ.setdefault(*LOCALHOST)
+        choose_profile(os.environ)
         self._context = Context()
         rclpy.init(
             args=["--ros-args", "--disable-external-lib-logs"],

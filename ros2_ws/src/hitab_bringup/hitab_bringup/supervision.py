@@ -21,6 +21,7 @@ from xmlrpc.client import Fault, ServerProxy
 
 import psutil  # type: ignore[import-untyped]
 
+from hitab_bringup.dds_profile import choose_profile
 from hitab_bringup.domain_ids import LOCALHOST
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.libraries import fill_libraries
@@ -35,7 +36,7 @@ STOP_SECONDS = 10.0
 
 def environment(folder: RunFolder, domain_id: int) -> dict[str, str]:
     """Return the environment of a swarm's processes."""
-    return {
+    variables = {
         **os.environ,
         MARK: str(folder.path),
         "ROS_DOMAIN_ID": str(domain_id),
@@ -45,12 +46,29 @@ def environment(folder: RunFolder, domain_id: int) -> dict[str, str]:
         "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1"),
         "OPENBLAS_NUM_THREADS": os.environ.get("OPENBLAS_NUM_THREADS", "1"),
     }
+    choose_profile(variables)
+    return variables
+
+
+def refuse_running(folder: RunFolder) -> None:
+    """Make sure that no swarm is up in a run folder.
+
+    Raises:
+        SwarmError: if one is.
+    """
+    before = folder.read()
+    if before is not None and folder.supervisor(before) is not None:
+        raise SwarmError(
+            f'swarm "{before.swarm}" is already up in {folder.path}; stop it with `hitab down`'
+        )
 
 
 def launch(
     swarm: SwarmDescription, folder: RunFolder, domain_id: int, *, temporary: bool = False
 ) -> RunRecord:
     """Start a swarm's processes; they are not ready yet when this returns.
+
+    Whatever is left of an earlier one in the same folder is stopped first.
 
     Args:
         swarm: the description.
@@ -59,13 +77,8 @@ def launch(
         temporary: end it with this process, and do not tell other verbs about it.
 
     Raises:
-        SwarmError: if it is up already, or the supervisor does not start.
+        SwarmError: if the supervisor does not start.
     """
-    before = folder.read()
-    if before is not None and folder.supervisor(before) is not None:
-        raise SwarmError(
-            f'swarm "{before.swarm}" is already up in {folder.path}; stop it with `hitab down`'
-        )
     stop(folder)
     folder.prepare()
     fill_libraries(swarm, folder.path)

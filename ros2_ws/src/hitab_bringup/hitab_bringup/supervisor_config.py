@@ -33,7 +33,6 @@ PROGRAM = """
 [program:{name}]
 command={command}
 directory={folder}
-priority={priority}
 startsecs=3
 startretries=12
 autorestart=true
@@ -51,13 +50,12 @@ stdout_logfile_backups=2
 def supervisor_config(processes: Iterable[Process], folder: Path, logs: Path, socket: Path) -> str:
     """Return the text of ``supervisord.conf``."""
     parts = [HEAD.format(socket=_plain(socket), folder=_plain(folder))]
-    for priority, process in enumerate(processes):
+    for process in processes:
         parts.append(
             PROGRAM.format(
                 name=process.name,
                 command=_plain(shlex.join(process.command)),
                 folder=_plain(folder),
-                priority=priority,
                 log=_plain(logs / f"{process.name}.log"),
             )
         )

@@ -33,6 +33,7 @@ DISCOVERY_SECONDS = 8.0
 
 SETTLE_SECONDS = 1.5
 ACKNOWLEDGE_SECONDS = 10.0
+RESEND_SECONDS = 0.5
 
 
 @dataclass
@@ -177,27 +178,34 @@ class SwarmClient:
         Raises:
             SwarmError: if the agent is not there, refuses, or does not acknowledge.
         """
-        self.await_agent(agent)
+        before = self.await_agent(agent)
         publisher = self._commander(agent)
         self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
         sequence = self._sequence
-        publisher.publish(
-            Command(
-                sequence=sequence,
-                demonstrator=self.demonstrator,
-                behavior=behavior,
-                targets=list(targets),
-            )
+        command = Command(
+            sequence=sequence,
+            demonstrator=self.demonstrator,
+            behavior=behavior,
+            targets=list(targets),
         )
 
         def answered() -> bool:
             status = self.statuses[agent]
             return sequence in (status.last_command_sequence, status.last_refused_sequence)
 
-        if not self.link.spin_until(answered, ACKNOWLEDGE_SECONDS):
+        deadline = time.monotonic() + ACKNOWLEDGE_SECONDS
+        while time.monotonic() < deadline:
+            # Whoever listens may be an agent that has died and is not known to have: its
+            # successor hears the next one. An agent ignores what it has obeyed already.
+            publisher.publish(command)
+            if self.link.spin_until(answered, RESEND_SECONDS):
+                break
+            if self.statuses[agent].last_command_sequence < before.last_command_sequence:
+                break  # it was restarted and does not remember what it has obeyed
+        if not answered():
             raise SwarmError(
                 f"{agent} did not acknowledge the command within {ACKNOWLEDGE_SECONDS:g} s; "
-                "look with `hitab examples list` whether it was recorded"
+                f"look with `hitab examples list {agent}` whether it was recorded"
             )
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:

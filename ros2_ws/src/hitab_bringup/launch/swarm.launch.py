@@ -11,6 +11,7 @@ from pathlib import Path
 from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 
+from hitab_bringup.dds_profile import choose_profile
 from hitab_bringup.libraries import fill_libraries
 from hitab_bringup.run_folder import RunFolder
 from hitab_bringup.shipped import find_file
@@ -27,10 +28,13 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
     folder = RunFolder.of_swarm(swarm.name, Path(run_dir) if run_dir else None)
     folder.prepare()
     fill_libraries(swarm, folder.path)
+    profile: dict[str, str] = {}
+    choose_profile(profile)
     return [
         ExecuteProcess(
             cmd=process.command,
             name=process.name,
+            additional_env=profile,
             output="screen",
             respawn=True,
             respawn_delay=1.0,

@@ -96,9 +96,13 @@ def _train(running: RunningSwarm) -> list[LessonReport]:
 
 def _refuse_unlike(running: RunningSwarm) -> None:
     """Make sure that all keepers have learned the same."""
-    digests = {name: s.library_digest for name, s in running.agents.statuses.items()}
-    if len(set(digests.values())) > 1:
-        raise HitabError(f"the keepers' libraries differ after distributing: {digests}")
+
+    def digests() -> dict[str, str]:
+        return {name: s.library_digest for name, s in running.agents.statuses.items()}
+
+    # Each keeper tells so on a topic of its own, which may be slower than the acknowledgement.
+    if not running.link.spin_until(lambda: len(set(digests().values())) == 1, 5.0):
+        raise HitabError(f"the keepers' libraries differ after distributing: {digests()}")
 
 
 def _evaluate(

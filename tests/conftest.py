@@ -1,0 +1,90 @@
+"""Swarms for the tests: real nodes in processes of their own, in a ROS domain nobody else uses."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.keepaway.evaluation import trained_keepers
+from hitab_bringup.lesson_file import read_lesson
+from hitab_bringup.lesson_player import LessonPlayer, LessonReport
+from hitab_bringup.libraries import copy_library
+from hitab_bringup.shipped import find_file
+
+LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
+PARAMETERS = {"taker_speed": 0.25}
+
+
+@pytest.fixture(scope="session")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Keep away from the user's own swarms, and from those of the domain that the user chose."""
+    folder = tmp_path_factory.mktemp("home")
+    before = {name: os.environ.pop(name, None) for name in ("HITAB_HOME", "ROS_DOMAIN_ID")}
+    os.environ["HITAB_HOME"] = str(folder)
+    yield folder
+    del os.environ["HITAB_HOME"]
+    os.environ.update({name: value for name, value in before.items() if value is not None})
+
+
+@pytest.fixture(scope="session")
+def hitab(home: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Return a function that runs the command as a user does."""
+
+    def run(*arguments: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "hitab_bringup.main", *arguments],
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            env={**os.environ, "COLUMNS": "200"},
+            check=False,
+        )
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
+    """Three keepers that know nothing yet, in a paused world; the command finds them too."""
+    folder = tmp_path_factory.mktemp("keepers")
+    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
+        running.folder.write(running.record, register=True)
+        yield running
+
+
+@dataclass
+class Taught:
+    """What the lessons have given: reports, what the agents have, and a library."""
+
+    reports: list[LessonReport]
+    digests: set[str]
+    library: Path
+
+
+def teach(folder: Path) -> Taught:
+    """Play all lessons with three new keepers."""
+    reports = []
+    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder / "run") as running:
+        for name in LESSONS:
+            lesson = read_lesson(find_file(name, "lessons", "lesson"))
+            reports.append(LessonPlayer(lesson, running.agents, running.world).play())
+        digests = {status.library_digest for status in running.agents.statuses.values()}
+        copy_library(Path(reports[-1].path).parent, folder / "library")
+    return Taught(reports, digests, folder / "library")
+
+
+@pytest.fixture(scope="session")
+def taught(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Taught:
+    """Return what comes of playing all lessons with three new keepers."""
+    return teach(tmp_path_factory.mktemp("taught"))
+
+
+@pytest.fixture(scope="session")
+def teach_again(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Taught]:
+    """Return a function that does the same once more."""
+    return lambda: teach(tmp_path_factory.mktemp("again"))

@@ -1,0 +1,180 @@
+"""Bad input is refused with the way out: in status, service reply and command line alike."""
+
+import pytest
+
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.swarm_client import SwarmClient
+from hitab_bringup.world_client import WorldClient
+
+AGENT = "keeper_1"
+
+
+@pytest.fixture(scope="module")
+def training(keepers):
+    """The swarm, with keeper_1 training; what is refused must not change it."""
+    keepers.agents.begin(AGENT, "Near", features=["DistanceTo(ball)"])
+    keepers.agents.command(AGENT, "GoFast")
+    return keepers
+
+
+COMMANDS = [
+    (("GoFats", []), 'unknown behavior "GoFats" (has: GetOpen, GoFast'),
+    (("GoFast", ["ball"]), 'behavior "GoFast" takes 0 target(s) (none), not 1'),
+    (("Start", []), "Start cannot be commanded"),
+    (("Near", []), "recursive automaton"),
+    (("Done", ["ball"]), 'flag state "Done" takes no targets'),
+    (("Go(to", []), '"Go(to" is not a use of a behavior'),
+]
+
+
+@pytest.mark.parametrize(("command", "expected"), COMMANDS, ids=[c[0][0] for c in COMMANDS])
+def test_a_wrong_command_is_refused_in_the_status(training, command, expected):
+    with pytest.raises(SwarmError) as error:
+        training.agents.command(AGENT, *command)
+    assert expected in str(error.value)
+    status = training.agents.statuses[AGENT]
+    assert expected in status.last_error
+    assert status.last_refused_sequence > status.last_command_sequence
+    assert status.examples == 2
+
+
+BEGINNINGS = [
+    ({"automaton": "1st"}, '"1st" is not a name'),
+    ({"automaton": "GoFast"}, '"GoFast" is a basic behavior'),
+    ({"automaton": "Start"}, "reserved"),
+    ({"automaton": "A", "features": ["DistanceTo(bal)"]}, 'unknown target "bal"'),
+    ({"automaton": "A", "features": ["DistanceTo"]}, "takes 1 target(s) (X), not 0"),
+    ({"automaton": "A", "features": ["Distance(ball)"]}, 'unknown feature "Distance"'),
+    ({"automaton": "A", "states": ["GoFats"]}, 'unknown behavior "GoFats"'),
+    ({"automaton": "A", "parameters": ["B"]}, "1 parameter(s) but 0 target(s)"),
+    ({"automaton": "A", "resume": "Nothing"}, 'unknown behavior "Nothing"'),
+    ({"automaton": "A", "discard": False}, "unsaved examples; save it first, or discard it"),
+]
+
+
+@pytest.mark.parametrize(("fields", "expected"), BEGINNINGS, ids=[b[1][:25] for b in BEGINNINGS])
+def test_a_wrong_training_is_refused_in_the_reply_and_the_status(training, fields, expected):
+    automaton = fields.get("automaton")
+    rest = {k: v for k, v in fields.items() if k != "automaton"}
+    with pytest.raises(SwarmError) as error:
+        training.agents.begin(AGENT, automaton, **{"discard": True, **rest})
+    assert expected in str(error.value)
+    link, agents = training.link, training.agents
+    assert link.spin_until(lambda: expected in agents.statuses[AGENT].last_error, 5)
+    assert len(agents.list_examples(AGENT).examples) == 2
+
+
+def test_commands_in_the_wrong_mode_are_refused(training):
+    agents = training.agents
+    agents.set_mode(AGENT, "testing", restart=True)
+    try:
+        with pytest.raises(SwarmError, match="being tested; take over by going to training mode"):
+            agents.command(AGENT, "GoFast")
+    finally:
+        agents.set_mode(AGENT, "training")
+    with pytest.raises(SwarmError, match="is not training anything; begin a training first"):
+        agents.command("keeper_2", "GoFast")
+    with pytest.raises(SwarmError, match="is not training anything"):
+        agents.save("keeper_2")
+    with pytest.raises(SwarmError, match="is not training anything"):
+        agents.set_mode("keeper_2", "testing")
+    with pytest.raises(SwarmError, match='unknown mode "resting"'):
+        agents.set_mode(AGENT, "resting")
+
+
+def test_wrong_edits_are_refused(training):
+    for arguments, expected in (
+        (("delete", [99]), r"no example number 99 \(has: 1, 2\)"),
+        (("relabel", [1], "GoFats"), 'unknown behavior "GoFats"'),
+        (("erase", [1]), 'unknown action "erase"'),
+    ):
+        with pytest.raises(SwarmError, match=expected):
+            training.agents.edit_examples(AGENT, *arguments)
+
+
+def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
+    agents = training.agents
+    (tmp_path / "Bad.hfa.yaml").write_text("format: 99\nname: Bad\n")
+    with pytest.raises(SwarmError, match=r"Bad.hfa.yaml:1: has format 99"):
+        agents.load_library("keeper_2", str(tmp_path))
+    with pytest.raises(SwarmError, match='unknown behavior "Dance"'):
+        agents.perform("keeper_2", "Dance")
+    with pytest.raises(SwarmError, match='"Dance"'):
+        agents.distribute("keeper_2", "Dance")
+    assert agents.statuses["keeper_2"].mode == "idle"
+
+
+WORLD_ERRORS = [
+    (lambda w: w.place({"bal": {"x": 1.0}}), "bal"),
+    (lambda w: w.place({"ball": {"x": float("inf")}}), "ball"),
+    (lambda w: w.control("dance"), 'unknown action "dance"'),
+    (lambda w: w.control("step", cycles=0), "step needs a number of cycles"),
+    (lambda w: w.control("pace", pace="slow"), 'unknown pace "slow"'),
+    (lambda w: w.snapshot("restore", "nothing"), 'no snapshot "nothing"'),
+    (lambda w: w.snapshot("save"), "a snapshot needs a name"),
+]
+
+
+@pytest.mark.parametrize(("ask", "expected"), WORLD_ERRORS, ids=[e[1] for e in WORLD_ERRORS])
+def test_the_world_refuses_what_cannot_be(training, ask, expected):
+    with pytest.raises(SwarmError, match="the world refuses") as error:
+        ask(training.world)
+    assert expected in str(error.value)
+    assert training.world.step().world == "keepaway"
+
+
+CALLS = [
+    (("demonstrate", AGENT, "GoFats"), 'unknown behavior "GoFats"', 'Did you mean "GoFast"?'),
+    (("demonstrate", "keeper_9", "Stop"), 'no agent "keeper_9" answers (has: keeper_1', "Did you"),
+    (("train", AGENT, "A", "-f", "DistanceTo(bal)", "--discard"), 'target "bal"', '"ball"?'),
+    (("perform", "keeper_2", "Stop", "ball"), "takes 0 target(s)", ""),
+    (("world", "place", "bal", "x=1"), "the world refuses", '"bal"'),
+    (("save", "keeper_2"), "is not training anything", ""),
+]
+
+
+@pytest.mark.parametrize(
+    ("call", "expected", "hint"), CALLS, ids=[" ".join(c[0][:2]) for c in CALLS]
+)
+def test_the_command_line_tells_the_same_in_one_line(training, hitab, call, expected, hint):
+    done = hitab(*call)
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1
+    assert expected in done.stderr
+    assert hint in done.stderr
+
+
+def test_nothing_was_lost_by_all_that(training):
+    assert len(training.agents.list_examples(AGENT).examples) == 2
+    assert training.agents.command(AGENT, "Stop").examples == 4
+
+
+def test_a_missing_world_and_missing_agents_are_told(training):
+    nobody = SwarmClient(training.link, prefix="/elsewhere")
+    with pytest.raises(SwarmError, match="no other does; is the swarm up"):
+        nobody.await_agent(AGENT, seconds=0.2)
+    with pytest.raises(SwarmError, match="no world answers; is the swarm up"):
+        WorldClient(training.link, prefix="/elsewhere").wait(0.2)
+
+
+def test_a_second_agent_of_the_same_name_is_refused(training, tmp_path):
+    import subprocess
+
+    from hitab_bringup.supervision import environment
+    from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
+    from hitab_bringup.swarm_processes import processes
+
+    twin = AgentDescription(AGENT, "keepaway", process=AGENT)
+    (process,) = processes(SwarmDescription("twins", tmp_path, (twin,)), tmp_path)
+    done = subprocess.run(
+        process.command,
+        env=environment(training.folder, training.record.domain_id),
+        capture_output=True,
+        text=True,
+        timeout=20,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert f'error: "{AGENT}" is running already in this swarm' in done.stderr
+    assert training.agents.command(AGENT, "GoFast").mode == "training"

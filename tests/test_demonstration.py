@@ -1,0 +1,164 @@
+"""A demonstrator trains an agent over the public topics and services, while it runs."""
+
+import pytest
+from hitab_msgs.msg import Example
+
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.world_client import by_name
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import load_domain
+
+ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
+BALL_AT = {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}
+
+
+def put(swarm, distance: float) -> None:
+    """Put keeper_1 so far from the ball, which lies ahead, and let it see that."""
+    keeper = {"x": -distance, "y": 0.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}
+    takers = {"taker_1": {"x": -9.0, "y": 9.0}, "taker_2": {"x": -8.0, "y": 9.0}}
+    swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": BALL_AT, **takers}))
+
+
+@pytest.fixture
+def begun(keepers):
+    """The swarm, with keeper_1 in a new training."""
+    keepers.agents.begin(ONE, "Near", features=["DistanceTo(ball)"], discard=True)
+    return keepers
+
+
+def test_a_command_is_obeyed_and_acknowledged_with_its_examples(begun):
+    put(begun, 8.0)
+    status = begun.agents.command(ONE, "GoFast")
+    assert (status.mode, status.behavior, list(status.active_path)) == (
+        "training",
+        "Near",
+        ["GoFast"],
+    )
+    assert (status.examples, status.default_examples) == (2, 1)
+    assert by_name(begun.world.step(5).entities)[ONE].x > -6.0
+
+
+def test_examples_hold_what_the_agent_perceived(begun):
+    put(begun, 8.0)
+    begun.agents.command(ONE, "GoFast")
+    listed = begun.agents.list_examples(ONE)
+    assert list(listed.features) == ["DistanceTo(ball)"]
+    told = [(e.state, e.next_state, e.kind, round(e.values[0])) for e in listed.examples]
+    assert told == [
+        ("Start", "GoFast", Example.DEMONSTRATED, 8),
+        ("GoFast", "GoFast", Example.DEFAULT, 8),
+    ]
+
+
+def test_a_one_shot_behavior_and_the_running_one_record_no_default_example(begun):
+    put(begun, 8.0)
+    begun.agents.command(ONE, "Stop")
+    assert begun.agents.command(ONE, "Stop").examples == 3
+    assert begun.agents.command(ONE, "Pass").examples == 4
+    assert begun.agents.command(ONE, "Done").examples == 5
+
+
+def test_examples_can_be_taken_back_deleted_and_relabelled(begun):
+    put(begun, 8.0)
+    begun.agents.command(ONE, "GoFast")
+    begun.agents.command(ONE, "Stop")
+    begun.agents.edit_examples(ONE, "undo")
+    assert [e.next_state for e in begun.agents.list_examples(ONE).examples] == ["GoFast"] * 2
+    begun.agents.edit_examples(ONE, "relabel", [1], "GoSlow")
+    assert begun.agents.list_examples(ONE).examples[0].next_state == "GoSlow"
+    begun.agents.edit_examples(ONE, "delete", [2])
+    assert [e.number for e in begun.agents.list_examples(ONE).examples] == [1]
+
+
+def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
+    agents = begun.agents
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+    put(begun, 2.0)
+    agents.command(ONE, "Stop")
+    agents.set_mode(ONE, "testing", restart=True)
+    put(begun, 9.0)
+    begun.world.step(3)
+    assert begun.link.spin_until(lambda: list(agents.statuses[ONE].active_path) == ["GoFast"], 5)
+    agents.set_mode(ONE, "training")
+    put(begun, 4.0)
+    agents.command(ONE, "GoSlow")
+    kinds = [e.kind for e in agents.list_examples(ONE).examples]
+    assert kinds.count(Example.CORRECTION) == 1
+
+    saved = agents.save(ONE, description="stop near the ball")
+    library = BehaviorLibrary(saved.path.rsplit("/", 1)[0], load_domain("keepaway"))
+    assert len(library.load()["Near"].examples) == 6
+    report = agents.distribute(ONE, "Near", start=True)
+    assert (report.accepted, report.refused, report.silent) == ([TWO, THREE], {}, [])
+    for agent in (TWO, THREE):
+        assert begun.link.spin_until(lambda a=agent: agents.statuses[a].behavior == "Near", 5)
+    digests = {agents.statuses[name].library_digest for name in (ONE, TWO, THREE)}
+    assert len(digests) == 1
+
+
+def test_a_training_goes_on_from_what_was_saved(begun):
+    agents = begun.agents
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+    agents.save(ONE, name="Runner")
+    agents.begin(ONE, "Runner", resume="Runner")
+    assert agents.await_agent(ONE).mode == "training"
+    assert len(agents.list_examples(ONE).examples) == 2
+    put(begun, 1.0)
+    agents.command(ONE, "Stop")
+    agents.edit_examples(ONE, "undo")
+    agents.save(ONE)
+
+
+def test_a_parameter_is_bound_to_a_target_while_training(begun):
+    agents = begun.agents
+    agents.begin(
+        ONE,
+        "Toward",
+        features=["DistanceTo(A)"],
+        parameters=["A"],
+        arguments=["ball"],
+        discard=True,
+    )
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+    put(begun, 2.0)
+    agents.command(ONE, "Stop")
+    agents.save(ONE)
+    assert "Toward(A)" in agents.vocabulary(ONE).behaviors
+    agents.perform(ONE, "Toward", ["closest_taker"])
+    assert agents.await_agent(ONE).behavior == "Toward(closest_taker)"
+    agents.perform(ONE, "")
+
+
+def test_a_receiver_that_is_not_there_is_told(begun):
+    begun.agents.command(ONE, "GoFast")
+    begun.agents.save(ONE, name="Solo")
+    with pytest.raises(SwarmError, match='no agent "keeper_9" answers'):
+        begun.agents.distribute(ONE, "Solo", receivers=["keeper_9"])
+
+
+def test_the_command_line_trains_too(keepers, hitab, tmp_path):
+    steps = [
+        ("train", ONE, "ByHand", "-f", "DistanceTo(ball)", "--discard"),
+        ("demonstrate", ONE, "Stop"),
+        ("demonstrate", ONE, "GoFast"),
+        ("undo", ONE),
+        ("test", ONE, "--restart"),
+        ("save", ONE, "--description", "stands"),
+        ("distribute", ONE, "ByHand", "--to", TWO),
+    ]
+    told = []
+    for step in steps:
+        done = hitab(*step)
+        assert done.returncode == 0, done.stderr
+        told.append(done.stdout)
+    assert "ByHand has 2 examples (1 default ones)" in told[1]
+    assert "ByHand.hfa.yaml" in told[5]
+    assert told[6] == "keeper_2: has it\n"
+    listed = hitab("examples", "list", ONE, "ByHand", "--json", str(tmp_path / "e.json"))
+    assert listed.returncode == 0
+    assert "2 examples" in listed.stdout
+    shown = hitab("library", "show", "ByHand", "-l", str(keepers.folder.path / f"libraries/{ONE}"))
+    assert "Stop" in shown.stdout

@@ -1,0 +1,117 @@
+"""Episodes played by trained keepers: the same in lockstep over ROS and in-process."""
+
+import json
+
+import pytest
+
+FIGURES = {
+    "episodes",
+    "hold_time_s",
+    "passes",
+    "ended",
+    "cycles",
+    "wall_s",
+    "cycles_per_s",
+    "missed_deadlines",
+    "pace",
+    "seed",
+    "library_digest",
+    "parameters",
+}
+
+
+def evaluate(hitab, taught, path, *options: str) -> dict:
+    """Run `hitab keepaway evaluate` and return its figures."""
+    done = hitab(
+        "keepaway",
+        "evaluate",
+        "-l",
+        str(taught.library),
+        "--json",
+        str(path),
+        *options,
+        timeout=100,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "hold time" in done.stdout
+    return json.loads(path.read_text())
+
+
+@pytest.fixture(scope="module")
+def lockstep(hitab, taught, tmp_path_factory) -> dict:
+    path = tmp_path_factory.mktemp("figures") / "lockstep.json"
+    return evaluate(hitab, taught, path, "--episodes", "20", "--seed", "3")
+
+
+def test_the_figures_are_all_there(lockstep):
+    assert lockstep.keys() >= FIGURES
+    assert lockstep["episodes"] == 20
+    assert lockstep["ended"]["out"] + lockstep["ended"]["taken"] == 20
+    assert lockstep["missed_deadlines"] == 0
+    assert lockstep["cycles_per_s"] > 0
+
+
+def test_three_processes_in_lockstep_play_what_one_plays(lockstep, hitab, taught, tmp_path):
+    inprocess = evaluate(
+        hitab,
+        taught,
+        tmp_path / "f.json",
+        "--episodes",
+        "20",
+        "--seed",
+        "3",
+        "--pace",
+        "inprocess",
+    )
+    assert inprocess["seconds_of_episodes"] == lockstep["seconds_of_episodes"]
+    for key in ("hold_time_s", "passes", "ended", "cycles", "library_digest"):
+        assert inprocess[key] == lockstep[key]
+
+
+def test_the_same_seed_gives_the_same_episodes_and_another_others(hitab, taught, tmp_path):
+    def seconds(seed: str) -> list[float]:
+        options = ("--episodes", "5", "--seed", seed, "--pace", "inprocess")
+        return evaluate(hitab, taught, tmp_path / "f.json", *options)["seconds_of_episodes"]
+
+    assert seconds("5") == seconds("5") != seconds("6")
+
+
+def test_trained_keepers_keep_the_ball_at_least_as_long_as_the_papers(hitab, taught, tmp_path):
+    figures = evaluate(
+        hitab,
+        taught,
+        tmp_path / "f.json",
+        "--episodes",
+        "200",
+        "--pace",
+        "inprocess",
+        "--plot",
+        str(tmp_path / "lengths.png"),
+    )
+    assert figures["hold_time_s"]["mean"] >= 14.6
+    assert figures["passes"]["mean"] >= 3.8
+    assert (tmp_path / "lengths.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize("pace", ["inprocess", "lockstep"])
+def test_a_figure_of_the_game_that_cannot_be_is_told(hitab, taught, pace):
+    done = hitab(
+        "keepaway",
+        "evaluate",
+        "-l",
+        str(taught.library),
+        "--pace",
+        pace,
+        "--parameter",
+        "takers=-1",
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert "takers is -1; it must be a whole number" in done.stderr
+
+
+def test_a_behavior_that_is_not_in_the_library_is_told(hitab, taught):
+    done = hitab("keepaway", "evaluate", "-l", str(taught.library), "--behavior", "Keepawya")
+    assert done.returncode == 1
+    assert 'has no behavior "Keepawya" (has: ApproachBall' in done.stderr
+    assert 'Did you mean "Keepaway"?' in done.stderr

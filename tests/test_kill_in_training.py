@@ -1,0 +1,45 @@
+"""Killing an agent in the middle of training loses no example that it has acknowledged."""
+
+import os
+import signal
+
+from hitab_bringup.supervision import process_states
+
+AGENT = "keeper_1"
+RESTART_SECONDS = 60
+
+
+def pid_of(swarm, name: str) -> int:
+    """Return the process of an agent, 0 while it has none."""
+    return next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
+
+
+def told(example):
+    return (example.number, example.state, example.next_state, example.kind, list(example.values))
+
+
+def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
+    agents, link = keepers.agents, keepers.link
+    agents.begin(AGENT, "Near", features=["DistanceTo(ball)"])
+    for behavior in ("GoFast", "GoSlow", "Stop", "Pass"):
+        status = agents.command(AGENT, behavior)
+        keepers.world.step()
+    assert status.examples == 7
+    agents.edit_examples(AGENT, "undo")
+    before = [told(e) for e in agents.list_examples(AGENT).examples]
+    assert len(before) == 6
+
+    killed = pid_of(keepers, AGENT)
+    agents.statuses.pop(AGENT)
+    os.kill(killed, signal.SIGKILL)
+    assert link.spin_until(lambda: AGENT in agents.statuses, RESTART_SECONDS, 0.2)
+    assert pid_of(keepers, AGENT) not in (0, killed)
+    assert agents.statuses[AGENT].mode == "training"
+    assert agents.statuses[AGENT].behavior == "Near"
+    assert [told(e) for e in agents.list_examples(AGENT).examples] == before
+
+    # And it goes on as if nothing had happened.
+    keepers.world.step()
+    assert agents.command(AGENT, "GoFast").examples == 8
+    agents.set_mode(AGENT, "testing", restart=True)
+    agents.save(AGENT)

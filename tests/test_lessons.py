@@ -1,0 +1,90 @@
+"""The lessons, played through the public topics, teach within the paper's budgets, every time."""
+
+import pytest
+
+from hitab_bringup.errors import LessonError
+from hitab_bringup.keepaway.paper import TABLE_1
+from hitab_bringup.lesson_file import parse_lesson
+from hitab_bringup.lesson_player import LessonPlayer
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import load_domain
+
+STOP = """\
+lesson: Stand
+agent: keeper_1
+budget: 2
+steps:
+  - begin: Stand
+    features: [BallIsKickable]
+  - command: Stop
+"""
+
+
+def play(swarm, text: str, path):
+    return LessonPlayer(parse_lesson(text, path), swarm.agents, swarm.world).play()
+
+
+def examples_of(library) -> dict[str, list[tuple]]:
+    """Return what was taught, but for the numbers of the world's cycles."""
+    loaded = BehaviorLibrary(library, load_domain("keepaway")).load()
+    return {
+        name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
+        for name, automaton in loaded.items()
+    }
+
+
+def test_each_lesson_keeps_to_the_papers_number_of_examples(taught):
+    assert [report.lesson for report in taught.reports] == list(TABLE_1)
+    for report in taught.reports:
+        assert 0 < report.examples <= TABLE_1[report.lesson].examples
+        assert report.simulated_s > 0
+
+
+def test_all_keepers_have_the_same_library_afterwards(taught):
+    assert len(taught.digests) == 1
+
+
+def test_the_library_holds_the_four_behaviors_and_nothing_is_wrong_with_it(taught, hitab):
+    checked = hitab("library", "check", "-l", str(taught.library))
+    assert checked.returncode == 0, checked.stderr
+    assert "4 behaviors, nothing is wrong" in checked.stdout
+    shown = hitab("library", "show", "Keepaway", "--deep", "-l", str(taught.library))
+    for name in TABLE_1:
+        assert name in shown.stdout
+
+
+def test_lessons_teach_the_same_examples_every_time(taught, teach_again):
+    again = teach_again()
+    assert examples_of(again.library) == examples_of(taught.library)
+
+
+def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):
+    keepers.world.control("pace", pace="realtime", factor=50.0)
+    keepers.world.control("resume")
+    play(keepers, STOP + "  - wait: 0.3\n  - save: true\n", tmp_path / "stand.yaml")
+    status = keepers.world.status
+    assert keepers.link.spin_until(lambda: keepers.world.status.mode == "running", 5)
+    assert status.pace == "realtime"
+    keepers.world.control("pause")
+
+
+@pytest.mark.parametrize(
+    ("steps", "line", "expected"),
+    [
+        ("  - until: {said: keeper_1}\n    within: 0.5\n", 8, "has yelled did not come within"),
+        ("  - check: {speed: keeper_1, above: 1}\n    within: 0.5\n", 8, "teach more examples"),
+        ("  - never: {seconds: 0.2}\n", 8, "and should not"),
+        ("  - command: Dance\n", 8, 'step `command`: keeper_1: unknown behavior "Dance"'),
+        ("  - command: Stop\n    agent: keeper_9\n", 8, 'no agent "keeper_9" answers'),
+        ("  - place: {bal: {x: 1}}\n", 8, "the world refuses"),
+        ("  - until: {distance: [keeper_1, bal], below: 1}\n", 8, 'no "bal" in the world'),
+        ("  - command: Stop\n  - save: true\n", None, "took 3 examples, default ones counted"),
+    ],
+)
+def test_what_goes_wrong_is_told_by_file_line_and_step(keepers, tmp_path, steps, line, expected):
+    keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
+    path = tmp_path / "stand.yaml"
+    with pytest.raises(LessonError) as error:
+        play(keepers, STOP + steps, path)
+    assert str(error.value).startswith(f"{path}:{line}: step" if line else f"{path}: took")
+    assert expected in str(error.value)

@@ -1,0 +1,193 @@
+"""Swarms come up whole or not at all, stay alive, and go down without leaving anything behind."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+
+from hitab_bringup import domain_ids
+from hitab_bringup.run_folder import MARK, RunFolder, running_swarms
+from hitab_bringup.supervision import process_states
+
+ONE = """\
+swarm: {name}
+domain: keepaway
+agents: {{{agent}: {{}}}}
+"""
+WITH_WORLD = """\
+swarm: soccer
+world: {kind: keepaway, pace: lockstep, paused: true}
+domain: keepaway
+agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}
+"""
+BROKEN = """\
+swarm: broken
+world: {kind: keepaway, parameters: {taker_speed: -1.0}}
+domain: keepaway
+agents: {broken_agent: {}}
+"""
+
+
+@pytest.fixture(autouse=True)
+def swarm_home(home: Path, hitab, tmp_path: Path, monkeypatch):
+    """Write descriptions into a folder of the test's own; stop whatever a test has left."""
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield tmp_path
+    for _, record in list(running_swarms()):
+        hitab("down", record.swarm)
+
+
+def write(folder: Path, name: str, text: str) -> str:
+    path = folder / f"{name}.yaml"
+    path.write_text(text)
+    return str(path)
+
+
+def bring_up(hitab, folder: Path, name: str, agent: str) -> str:
+    """Bring up a swarm of one agent and return its description."""
+    path = write(folder, name, ONE.format(name=name, agent=agent))
+    up = hitab("up", path)
+    assert up.returncode == 0, up.stderr
+    return path
+
+
+def processes_of(folder: RunFolder) -> list[psutil.Process]:
+    return folder.processes()
+
+
+def within(seconds: float, condition: Callable[[], object]) -> bool:
+    """Wait until a condition holds."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
+    up = hitab("up", write(swarm_home, "soccer", WITH_WORLD))
+    assert up.returncode == 0, up.stderr
+    assert "soccer is up: 3 agents and a world" in up.stdout
+    ((folder, record),) = running_swarms()
+    assert {state["name"]: state["statename"] for state in process_states(record)}.keys() == {
+        "world",
+        "keeper_1",
+        "keeper_2",
+        "keeper_3",
+    }
+
+    again = hitab("up", str(swarm_home / "soccer.yaml"))
+    assert again.returncode == 1
+    assert 'swarm "soccer" is already up' in again.stderr
+
+    status = hitab("status", "--json", "-")
+    told = json.loads(status.stdout)
+    assert [agent["agent"] for agent in told["agents"]] == ["keeper_1", "keeper_2", "keeper_3"]
+    assert told["world"]["mode"] == "paused"
+    assert told["missing"] == []
+
+    down = hitab("down")
+    assert (down.returncode, down.stdout) == (0, "soccer is down\n"), down.stderr
+    assert processes_of(folder) == []
+    assert list(running_swarms()) == []
+    assert not Path(record.socket).exists()
+
+
+def test_two_swarms_at_once_live_in_different_domains(hitab, swarm_home, monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    for name in ("red", "blue"):
+        bring_up(hitab, swarm_home, name, f"{name}_1")
+    domains = {record.swarm: record.domain_id for _, record in running_swarms()}
+    assert len(set(domains.values())) == 2
+    which = hitab("status")
+    assert which.returncode == 1
+    assert "several swarms are up (has: blue, red); say which with --swarm NAME" in which.stderr
+    status = hitab("status", "--swarm", "red", "--json", "-")
+    assert [agent["agent"] for agent in json.loads(status.stdout)["agents"]] == ["red_1"]
+    assert hitab("down", "red").stdout == "red is down\n"
+    assert [record.swarm for _, record in running_swarms()] == ["blue"]
+
+
+def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, swarm_home):
+    up = hitab("up", write(swarm_home, "broken", BROKEN))
+    assert up.returncode == 1
+    assert "world ended while starting; the end of" in up.stderr
+    assert "taker_speed is -1.0; it must not be negative" in up.stderr
+    assert "Traceback" not in up.stderr
+    assert processes_of(RunFolder.of_swarm("broken")) == []
+
+
+def test_a_killed_agent_is_started_again(hitab, swarm_home):
+    assert (
+        hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0
+    )
+    ((_, record),) = running_swarms()
+
+    def number() -> int:
+        (state,) = process_states(record)
+        return state["pid"] if state["statename"] in ("STARTING", "RUNNING") else 0
+
+    before = number()
+    os.kill(before, signal.SIGKILL)
+    assert within(10, lambda: number() not in (0, before))
+
+
+def test_a_swarm_whose_supervisor_was_killed_is_stopped_all_the_same(hitab, swarm_home):
+    assert (
+        hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0
+    )
+    ((folder, record),) = running_swarms()
+    os.kill(record.supervisor, signal.SIGKILL)
+    assert within(5, lambda: folder.supervisor(record) is None)
+    assert processes_of(folder)
+    assert list(running_swarms()) == []
+    down = hitab("down")
+    assert (down.returncode, down.stdout) == (0, "one is down\n"), down.stderr
+    assert processes_of(folder) == []
+
+
+def test_a_stale_run_folder_does_not_keep_a_swarm_from_coming_up(hitab, swarm_home):
+    path = bring_up(hitab, swarm_home, "one", "lone")
+    ((folder, record),) = running_swarms()
+    os.kill(record.supervisor, signal.SIGKILL)
+    assert within(5, lambda: folder.supervisor(record) is None)
+    again = hitab("up", path)
+    assert again.returncode == 0, again.stderr
+    agents = [p for p in processes_of(folder) if "hitab_agent.agent_main" in p.cmdline()]
+    assert len(agents) == 1
+
+
+def test_ctrl_c_while_it_comes_up_leaves_nothing_behind(home, swarm_home):
+    path = write(swarm_home, "soccer", WITH_WORLD)
+    folder = RunFolder.of_swarm("soccer")
+    command = subprocess.Popen(
+        [sys.executable, "-m", "hitab_bringup.main", "up", path],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, MARK: ""},
+    )
+    assert within(20, lambda: processes_of(folder))
+    command.send_signal(signal.SIGINT)
+    _, told = command.communicate(timeout=30)
+    assert command.returncode == 130
+    assert "Traceback" not in told
+    assert processes_of(folder) == []
+    assert list(running_swarms()) == []
+
+
+def test_a_swarm_that_would_meet_another_of_its_kind_is_refused(hitab, swarm_home):
+    bring_up(hitab, swarm_home, "red", "x")
+    up = hitab("up", write(swarm_home, "blue", ONE.format(name="blue", agent="x")))
+    assert up.returncode == 1
+    assert 'swarm "red"' in up.stderr
+    assert f"is up in the same ROS domain {os.environ['ROS_DOMAIN_ID']} and has x" in up.stderr
