@@ -1,9 +1,13 @@
 """A demonstrator trains an agent over the public topics and services, while it runs."""
 
+import os
+import signal
+
 import pytest
 from hitab_msgs.msg import Example
 
 from hitab_bringup.errors import SwarmError
+from hitab_bringup.supervision import process_states
 from hitab_bringup.world_client import by_name
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import load_domain
@@ -137,6 +141,19 @@ def test_a_receiver_that_is_not_there_is_told(begun):
     begun.agents.save(ONE, name="Solo")
     with pytest.raises(SwarmError, match='no agent "keeper_9" answers'):
         begun.agents.distribute(ONE, "Solo", receivers=["keeper_9"])
+
+
+def test_a_receiver_that_does_not_answer_is_told(begun):
+    begun.agents.command(ONE, "GoSlow")
+    begun.agents.save(ONE, name="Slow")
+    pids = {state["name"]: state["pid"] for state in process_states(begun.record)}
+    os.kill(pids[THREE], signal.SIGSTOP)
+    try:
+        report = begun.agents.distribute(ONE, "Slow", seconds=1.0)
+    finally:
+        os.kill(pids[THREE], signal.SIGCONT)
+    assert (report.accepted, report.refused, report.silent) == ([TWO], {}, [THREE])
+    assert not report.complete
 
 
 def test_the_command_line_trains_too(keepers, hitab, tmp_path):

@@ -46,11 +46,19 @@ stdout_logfile_maxbytes=1MB
 stdout_logfile_backups=2
 """
 
+# In one group, since groups are stopped one after the other.
+GROUP = """
+[group:swarm]
+programs={names}
+"""
+
 
 def supervisor_config(processes: Iterable[Process], folder: Path, logs: Path, socket: Path) -> str:
     """Return the text of ``supervisord.conf``."""
     parts = [HEAD.format(socket=_plain(socket), folder=_plain(folder))]
+    names = []
     for process in processes:
+        names.append(process.name)
         parts.append(
             PROGRAM.format(
                 name=process.name,
@@ -59,6 +67,7 @@ def supervisor_config(processes: Iterable[Process], folder: Path, logs: Path, so
                 log=_plain(logs / f"{process.name}.log"),
             )
         )
+    parts.append(GROUP.format(names=",".join(names)))
     return "".join(parts)
 
 

@@ -103,7 +103,7 @@ def list_behaviors(library: Library = None, agent: Agent = None, json: JsonPath 
                 ", ".join(row["states"]),
                 ", ".join(row["features"]),
                 str(row["version"]),
-                row["created"],
+                row["created"][:10],
             )
         console.out().print(table)
     for problem in opened.problems.values():
@@ -196,7 +196,9 @@ def diff(
     if not versions:
         _known(name, opened.names())
     if len(versions) < 2 and before is None:
-        raise LibraryError(f'"{name}" has {len(versions)} version(s); there is nothing to compare')
+        raise LibraryError(
+            f'{opened.folder}: "{name}" has no earlier version; there is nothing to compare'
+        )
     old = opened.version(name, before if before is not None else versions[-2])
     new = opened.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
