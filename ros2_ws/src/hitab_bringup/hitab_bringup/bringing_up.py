@@ -123,9 +123,14 @@ def _await_all(
     total = len(record.agents) + record.world
     next_look = time.monotonic()
 
+    def unheard() -> set[str]:
+        """Return the agents that the world does not hear yet."""
+        heard_of = world.status.missing if world.status is not None else ()
+        return set(heard_of) & set(record.agents)
+
     def missing() -> list[str]:
         names = [name for name in record.agents if name not in agents.statuses]
-        if record.world and (world.status is None or (not names and world.status.missing)):
+        if record.world and (world.status is None or unheard()):
             names.append("world")
         return names
 

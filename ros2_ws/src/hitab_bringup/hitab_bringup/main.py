@@ -8,6 +8,7 @@ of verbs under the entry-point group ``hitab.commands``.
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from importlib.metadata import entry_points
 from typing import Any
@@ -67,7 +68,8 @@ def make_app() -> typer.Typer:
 
 
 def main() -> None:
-    """Run the command."""
+    """Run the command; when told to end, it cleans up as it does on Ctrl-C."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     make_app()()
 
 

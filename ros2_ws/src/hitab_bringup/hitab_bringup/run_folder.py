@@ -26,6 +26,10 @@ from hitab_core.errors import has
 MARK = "HITAB_RUN_FOLDER"
 """Environment variable by which the processes of a run folder are recognized."""
 
+SOCKET = "supervisord.sock"
+LONGEST_SOCKET = 90
+"""Characters; supervisord makes it under a longer name first, and the system allows 107."""
+
 
 @dataclass(frozen=True)
 class RunRecord:
@@ -80,10 +84,13 @@ class RunFolder:
 
     def socket_path(self) -> Path:
         """Return a path for the supervisor's socket: short, since a socket's must be."""
-        here = self.path / "supervisord.sock"
-        if len(str(here)) < 90:
+        here = self.path / SOCKET
+        if len(str(here)) < LONGEST_SOCKET:
             return here
-        return Path(tempfile.mkdtemp(prefix="hitab-")) / "supervisord.sock"
+        # The folder for temporary files may be as deep.
+        folders = (tempfile.gettempdir(), "/tmp")
+        short = next((f for f in folders if len(f) + 30 < LONGEST_SOCKET), folders[0])
+        return Path(tempfile.mkdtemp(prefix="hitab-", dir=short)) / SOCKET
 
     def prepare(self) -> None:
         """Make the folders.

@@ -29,6 +29,7 @@ from hitab_core.errors import HitabError
 LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 TEACHER = "keeper_1"
 PICTURE_CYCLES = 120
+PICTURE_TITLE = "Keepaway: keepers blue, takers red, and their ways in the last seconds"
 
 
 def run_demo(out: Path, episodes: int, seed: int) -> dict[str, Any]:
@@ -63,7 +64,12 @@ def run_demo(out: Path, episodes: int, seed: int) -> dict[str, Any]:
         "wall_s": round(time.monotonic() - began, 1),
     }
     draw_episode_lengths(evaluation, out / "episode_lengths.png")
-    draw_field(moments, *size, out / "field.png", "Keepaway: the last seconds")
+    draw_field(
+        moments,
+        *size,
+        out / "field.png",
+        "Keepaway: keepers blue, takers red, and the ways of the last seconds",
+    )
     _draw_automata(out / "library", out / "automata.png")
     (out / "figures.json").write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
     _tell(reports, figures, out)
@@ -156,6 +162,10 @@ def _row(report: LessonReport) -> dict[str, Any]:
     }
 
 
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.1f} min"
+
+
 def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> None:
     from rich.table import Table
 
@@ -169,7 +179,7 @@ def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> No
             report.lesson,
             str(report.examples),
             str(row.examples),
-            f"{report.simulated_s / 60:.1f} min",
+            _duration(report.simulated_s),
             f"{row.minutes} min",
         )
     screen.print()

@@ -1,0 +1,96 @@
+"""The demo: trains, plays, compares with the paper, and leaves pictures, figures and a library."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+
+from hitab_bringup.run_folder import MARK
+
+
+@pytest.fixture(scope="module")
+def demo(hitab, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("demo")
+    done = hitab("demo", "--out", str(folder), "--episodes", "10", timeout=100)
+    assert done.returncode == 0, done.stderr
+    return folder, done.stdout
+
+
+def test_the_demo_tells_the_papers_figures_beside_ours(demo):
+    _, told = demo
+    rows = [line.split("│") for line in told.splitlines() if line.startswith("│")]
+    table = {row[1].strip(): [cell.strip() for cell in row[2:-1]] for row in rows}
+    for name, examples, minutes in (
+        ("ApproachBall", 18, 10),
+        ("GotoBall", 10, 10),
+        ("ControlBall", 11, 45),
+        ("Keepaway", 10, 90),
+    ):
+        ours, papers, _, time_of_paper = table[name]
+        assert int(ours) <= int(papers) == examples
+        assert time_of_paper == f"{minutes} min"
+    assert table["hold time"][1] == "14.6 ± 0.87 s"
+    assert table["passes"][1] == "3.8"
+    assert table["missed deadlines"][0] == "0"
+    assert "Next:" in told
+
+
+def test_the_demo_leaves_pictures_figures_and_a_library(demo, hitab):
+    folder, _ = demo
+    for name in ("field.png", "automata.png", "episode_lengths.png"):
+        assert (folder / name).read_bytes().startswith(b"\x89PNG")
+    figures = json.loads((folder / "figures.json").read_text())
+    assert [row["automaton"] for row in figures["lessons"]] == [
+        "ApproachBall",
+        "GotoBall",
+        "ControlBall",
+        "Keepaway",
+    ]
+    assert figures["evaluation"]["episodes"] == 10
+    assert hitab("library", "check", "-l", str(folder / "library")).returncode == 0
+
+
+def test_a_folder_that_cannot_be_made_is_told(hitab, tmp_path):
+    (tmp_path / "file").touch()
+    done = hitab("demo", "--out", str(tmp_path / "file" / "demo"))
+    assert done.returncode == 1
+    assert "choose another folder with --out" in done.stderr
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_demo_leaves_no_process(home, tmp_path, number, code):
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+
+    def processes() -> list[psutil.Process]:
+        found = []
+        for process in psutil.process_iter():
+            try:
+                if process.environ().get(MARK, "").startswith(str(temporary)):
+                    found.append(process)
+            except psutil.Error:
+                continue
+        return found
+
+    command = subprocess.Popen(
+        [sys.executable, "-m", "hitab_bringup.main", "demo", "--out", str(tmp_path / "out")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(temporary)},
+    )
+    deadline = time.monotonic() + 30
+    while len(processes()) < 5:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    command.send_signal(number)
+    _, told = command.communicate(timeout=30)
+    assert command.returncode == code
+    assert "Traceback" not in told
+    assert processes() == []
+    assert list(temporary.iterdir()) == []
