@@ -74,7 +74,8 @@ def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
     SIGINT and SIGTERM stop the spinning after the present callback, so that nothing is cut in
     the middle of a write.
     """
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    given = None if arguments is None else list(arguments)
+    rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
     spinning = Spinner(EventsExecutor())
     before = {}
 

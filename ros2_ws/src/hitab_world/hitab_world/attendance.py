@@ -36,6 +36,11 @@ class Attendance:
         return [name for name in self.agents if name not in self.present or name in self._silent]
 
     @property
+    def silent(self) -> bool:
+        """Whether somebody is there but not waited for."""
+        return bool(self._silent)
+
+    @property
     def complete(self) -> bool:
         """Whether nobody is waited for in this round."""
         return not self._awaited
@@ -61,11 +66,15 @@ class Attendance:
             self.answers[agent] = answer
             self._awaited.discard(agent)
 
-    def deadline_passed(self, *, exclude: bool) -> list[str]:
+    def count_late(self, *, exclude: bool) -> list[str]:
         """Count those who have not answered; with ``exclude`` do not wait for them again."""
         late = sorted(self._awaited)
         self.missed_deadlines += len(late)
         if exclude:
-            self._silent |= self._awaited
-        self._awaited = set()
+            self.give_up_on_late()
         return late
+
+    def give_up_on_late(self) -> None:
+        """Do not wait for those who have not answered until they do."""
+        self._silent |= self._awaited
+        self._awaited = set()

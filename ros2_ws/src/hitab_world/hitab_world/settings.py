@@ -30,7 +30,7 @@ class WorldSettings:
     factor: float = 1.0
     seed: int = 0
     paused: bool = False
-    deadline: float = 2.0
+    deadline: float = 5.0
     state_rate: float = 30.0
 
     @classmethod

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 Action = tuple[Sequence[float], str]
 """What one agent does: values in the domain's own layout, and what it says ("" = nothing)."""
@@ -150,3 +150,29 @@ class World(Protocol):
 
     def result(self) -> EpisodeResult:
         """Return how the present episode went so far."""
+
+
+LOOK, RESTART = "look", "restart"
+
+
+@runtime_checkable
+class LiveWorld(Protocol):
+    """What a `World` has besides that goes on by itself, such as a server that may be elsewhere.
+
+    Attributes:
+        waiting: why there is nothing to be stepped at the moment, in one sentence with the way
+            out, such as that the server has gone; "" if there is.
+    """
+
+    waiting: str
+
+    def idle(self) -> str:
+        """Do what has to be done while the world is not stepped; never takes long.
+
+        Whoever holds the world calls this at least ten times a second while it is paused, has no
+        agents, or is waiting.
+
+        Returns:
+            `RESTART` if an episode has begun, `LOOK` if what the agents perceive has changed,
+            else "".
+        """

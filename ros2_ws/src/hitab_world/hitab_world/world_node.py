@@ -16,12 +16,13 @@ from hitab_ros.name_guard import refuse_second_of_name
 from hitab_ros.spinning import Loop, Spinner
 from hitab_world.attendance import Attendance
 from hitab_world.settings import WorldSettings
-from hitab_world.world import World
+from hitab_world.world import LOOK, RESTART, LiveWorld, World
 from hitab_world.world_services import WorldServices
 
 NANOSECONDS = 1_000_000_000
 STATUS_PERIOD_NS = NANOSECONDS
 LOOK_FOR_VIEWERS_EVERY = 50  # cycles
+UNREAD_MAX = 100  # events that are handled after a deadline to find answers among them
 
 
 class WorldNode(Node):
@@ -45,6 +46,7 @@ class WorldNode(Node):
         super().__init__("world", enable_rosout=False, start_parameter_services=False)
         self.settings = settings = WorldSettings.declare(self)
         self.world = make_world(self, settings.seed)
+        self._live_world = self.world if isinstance(self.world, LiveWorld) else None
         self.pace = settings.pace
         self.factor = settings.factor
         self.paused = settings.paused
@@ -56,6 +58,7 @@ class WorldNode(Node):
         self._restart = True
         self._note = ""
         self._error = ""
+        self._waiting = ""
         self._next_cycle_ns = 0
         self._next_state_ns = 0
         self._next_status_ns = 0
@@ -93,7 +96,9 @@ class WorldNode(Node):
         """Run the world until the spinner is stopped; return the exit code."""
         while not spinning.stopped:
             self._attend()
-            if self.paused and not self.steps_left:
+            if not self._live():
+                spinning.executor.spin_once(timeout_sec=0.01)
+            elif self.paused and not self.steps_left:
                 if self.disturbed:
                     self._show(spinning)
                 spinning.executor.spin_once(timeout_sec=0.1)
@@ -103,12 +108,30 @@ class WorldNode(Node):
                 self._cycle(spinning)
         return spinning.exit_code
 
+    def _live(self) -> bool:
+        """Keep a world that goes on by itself company; return whether it can be stepped."""
+        world = self._live_world
+        if world is None:
+            return True
+        alone = self.pace == msg.WorldStatus.LOCKSTEP and not self.attendance.present
+        if world.waiting or alone or (self.paused and not self.steps_left):
+            happened = world.idle()
+            if happened == RESTART:
+                self.mark_restart()
+            elif happened == LOOK:
+                self.disturbed = True
+        if world.waiting != self._waiting:
+            self._waiting = world.waiting
+            self.report_error(world.waiting)
+        return not world.waiting
+
     def _attend(self) -> None:
         now = self._now_ns()
         if now >= self._next_status_ns:
             self._next_status_ns = now + STATUS_PERIOD_NS
-            if self.attendance.look():
-                self.disturbed = True
+            changed = self.attendance.look()
+            if changed or (self.attendance.silent and self.paused):
+                self.disturbed = True  # shown again, so that who was late may answer
             self.publish_status()
 
     def _now_ns(self) -> int:
@@ -119,8 +142,7 @@ class WorldNode(Node):
         self.disturbed = False
         self._send_percepts(look=True)
         self._wait(spinning, self._now_ns() + int(self.settings.deadline * NANOSECONDS))
-        if not self.attendance.complete:
-            self.attendance.deadline_passed(exclude=True)
+        self.attendance.give_up_on_late()
         if self.disturbed:
             return
         self._publish_state()
@@ -142,7 +164,7 @@ class WorldNode(Node):
         if self.disturbed or spinning.stopped:
             return  # what they answered was about another situation
         if not self.attendance.complete:
-            late = self.attendance.deadline_passed(exclude=lockstep)
+            late = self.attendance.count_late(exclude=lockstep)
             self.report_error(
                 f"no answer in time from {', '.join(late)} in cycle {self.world.cycle}"
             )
@@ -157,8 +179,14 @@ class WorldNode(Node):
                 return
             left = deadline_ns - self._now_ns()
             if left <= 0:
-                return
+                break
             spin_once(timeout_sec=min(left / NANOSECONDS, 0.1))
+
+        # Where this process itself was held up, answers that came in time are still unread.
+        for _ in range(UNREAD_MAX):
+            if attendance.complete or self.disturbed or spinning.stopped:
+                return
+            spin_once(timeout_sec=0.0)
 
     def _send_percepts(self, *, look: bool) -> None:
         world = self.world
