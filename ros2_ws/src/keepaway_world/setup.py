@@ -23,6 +23,7 @@ setup(
     entry_points={
         "console_scripts": [
             "keepaway_world = keepaway_world.world_main:main",
+            "rcss_world = keepaway_world.rcss.rcss_main:main",
         ],
         "hitab.domains": ["keepaway = keepaway_world.domain:DOMAIN"],
     },

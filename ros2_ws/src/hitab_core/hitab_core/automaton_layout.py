@@ -114,9 +114,9 @@ def bend_arrows(
             alone[i, k] = abs(bend) + 30.0 * touched
     ends = np.array([[list(boxes).index(state) for state in pair] for pair in pairs])
     meet = ends[:, None, None, None, :, None] == ends[None, None, :, None, None, :]
-    squared = (
-        (tips[:, :, None, None, :, None] - tips[None, None, :, :, None, :]) ** 2
-    ).sum(axis=-1)
+    squared = ((tips[:, :, None, None, :, None] - tips[None, None, :, :, None, :]) ** 2).sum(
+        axis=-1
+    )
     nearness = (np.exp(-squared / 0.04) * meet).sum(axis=(-2, -1))
     chosen = _settled(alone, nearness)
     return [float(own[k]) for own, k in zip(bends, chosen, strict=True)]
@@ -174,9 +174,7 @@ def place_words(
         states: where the states are.
         width, height: of the panel around the origin.
     """
-    candidates = [
-        _candidates(size, points) for size, points in zip(sizes, curves, strict=False)
-    ]
+    candidates = [_candidates(size, points) for size, points in zip(sizes, curves, strict=False)]
     alone = [
         _costs_alone(places, size, i, np.array(curves), states, width, height)
         for i, (places, size) in enumerate(zip(candidates, sizes, strict=True))
@@ -209,9 +207,9 @@ def _candidates(size: tuple[float, float], points: Floats) -> Floats:
     direction = points[-1] - points[0]
     normal = np.array([direction[1], -direction[0]]) / (np.hypot(*direction) or 1.0)
     extent = float(abs(normal) @ size)
-    places: Floats = np.concatenate([
-        along + side * extent * normal for side in (0.0, 0.2, -0.2, 0.45, -0.45, 0.6, -0.6)
-    ])
+    places: Floats = np.concatenate(
+        [along + side * extent * normal for side in (0.0, 0.2, -0.2, 0.45, -0.45, 0.6, -0.6)]
+    )
     return places
 
 

@@ -73,8 +73,16 @@ def draw_automata(automata: Sequence[Automaton], path: Path | str) -> Path:
     figure = Figure(figsize=(sum(widths), sum(heights)), facecolor="white")
     canvas = FigureCanvasAgg(figure)
     grid = figure.add_gridspec(
-        len(rows), columns, width_ratios=widths, height_ratios=heights,
-        left=0, right=1, top=1, bottom=0, wspace=0, hspace=0,
+        len(rows),
+        columns,
+        width_ratios=widths,
+        height_ratios=heights,
+        left=0,
+        right=1,
+        top=1,
+        bottom=0,
+        wspace=0,
+        hspace=0,
     )
     names = {automaton.name for automaton in automata}
     for r, row in enumerate(rows):
@@ -142,15 +150,24 @@ class _Panel:
         texts = [text for arrow in drawn if (text := words(arrow))]
         sizes = [self._size(text, _WORD_SIZE) for text in texts]
         boxes = state_boxes(
-            states, self._width, self._height, lambda text: self._size(text, _STATE_SIZE),
+            states,
+            self._width,
+            self._height,
+            lambda text: self._size(text, _STATE_SIZE),
             margin=0.6 * max((size[0] for size in sizes), default=0.0),
         )
         title = automaton.name
         if automaton.parameters:
             title += f"({', '.join(automaton.parameters)})"
         self._axes.text(
-            0, self._height / 2 + 0.22, title, ha="center", va="center", color=_INK,
-            fontsize=_TITLE_SIZE, fontweight="bold",
+            0,
+            self._height / 2 + 0.22,
+            title,
+            ha="center",
+            va="center",
+            color=_INK,
+            fontsize=_TITLE_SIZE,
+            fontweight="bold",
         )
         outlines = {state: self._state(state, boxes[state], drawn_too) for state in states}
         pairs = [(arrow.source, arrow.target) for arrow in drawn]
@@ -161,8 +178,15 @@ class _Panel:
             self._arrow(arrow, bend, boxes, outlines)
         for text, place in zip(texts, places, strict=True):
             self._axes.text(
-                place.x, place.y, text, ha="center", va="center", fontsize=_WORD_SIZE,
-                color=_INK, zorder=4, linespacing=1.1,
+                place.x,
+                place.y,
+                text,
+                ha="center",
+                va="center",
+                fontsize=_WORD_SIZE,
+                color=_INK,
+                zorder=4,
+                linespacing=1.1,
                 bbox={"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.88},
             )
 
@@ -178,15 +202,26 @@ class _Panel:
 
         kind = _kind(state, drawn_too)
         outline = FancyBboxPatch(
-            (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height,
+            (box.x - box.width / 2, box.y - box.height / 2),
+            box.width,
+            box.height,
             boxstyle=f"round,pad=0,rounding_size={box.height / 2 if kind == 'flag' else 0.12}",
-            fc=_FILL[kind], ec=_EDGE[kind], lw=1.4, zorder=3,
+            fc=_FILL[kind],
+            ec=_EDGE[kind],
+            lw=1.4,
+            zorder=3,
             linestyle="--" if kind == "flag" else "-",
         )
         self._axes.add_patch(outline)
         self._axes.text(
-            box.x, box.y, state, ha="center", va="center_baseline", fontsize=_STATE_SIZE,
-            color="white" if kind == "start" else _INK, zorder=5,
+            box.x,
+            box.y,
+            state,
+            ha="center",
+            va="center_baseline",
+            fontsize=_STATE_SIZE,
+            color="white" if kind == "start" else _INK,
+            zorder=5,
             fontstyle="italic" if kind == "flag" else "normal",
         )
         return outline
@@ -197,10 +232,19 @@ class _Panel:
         start, end = boxes[arrow.source], boxes[arrow.target]
         self._axes.add_patch(
             FancyArrowPatch(
-                (start.x, start.y), (end.x, end.y), connectionstyle=f"arc3,rad={bend}",
-                patchA=outlines[arrow.source], patchB=outlines[arrow.target],
-                arrowstyle="-|>", mutation_scale=12, lw=1.1, color=_ARROW, zorder=2,
-                linestyle=(0, (4, 3)) if arrow.leaves_flag else "-", shrinkA=0, shrinkB=1,
+                (start.x, start.y),
+                (end.x, end.y),
+                connectionstyle=f"arc3,rad={bend}",
+                patchA=outlines[arrow.source],
+                patchB=outlines[arrow.target],
+                arrowstyle="-|>",
+                mutation_scale=12,
+                lw=1.1,
+                color=_ARROW,
+                zorder=2,
+                linestyle=(0, (4, 3)) if arrow.leaves_flag else "-",
+                shrinkA=0,
+                shrinkB=1,
             )
         )
 

@@ -46,8 +46,9 @@ def _transitions(state: str, found: Iterable[Arrow], automaton: Automaton) -> It
     for arrow in found:
         if arrow.source == state:
             head = "stays" if arrow.is_loop else f"-> {arrow.target}"
-            lines += [f"{head}: {way}" if way.conditions else f"{head} {way}"
-                      for way in arrow.ways] or [f"{head}: {UNKNOWN}"]
+            lines += [
+                f"{head}: {way}" if way.conditions else f"{head} {way}" for way in arrow.ways
+            ] or [f"{head}: {UNKNOWN}"]
     return lines or [UNKNOWN]
 
 

@@ -233,9 +233,7 @@ class _Reader:
                 if use.name in FLAGS and not use.arguments:
                     scales.append(BOOLEAN_SCALE)
                 else:
-                    self._domain.check_use(
-                        use, known, self._content["parameters"], what="feature"
-                    )
+                    self._domain.check_use(use, known, self._content["parameters"], what="feature")
                     scales.append(scale_of(use, self._domain))
             except VocabularyError as error:
                 self._complaints.add(("features", i), f"{error}; correct it, or train again")
@@ -270,8 +268,13 @@ class _Reader:
         for i, record in enumerate(self._content["examples"]):
             values = tuple(float(value) for value in record["features"])
             example = Example(
-                record["state"], values, record["next_state"], ExampleKind(record["kind"]),
-                int(record["number"]), int(record["command"]), int(record["cycle"]),
+                record["state"],
+                values,
+                record["next_state"],
+                ExampleKind(record["kind"]),
+                int(record["number"]),
+                int(record["command"]),
+                int(record["cycle"]),
             )
             for wrong in wrong_with(example, labels, scales):
                 self._complaints.add(("examples", i), f"example {example.number} {wrong}")

@@ -137,12 +137,12 @@ def check_format(document: Document) -> int:
         )
     if found > FORMAT:
         raise LibraryError(
-            f'{document.place(("format",))}: has format {found}, and this HiTAB reads formats up '
+            f"{document.place(('format',))}: has format {found}, and this HiTAB reads formats up "
             f"to {FORMAT}; update HiTAB, or save the behavior again with an older one"
         )
     if found < FORMAT and found not in MIGRATIONS:
         raise LibraryError(
-            f'{document.place(("format",))}: has format {found}, which this HiTAB cannot read '
+            f"{document.place(('format',))}: has format {found}, which this HiTAB cannot read "
             f"(reads: {', '.join(str(n) for n in sorted([*MIGRATIONS, FORMAT]))})"
         )
     return found

@@ -34,9 +34,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _section(
-    key: str, value: Any, rules: Rules, content: Mapping[str, Any]
-) -> Iterable[str]:
+def _section(key: str, value: Any, rules: Rules, content: Mapping[str, Any]) -> Iterable[str]:
     match key:
         case "states":
             return _block("states:", [f"- {scalar(state)}" for state in value], "[]")
@@ -53,8 +51,9 @@ def _section(
             return _block(head, _trees(value, rules), "{}")
         case "uses":
             head = "uses:  # what it is made of, as it was when this was saved"
-            return _block(head, [f"{name}: {scalar(as_was)}" for name, as_was in value.items()],
-                          "{}")
+            return _block(
+                head, [f"{name}: {scalar(as_was)}" for name, as_was in value.items()], "{}"
+            )
         case "provenance":
             return _block("provenance:", [f"{k}: {scalar(v)}" for k, v in value.items()], "{}")
         case _:

@@ -148,9 +148,7 @@ class ClassifierFunction:
             only = choices[0]
             return lambda values, read, draw: only
 
-        def decide(
-            values: Values, read: Callable[[int], float], draw: Callable[[], float]
-        ) -> int:
+        def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
             row = [read(slot) if (v := values[slot]) is None else v for slot in used]
             odds = self.predict_proba([row])[0, order]
             if most_probable or odds.max() == 1.0:
@@ -202,12 +200,14 @@ def learn_replacement(
     values = feature_values(X, scales, names)
     encoding = FeatureEncoding.of(values, scales)
     labels, classes = np.unique(np.asarray(y, dtype=str), return_inverse=True)
-    learned_from = json.dumps([
-        str(spec),
-        [asdict(scale) for scale in scales],
-        [[v.hex() for v in row] for row in values.tolist()],
-        list(y),
-    ])
+    learned_from = json.dumps(
+        [
+            str(spec),
+            [asdict(scale) for scale in scales],
+            [[v.hex() for v in row] for row in values.tolist()],
+            list(y),
+        ]
+    )
     classifier = make() if len(labels) > 1 else None
     function = ClassifierFunction(
         str(spec),

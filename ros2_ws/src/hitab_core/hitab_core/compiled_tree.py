@@ -56,9 +56,7 @@ def leaf_choice(
     return Draw(cumulative, [state for state, _ in present])
 
 
-def compiled(
-    root: Node, slots: Sequence[int], leaf: Callable[[tuple[int, ...]], Any]
-) -> Compiled:
+def compiled(root: Node, slots: Sequence[int], leaf: Callable[[tuple[int, ...]], Any]) -> Compiled:
     """Return the tree as nested tuples.
 
     Args:

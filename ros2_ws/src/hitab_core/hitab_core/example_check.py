@@ -11,9 +11,7 @@ from hitab_core.errors import has
 from hitab_core.example import Example
 
 
-def wrong_with(
-    example: Example, labels: Sequence[str], scales: Sequence[Scale]
-) -> Iterable[str]:
+def wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale]) -> Iterable[str]:
     """Yield what is wrong with an example, each as words that follow ``example 7``.
 
     Args:

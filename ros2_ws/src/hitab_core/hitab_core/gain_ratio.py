@@ -39,9 +39,7 @@ def gain_and_ratio(counts: Integers) -> tuple[float, float]:
     return gain, gain * n / float(split_information) if split_information > 0 else 0.0
 
 
-def two_way_gains(
-    inside: Integers, totals: Integers, min_branch: int
-) -> tuple[Floats, Integers]:
+def two_way_gains(inside: Integers, totals: Integers, min_branch: int) -> tuple[Floats, Integers]:
     """Return for each two-way split its gain, less what is the same for all, and smaller side.
 
     Args:

@@ -31,9 +31,7 @@ Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
 """``learn(X, y, default)`` learns from the examples of one state."""
 
 
-def learner(
-    classifier: str, scales: Sequence[Scale], names: Sequence[str] | None = None
-) -> Learn:
+def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | None = None) -> Learn:
     """Return what learns the transition function of a state.
 
     Args:
@@ -56,9 +54,7 @@ def learner(
         if name not in known:
             raise VocabularyError(f'the classifier "tree" has no parameter "{name}" {has(known)}')
 
-    def learn_tree(
-        X: ArrayLike, y: Sequence[str], default: Sequence[bool]
-    ) -> LearnedTransition:
+    def learn_tree(X: ArrayLike, y: Sequence[str], default: Sequence[bool]) -> LearnedTransition:
         tree = TransitionTree(scales, feature_names=names, **spec.arguments)
         try:
             return tree.fit(X, y, default)
@@ -120,7 +116,7 @@ def learn_transitions(
     for example in examples:
         if len(example.features) != len(scales):
             raise TrainingError(
-                f"example {example.number} of state \"{example.state}\" has "
+                f'example {example.number} of state "{example.state}" has '
                 f"{len(example.features)} values for {len(scales)} features; delete it"
             )
         by_state.setdefault(example.state, []).append(example)

@@ -76,9 +76,7 @@ def _parameters(
     return known.parameters if known is not None else None
 
 
-def _circle(
-    name: str, used: str, files: Mapping[str, BehaviorFile], domain: Domain
-) -> list[str]:
+def _circle(name: str, used: str, files: Mapping[str, BehaviorFile], domain: Domain) -> list[str]:
     """Return the way from ``name`` over ``used`` back to ``name``, if there is one."""
     ways = [[name, used]]
     seen: set[str] = set()

@@ -38,8 +38,9 @@ def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
             in the middle, the rest is done by `finish` later.
     """
     finish(folder)
-    plan = {path: None if data is None else data.decode("latin-1")
-            for path, data in changes.items()}
+    plan = {
+        path: None if data is None else data.decode("latin-1") for path, data in changes.items()
+    }
     with file_errors(folder, "write to"):
         write_durably(folder / COMMIT, json.dumps(plan).encode())
     finish(folder)

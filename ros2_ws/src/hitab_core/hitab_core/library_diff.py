@@ -58,14 +58,10 @@ def difference(before: BehaviorFile, after: BehaviorFile) -> Difference:
     removed, added = _only(_facts(before), _facts(after))
     removed_examples, added_examples = _only(_examples(before), _examples(after))
     removed_rules, added_rules = _only(_rules(before), _rules(after))
-    return Difference(
-        added, removed, added_examples, removed_examples, added_rules, removed_rules
-    )
+    return Difference(added, removed, added_examples, removed_examples, added_rules, removed_rules)
 
 
-def _only(
-    before: Sequence[str], after: Sequence[str]
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _only(before: Sequence[str], after: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return what is only in the one and only in the other, each as often as it is there more."""
     gone, new = Counter(before) - Counter(after), Counter(after) - Counter(before)
     return tuple(gone.elements()), tuple(new.elements())

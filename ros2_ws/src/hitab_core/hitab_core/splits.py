@@ -118,10 +118,12 @@ class _Groups:
 
 
 def _two_way(examples: Examples, first: Booleans, test: Threshold | Arc) -> Split:
-    counts = np.array([
-        np.bincount(examples.classes[side], minlength=examples.n_classes)
-        for side in (first, ~first)
-    ])
+    counts = np.array(
+        [
+            np.bincount(examples.classes[side], minlength=examples.n_classes)
+            for side in (first, ~first)
+        ]
+    )
     return Split(test, *gain_and_ratio(counts), (np.flatnonzero(first), np.flatnonzero(~first)))
 
 

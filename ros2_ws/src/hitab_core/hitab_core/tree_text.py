@@ -117,8 +117,10 @@ def _short(number: float, negligible: float = 1e-300) -> tuple[str, int]:
 def _category(node: CategoryNode, branch: int | None, scale: Scale, name: str) -> str:
     known = dict(enumerate(scale.categories))
     called = [known.get(category, str(category)) for category in node.categories]
-    return f"{name} = {called[branch]}" if branch is not None else (
-        f"{name} is none of {', '.join(called)}"
+    return (
+        f"{name} = {called[branch]}"
+        if branch is not None
+        else (f"{name} is none of {', '.join(called)}")
     )
 
 
@@ -130,9 +132,7 @@ def _intervals(start: float, end: float, period: float) -> list[Interval]:
 
 
 def _common(some: Sequence[Interval], others: Sequence[Interval]) -> list[Interval]:
-    common = [
-        (max(a[0], b[0]), min(a[1], b[1])) for a in some for b in others
-    ]
+    common = [(max(a[0], b[0]), min(a[1], b[1])) for a in some for b in others]
     return sorted(interval for interval in common if interval[0] < interval[1])
 
 

@@ -100,9 +100,7 @@ def rebind(
     there |= {*automaton.parameters}
     for old, new in bindings.items():
         if old not in there:
-            raise VocabularyError(
-                f'"{old}" is not in automaton "{automaton.name}" {has(there)}'
-            )
+            raise VocabularyError(f'"{old}" is not in automaton "{automaton.name}" {has(there)}')
         if "(" not in old and NAME.match(new) is None:
             raise VocabularyError(
                 f'"{new}" cannot be a target or parameter; use letters, digits and _'
@@ -201,9 +199,7 @@ def _with_columns(automaton: Automaton, columns: Sequence[int]) -> Automaton:
     )
 
 
-def _needed_columns(
-    complete: Automaton, repertoire: Repertoire, classifier: str
-) -> list[int]:
+def _needed_columns(complete: Automaton, repertoire: Repertoire, classifier: str) -> list[int]:
     """Return the features without which something else would be learned, by index."""
 
     def suffice(columns: Sequence[int]) -> bool:

@@ -71,13 +71,20 @@ def teach(robot: Domain) -> Teach:
         examples: list[Example] = []
         for command, (state, values, next_state) in enumerate(rows, 1):
             seen = tuple(float(value) for value in values)
-            shown = Example(state, seen, next_state, number=len(examples) + 1, command=command,
-                            cycle=10 * command)
+            shown = Example(
+                state,
+                seen,
+                next_state,
+                number=len(examples) + 1,
+                command=command,
+                cycle=10 * command,
+            )
             examples.append(shown)
             if defaults and state != next_state and next_state not in (*FLAGS, "Kick"):
                 examples.append(
-                    replace(shown, state=next_state, kind=ExampleKind.DEFAULT,
-                            number=len(examples) + 1)
+                    replace(
+                        shown, state=next_state, kind=ExampleKind.DEFAULT, number=len(examples) + 1
+                    )
                 )
         mentioned = [label for e in examples for label in (e.state, e.next_state)]
         labels = [label for label in dict.fromkeys([*mentioned, *states]) if label != START]

@@ -23,9 +23,7 @@ from hitab_core.provenance import Provenance
 
 Teach = Callable[..., Automaton]
 USES = {"Approach": "0" * 64, "Kick": "basic", "GoTo": "basic"}
-fuzzing = settings(
-    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
+fuzzing = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.fixture(scope="module")
@@ -111,11 +109,19 @@ def test_values_and_descriptions_come_back_exactly(
     rows = data.draw(st.lists(row, max_size=12))
     taught = teach("Any", ["DistanceTo(ball)", "Role"], rows)
     automaton = Automaton(
-        "Any", taught.states, taught.features, taught.transitions, (), taught.examples,
+        "Any",
+        taught.states,
+        taught.features,
+        taught.transitions,
+        (),
+        taught.examples,
         data.draw(st.text()),
     )
     written = text_of(
-        automaton, robot, classifier="tree", uses={"GoFast": "basic", "Stop": "basic"},
+        automaton,
+        robot,
+        classifier="tree",
+        uses={"GoFast": "basic", "Stop": "basic"},
         provenance=Provenance(author=data.draw(st.text())),
     )
     assert says_the_same(read_behavior(written, "Any.hfa.yaml", robot), automaton)
@@ -148,9 +154,7 @@ def test_a_damaged_file_is_refused_or_says_what_it_said(
             lines[i], lines[j] = lines[j], lines[i]
             damaged = bytearray("".join(lines).encode())
     with suppress(UnicodeDecodeError, LibraryError):
-        assert says_the_same(
-            read_behavior(damaged.decode(), "Control.hfa.yaml", robot), control
-        )
+        assert says_the_same(read_behavior(damaged.decode(), "Control.hfa.yaml", robot), control)
 
 
 @given(st.text(max_size=300) | st.binary(max_size=300).map(lambda data: data.decode("latin-1")))
@@ -165,9 +169,27 @@ def test_anything_that_is_no_behavior_file_is_refused(robot: Domain, text: str) 
 def test_an_edited_file_that_is_being_accepted_is_refused_or_makes_an_automaton(
     data: st.DataObject, text: str, robot: Domain
 ) -> None:
-    words = ["Start", "Kick", "Done", ".nan", "-.inf", "1e999", "''", "[]", "{}", "null", "-1",
-             "GoTo()", "GoTo(ball, ball)", "true", "tree(max_depth=-1)", "default",
-             "3.5", "Control", "Approach"]
+    words = [
+        "Start",
+        "Kick",
+        "Done",
+        ".nan",
+        "-.inf",
+        "1e999",
+        "''",
+        "[]",
+        "{}",
+        "null",
+        "-1",
+        "GoTo()",
+        "GoTo(ball, ball)",
+        "true",
+        "tree(max_depth=-1)",
+        "default",
+        "3.5",
+        "Control",
+        "Approach",
+    ]
     tokens = text.split(" ")
     for _ in range(data.draw(st.integers(1, 3))):
         place = data.draw(st.integers(0, len(tokens) - 1))
@@ -204,9 +226,10 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
     wrong = edited(wrong, "cycle: 10}", "cycle: -1, colour: red}")
     complaints = complaints_of(wrong, robot)
     assert len(complaints) == 7  # two examples have this cycle; the checksum is another one
-    assert complaints[0].endswith('item 1 of "parameters" is "ball?", not a name; '
-                                  "use letters, digits and _")
-    assert 'must be one of continuous, toroidal, categorical, boolean, flag' in complaints[1]
+    assert complaints[0].endswith(
+        'item 1 of "parameters" is "ball?", not a name; use letters, digits and _'
+    )
+    assert "must be one of continuous, toroidal, categorical, boolean, flag" in complaints[1]
 
 
 @pytest.mark.parametrize(
@@ -301,7 +324,10 @@ def test_a_file_of_another_version_of_the_domain_is_refused_until_accepted(
     text: str, robot: Domain, control: Automaton
 ) -> None:
     grown = Domain.of(
-        robot.name, "2", robot.body, behaviors=robot.behaviors.values(),
+        robot.name,
+        "2",
+        robot.body,
+        behaviors=robot.behaviors.values(),
         features=[*robot.features.values(), Feature("Battery", float)],
         targets=robot.targets.values(),
     )
@@ -315,11 +341,17 @@ def test_a_file_of_another_version_of_the_domain_is_refused_until_accepted(
 def test_a_file_whose_feature_now_means_something_else_is_not_accepted(
     text: str, robot: Domain
 ) -> None:
-    features = {**robot.features, "BallIsKickable": Feature(
-        "BallIsKickable", float, FeatureKind.CONTINUOUS)}
+    features = {
+        **robot.features,
+        "BallIsKickable": Feature("BallIsKickable", float, FeatureKind.CONTINUOUS),
+    }
     changed = Domain.of(
-        robot.name, "2", robot.body, behaviors=robot.behaviors.values(),
-        features=features.values(), targets=robot.targets.values(),
+        robot.name,
+        "2",
+        robot.body,
+        behaviors=robot.behaviors.values(),
+        features=features.values(),
+        targets=robot.targets.values(),
     )
     with pytest.raises(LibraryError, match='"kind" of feature "BallIsKickable" is boolean here'):
         read_behavior(text, "Control.hfa.yaml", changed, accepting=True)

@@ -86,15 +86,15 @@ def test_a_file_tells_what_it_was_made_of_and_where_it_comes_from(
 ) -> None:
     file = library.file("Control")
     assert file.uses == {
-        "Approach": library.file_digest("Approach"), "GoTo": "basic", "Kick": "basic",
+        "Approach": library.file_digest("Approach"),
+        "GoTo": "basic",
+        "Kick": "basic",
     }
     assert file.provenance.agent == "keeper_1"
     assert file.provenance.created == "2012-06-18T09:30:00Z"
 
 
-def test_a_hand_written_automaton_can_be_used(
-    library: BehaviorLibrary, teach: Teach
-) -> None:
+def test_a_hand_written_automaton_can_be_used(library: BehaviorLibrary, teach: Teach) -> None:
     library.save(teach("Watch", ["BallIsKickable"], [("Start", [0], "Patrol")]))
     assert library.file("Watch").uses == {"Patrol": "hand-written"}
 
@@ -204,8 +204,10 @@ def test_an_automaton_that_uses_itself_is_refused_on_saving_and_on_loading(
         library.save(teach("Approach", [], [("Start", [], "Keepaway")]))
     assert snapshot(library.folder) == before
     looping = library.folder.parent / "looping"
-    one, two = BehaviorLibrary(looping / "1", library.domain), BehaviorLibrary(
-        looping / "2", library.domain)
+    one, two = (
+        BehaviorLibrary(looping / "1", library.domain),
+        BehaviorLibrary(looping / "2", library.domain),
+    )
     one.save(teach("One", [], [("Start", [], "Stop")]))
     one.save(teach("Two", [], [("Start", [], "One")]))
     two.save(teach("Two", [], [("Start", [], "Stop")]))
@@ -220,9 +222,7 @@ def test_an_automaton_that_uses_itself_is_refused_on_saving_and_on_loading(
 def test_a_retrained_behavior_must_still_fit_those_that_use_it(
     library: BehaviorLibrary, teach: Teach
 ) -> None:
-    changed = teach(
-        "Approach", ["DistanceTo(A)"], [("Start", [3], "GoSlow")], parameters=["A"]
-    )
+    changed = teach("Approach", ["DistanceTo(A)"], [("Start", [3], "GoSlow")], parameters=["A"])
     with pytest.raises(LibraryError) as refused:
         library.save(changed)
     assert str(refused.value).startswith('"Approach" cannot be added:\nControl.hfa.yaml:10: ')
@@ -248,8 +248,9 @@ def test_transition_functions_that_are_not_what_the_examples_teach_are_refused(
     library: BehaviorLibrary, approach: Automaton, teach: Teach
 ) -> None:
     other = teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")])
-    mixed = Automaton("Mixed", approach.states, approach.features, other.transitions, (),
-                      approach.examples)
+    mixed = Automaton(
+        "Mixed", approach.states, approach.features, other.transitions, (), approach.examples
+    )
     with pytest.raises(LibraryError, match='"Mixed" cannot be saved:\nMixed'):
         library.save(mixed)
 
@@ -258,8 +259,12 @@ def test_another_classifier_is_stored_by_name(library: BehaviorLibrary, teach: T
     spec = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
     pytest.importorskip("sklearn")
     library.save(
-        teach("Near", ["DistanceTo(ball)"],
-              [("Start", [3], "GoSlow"), ("Start", [8], "GoFast")], classifier=spec),
+        teach(
+            "Near",
+            ["DistanceTo(ball)"],
+            [("Start", [3], "GoSlow"), ("Start", [8], "GoFast")],
+            classifier=spec,
+        ),
         classifier=spec,
     )
     assert again(library).file("Near").classifier == spec
@@ -423,7 +428,8 @@ def test_readers_never_see_half_of_what_several_writers_write_even_if_they_are_k
     writers = [
         subprocess.Popen(
             [sys.executable, "-c", WRITER, str(folder), *mine],
-            stdout=subprocess.PIPE, text=True,
+            stdout=subprocess.PIPE,
+            text=True,
         )
         for mine in (paths[:2], paths[2:])
     ]

@@ -18,7 +18,11 @@ Teach = Callable[..., Automaton]
 
 @pytest.fixture
 def library(
-    tmp_path: Path, robot: Domain, approach: Automaton, control: Automaton, keepaway: Automaton,
+    tmp_path: Path,
+    robot: Domain,
+    approach: Automaton,
+    control: Automaton,
+    keepaway: Automaton,
     teach: Teach,
 ) -> BehaviorLibrary:
     library = BehaviorLibrary(tmp_path / "sender", robot)

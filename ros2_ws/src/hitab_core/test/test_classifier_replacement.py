@@ -117,7 +117,11 @@ def test_a_toroidal_feature_has_no_zero_for_it():
     function = learn_transition(NEAREST, [DEGREES], [[350], [180]], ["GoFast", "Stop"])
     decide = function.compile([0], STATES)
     assert [decide([float(a)], no_reading, None) for a in (5, 365, -80, 100, 260)] == [
-        2, 2, 2, 1, 1,
+        2,
+        2,
+        2,
+        1,
+        1,
     ]
 
 

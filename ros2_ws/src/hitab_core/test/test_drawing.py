@@ -22,30 +22,32 @@ Teach = Callable[..., Automaton]
 def test_a_text_shows_states_transitions_as_rules_and_trees(
     keepaway: Automaton,
 ) -> None:
-    assert automaton_as_text(keepaway) == "\n".join([
-        "Keepaway",
-        "  features: BallIsKickable, Done",
-        "  examples: 7",
-        "",
-        "  Start",
-        "    -> Control always",
-        "",
-        "  Control",
-        "    stays: not Done",
-        "    -> Stop: Done",
-        "",
-        "  Stop",
-        "    -> Control: BallIsKickable",
-        "    stays: not BallIsKickable",
-        "",
-        "  tree of Control",
-        "    not Done: Control (3)",
-        "    Done: Stop (1)",
-        "",
-        "  tree of Stop",
-        "    not BallIsKickable: Stop (1)",
-        "    BallIsKickable: Control (1)",
-    ])
+    assert automaton_as_text(keepaway) == "\n".join(
+        [
+            "Keepaway",
+            "  features: BallIsKickable, Done",
+            "  examples: 7",
+            "",
+            "  Start",
+            "    -> Control always",
+            "",
+            "  Control",
+            "    stays: not Done",
+            "    -> Stop: Done",
+            "",
+            "  Stop",
+            "    -> Control: BallIsKickable",
+            "    stays: not BallIsKickable",
+            "",
+            "  tree of Control",
+            "    not Done: Control (3)",
+            "    Done: Stop (1)",
+            "",
+            "  tree of Stop",
+            "    not BallIsKickable: Stop (1)",
+            "    BallIsKickable: Control (1)",
+        ]
+    )
 
 
 def test_a_text_shows_parameters_flags_states_without_examples_and_odds(teach: Teach) -> None:
@@ -53,7 +55,8 @@ def test_a_text_shows_parameters_flags_states_without_examples_and_odds(teach: T
         "Visit",
         ["DistanceTo(A)"],
         [("Start", [1], "GoTo(A)"), ("Start", [1], "Stop"), ("GoTo(A)", [0.5], "Done")],
-        parameters=["A"], defaults=False,
+        parameters=["A"],
+        defaults=False,
     )
     text = automaton_as_text(automaton, trees=False)
     assert text.startswith("Visit(A)\n")
@@ -95,9 +98,14 @@ def test_automata_without_rules_and_with_many_states_can_be_drawn(
     written = Automaton("Fixed", (Use("Stop"),), (), {"Start": HandWritten(lambda: "Stop")})
     states = ["GoFast", "GoSlow", "Stop", "Kick", "GoTo(ball)", "GoTo(goal)", "Patrol", "Failed"]
     many = teach(
-        "Many", ["DistanceTo(ball)"],
-        [(s, [i + j], t) for i, s in enumerate(["Start", *states[:-1]])
-         for j, t in enumerate(states) if s != t and (i + j) % 3],
+        "Many",
+        ["DistanceTo(ball)"],
+        [
+            (s, [i + j], t)
+            for i, s in enumerate(["Start", *states[:-1]])
+            for j, t in enumerate(states)
+            if s != t and (i + j) % 3
+        ],
     )
     path = draw_automata([empty, written, many], tmp_path / "all.png")
     assert path.stat().st_size > 10_000
@@ -136,6 +144,7 @@ def test_words_cover_neither_states_nor_words_nor_the_edge(n: int) -> None:
 def test_an_arrow_and_the_one_back_bow_to_different_sides() -> None:
     boxes = state_boxes(["A", "B", "C"], 5.0, 4.0, lambda text: (0.5, 0.15))
     there, back = bend_arrows(boxes, [("A", "B"), ("B", "A")], 5.0, 4.0)
-    middle = [curve(boxes[a], boxes[b], bend)[20] for a, b, bend in
-              (("A", "B", there), ("B", "A", back))]
+    middle = [
+        curve(boxes[a], boxes[b], bend)[20] for a, b, bend in (("A", "B", there), ("B", "A", back))
+    ]
     assert np.hypot(*(middle[0] - middle[1])) > 0.1

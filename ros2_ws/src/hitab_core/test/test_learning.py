@@ -36,8 +36,12 @@ def decisions(function, rows):
 def test_each_state_with_examples_has_a_function_in_order_of_appearance():
     functions = learn_transitions(EXAMPLES, SCALES)
     assert list(functions) == [START, "GoFast", "GoSlow", "Stop"]
-    Automaton("ApproachBall", tuple(map(Use, ("GoFast", "GoSlow", "Stop"))),
-              (Use("DistanceTo", ("ball",)), Use("BallIsKickable")), functions)
+    Automaton(
+        "ApproachBall",
+        tuple(map(Use, ("GoFast", "GoSlow", "Stop"))),
+        (Use("DistanceTo", ("ball",)), Use("BallIsKickable")),
+        functions,
+    )
 
 
 label = st.sampled_from(["GoFast", "GoSlow", "Stop"])
@@ -67,7 +71,9 @@ def test_default_examples_leave_the_rest_of_the_world_to_keeping_on():
     functions = learn_transitions(EXAMPLES[:4], SCALES)
     assert functions["GoFast"].root_.threshold == math.nextafter(4, 9)
     assert decisions(functions["GoFast"], [(4.0, 0.0), (4.0001, 0.0), (100.0, 0.0)]) == [
-        "GoSlow", "GoFast", "GoFast",
+        "GoSlow",
+        "GoFast",
+        "GoFast",
     ]
 
 
@@ -76,8 +82,12 @@ def test_no_examples_no_functions():
 
 
 def test_the_trees_parameters_can_be_given_in_words():
-    pruned = learn_transition("tree(prune=True, min_samples_leaf=2)", [METERS],
-                              [[1], [2], [3], [4]], ["A", "A", "B", "B"])
+    pruned = learn_transition(
+        "tree(prune=True, min_samples_leaf=2)",
+        [METERS],
+        [[1], [2], [3], [4]],
+        ["A", "A", "B", "B"],
+    )
     assert isinstance(pruned, TransitionTree)
     assert (pruned.prune, pruned.min_samples_leaf) == (True, 2)
 

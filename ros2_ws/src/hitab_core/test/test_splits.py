@@ -199,9 +199,8 @@ def test_a_threshold_has_the_largest_gain_of_all_thresholds(drawn, min_branch):
     gains = [
         gain_and_ratio(counts_of(given_examples, given_examples.values <= value))[0]
         for value in set(given_examples.values)
-        if min(
-            (given_examples.values <= value).sum(), (given_examples.values > value).sum()
-        ) >= min_branch
+        if min((given_examples.values <= value).sum(), (given_examples.values > value).sum())
+        >= min_branch
     ]
     assert (split is None) == (not gains)
     if split is not None:
@@ -230,9 +229,9 @@ def test_an_arc_has_the_largest_gain_of_all_arcs(drawn, min_branch):
         width = upwards(arc.start, arc.end, 13.0)
         inside = np.array([upwards(arc.start, v, 13.0) < width for v in values])
         # At the ends themselves the difference may round, which the parts do not.
-        clear = np.array([
-            min(abs(v - e) % 13.0 for e in (arc.start, arc.end)) > 1e-9 for v in values
-        ])
+        clear = np.array(
+            [min(abs(v - e) % 13.0 for e in (arc.start, arc.end)) > 1e-9 for v in values]
+        )
         in_part = np.isin(np.arange(len(values)), split.parts[0])
         assert (inside == in_part)[clear].all()
 

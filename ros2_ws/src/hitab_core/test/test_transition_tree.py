@@ -151,7 +151,10 @@ def test_a_category_that_was_not_seen_gets_the_distribution_of_its_node():
     tree = TransitionTree([COLOR]).fit([[0], [0], [2]], ["Stop", "Stop", "GoFast"])
     assert isinstance(tree.root_, CategoryNode)
     assert tree.predict_proba([[0], [2], [1], [3]]).tolist() == [
-        [0, 1], [1, 0], [1 / 3, 2 / 3], [1 / 3, 2 / 3],
+        [0, 1],
+        [1, 0],
+        [1 / 3, 2 / 3],
+        [1 / 3, 2 / 3],
     ]
 
 
@@ -400,9 +403,7 @@ def test_the_explanation_the_prediction_and_the_decision_agree(examples, query):
     explained = tree.explain(query, NAMES)
     odds = dict(zip(tree.labels, tree.predict_proba([query])[0].tolist(), strict=True))
     assert explained.distribution == {label: p for label, p in odds.items() if p > 0}
-    likely = tree.compile(
-        range(4), {s: i for i, s in enumerate(tree.labels)}, most_probable=True
-    )
+    likely = tree.compile(range(4), {s: i for i, s in enumerate(tree.labels)}, most_probable=True)
     chosen = tree.labels[likely(list(query), no_reading, None)]
     assert odds[chosen] == max(odds.values())
     assert chosen == tree.predict([query])[0]
@@ -529,9 +530,17 @@ def a_tree():
     """Return a tree with a test of each kind."""
     return TransitionTree(MIXED, feature_names=NAMES).fit(
         [
-            [1, 0, 0, 0], [2, 90, 0, 0], [3, 180, 0, 0],
-            [6, -10, 0, 0], [6, 10, 0, 0], [6, 100, 0, 0], [6, 250, 0, 0],
-            [9, 100, 1, 0], [9, 100, 1, 2], [9, 100, 1, 0], [9, 100, 1, 0],
+            [1, 0, 0, 0],
+            [2, 90, 0, 0],
+            [3, 180, 0, 0],
+            [6, -10, 0, 0],
+            [6, 10, 0, 0],
+            [6, 100, 0, 0],
+            [6, 250, 0, 0],
+            [9, 100, 1, 0],
+            [9, 100, 1, 2],
+            [9, 100, 1, 0],
+            [9, 100, 1, 0],
         ],
         ["Stop"] * 3 + ["GoFast"] * 2 + ["GoSlow"] * 2 + ["Pass", "Stop", "Pass", "Stop"],
     )
@@ -575,7 +584,10 @@ def test_there_is_a_rule_for_each_leaf():
 def test_what_a_path_says_of_one_feature_is_one_condition():
     tree = TransitionTree([CONTINUOUS]).fit([[1], [3], [5], [7]], list("ABCA"))
     assert sorted(rule.conditions for rule in tree.rules(["x"])) == [
-        ("2 < x <= 4",), ("4 < x <= 6",), ("x <= 2",), ("x > 6",),
+        ("2 < x <= 4",),
+        ("4 < x <= 6",),
+        ("x <= 2",),
+        ("x > 6",),
     ]
 
 
@@ -593,16 +605,16 @@ def test_a_boundary_beside_an_example_is_written_as_on_its_side_of_the_example()
     tree = TransitionTree([DEGREES]).fit(
         [[-20], [20], [90]], ["A", "A", "B"], [False, False, True]
     )
-    assert [rule.conditions for rule in tree.rules(["x"])] == [("x in (20, -20)",),
-                                                              ("x in [-20, 20]",)]
+    assert [rule.conditions for rule in tree.rules(["x"])] == [
+        ("x in (20, -20)",),
+        ("x in [-20, 20]",),
+    ]
     tree = TransitionTree().fit([[1], [2], [3]], ["A", "B", "A"], [True, False, True])
     assert ("x = 2",) in [rule.conditions for rule in tree.rules(["x"])]
 
 
 @settings(deadline=None)
-@given(
-    st.lists(st.tuples(st.integers(0, 11), st.sampled_from("ABC")), min_size=2, max_size=12)
-)
+@given(st.lists(st.tuples(st.integers(0, 11), st.sampled_from("ABC")), min_size=2, max_size=12))
 def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
     tree = TransitionTree([DEGREES]).fit([[30 * a] for a, _ in drawn], [c for _, c in drawn])
     rules = tree.rules(["a"])
@@ -622,7 +634,9 @@ def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
 def test_an_explanation_tells_the_tests_in_order_and_the_features_looked_at():
     explained = a_tree().explain([6, 460, 0, 3], NAMES)
     assert explained.tests == (
-        "DirectionTo(ball) in [50, -60)", "not BallIsKickable", "DistanceTo(ball) > 4.5",
+        "DirectionTo(ball) in [50, -60)",
+        "not BallIsKickable",
+        "DistanceTo(ball) > 4.5",
     )
     assert explained.features == (1, 2, 0)
     assert explained.distribution == {"GoSlow": 1.0}
@@ -705,8 +719,10 @@ def test_pruning_makes_a_subtree_that_only_fits_noise_a_leaf():
 
 
 def test_pruning_keeps_what_every_example_speaks_for():
-    assert learned([((i, 0, 0, 0), LABELS[i // 10], False) for i in range(30)], prune=True).root_ \
+    assert (
+        learned([((i, 0, 0, 0), LABELS[i // 10], False) for i in range(30)], prune=True).root_
         == learned([((i, 0, 0, 0), LABELS[i // 10], False) for i in range(30)]).root_
+    )
 
 
 @settings(deadline=None)

@@ -77,9 +77,7 @@ def test_a_feature_stays_if_another_tree_would_grow_without_it(
     features = ["Role", "BallIsKickable", "Done"]
     rows = [("Start", seen, state) for seen, state in zip(values, to, strict=True)]
     automaton = teach("Odd", features, rows, defaults=False)
-    without = teach(
-        "Odd", features[:2], [(s, seen[:2], n) for s, seen, n in rows], defaults=False
-    )
+    without = teach("Odd", features[:2], [(s, seen[:2], n) for s, seen, n in rows], defaults=False)
     assert drawn(without) != drawn(automaton)
     trimmed, notes = trim(automaton, repertoire)
     assert drawn(trimmed) == drawn(automaton)
@@ -99,8 +97,9 @@ def test_a_trimmed_automaton_decides_as_before(
         st.integers(0, 2), st.integers(0, 1), st.floats(0, 360), st.floats(0, 3), st.integers(0, 1)
     )
     state = st.sampled_from(["GoFast", "GoSlow", "Stop"])
-    rows = data.draw(st.lists(
-        st.tuples(st.just("Start") | state, values, state), min_size=1, max_size=10))
+    rows = data.draw(
+        st.lists(st.tuples(st.just("Start") | state, values, state), min_size=1, max_size=10)
+    )
     features = ["Role", "BallIsKickable", "DirectionTo(goal)", "DistanceTo(ball)", "Done"]
     automaton = teach("Any", features, rows)
     trimmed, _ = trim(automaton, repertoire)
@@ -125,7 +124,9 @@ def test_a_target_can_become_a_parameter(repertoire: Repertoire, teach: Teach) -
     assert visit.labels == ("GoTo(A)", "Done")
     assert names(visit) == ["DistanceTo(A)"]
     assert [(e.state, e.next_state) for e in visit.examples] == [
-        ("Start", "GoTo(A)"), ("GoTo(A)", "GoTo(A)"), ("GoTo(A)", "Done"),
+        ("Start", "GoTo(A)"),
+        ("GoTo(A)", "GoTo(A)"),
+        ("GoTo(A)", "Done"),
     ]
     assert list(visit.transitions) == ["Start", "GoTo(A)"]
     assert [e.features for e in visit.examples] == [e.features for e in automaton.examples]
@@ -135,17 +136,26 @@ def test_a_generalized_behavior_is_used_twice_with_different_targets(
     repertoire: Repertoire, teach: Teach, robot: Domain, tmp_path: Path
 ) -> None:
     visit = rebind(
-        teach("Visit", ["DistanceTo(ball)"],
-              [("Start", [9.0], "GoTo(ball)"), ("GoTo(ball)", [1.0], "Done")]),
+        teach(
+            "Visit",
+            ["DistanceTo(ball)"],
+            [("Start", [9.0], "GoTo(ball)"), ("GoTo(ball)", [1.0], "Done")],
+        ),
         {"ball": "A"},
         repertoire,
     )
     library = BehaviorLibrary(tmp_path, robot)
     library.save(trim(visit, repertoire)[0])
     library.save(
-        teach("Shuttle", ["Done"],
-              [("Start", [0], "Visit(ball)"), ("Visit(ball)", [1], "Visit(goal)"),
-               ("Visit(goal)", [1], "Visit(ball)")])
+        teach(
+            "Shuttle",
+            ["Done"],
+            [
+                ("Start", [0], "Visit(ball)"),
+                ("Visit(ball)", [1], "Visit(goal)"),
+                ("Visit(goal)", [1], "Visit(ball)"),
+            ],
+        )
     )
     trained = BehaviorLibrary(tmp_path, robot).load()
     assert trained["Visit"].parameters == ("A",)
@@ -153,9 +163,7 @@ def test_a_generalized_behavior_is_used_twice_with_different_targets(
 
 
 def test_a_parameter_can_be_bound_to_a_target(repertoire: Repertoire, teach: Teach) -> None:
-    automaton = teach(
-        "Visit", ["DistanceTo(A)"], [("Start", [9.0], "GoTo(A)")], parameters=["A"]
-    )
+    automaton = teach("Visit", ["DistanceTo(A)"], [("Start", [9.0], "GoTo(A)")], parameters=["A"])
     bound = rebind(automaton, {"A": "goal"}, repertoire)
     assert bound.parameters == ()
     assert bound.labels == ("GoTo(goal)",)
@@ -192,9 +200,7 @@ def test_bindings_that_make_no_sense_are_refused(
         rebind(automaton, bindings, repertoire)
 
 
-def test_what_is_unbound_is_refused_by_name(
-    repertoire: Repertoire, approach: Automaton
-) -> None:
+def test_what_is_unbound_is_refused_by_name(repertoire: Repertoire, approach: Automaton) -> None:
     unbound = replace(approach, features=(Use("DistanceTo", ("X",)),))
     with pytest.raises(VocabularyError) as refused:
         trim(unbound, repertoire)

@@ -25,7 +25,14 @@ def test_words_that_other_yaml_takes_for_something_else_stay_text() -> None:
 
 def test_numbers_are_numbers_also_without_a_point() -> None:
     assert read_yaml("[1, -2, 1e3, 1.5, .5, 1., 'x', ~]", "f.yaml").value == [
-        1, -2, 1000.0, 1.5, 0.5, 1.0, "x", None,
+        1,
+        -2,
+        1000.0,
+        1.5,
+        0.5,
+        1.0,
+        "x",
+        None,
     ]
 
 

@@ -74,6 +74,11 @@ class KeepawayWorld:
         self._referee.begin()
         referee.set_up(self._physics, self._random)
 
+    @property
+    def physics(self) -> Physics:
+        """The bodies themselves, for players in the same process that see everything."""
+        return self._physics
+
     def percept(self, agent: str) -> Sensed:
         """Return what a keeper perceives now.
 

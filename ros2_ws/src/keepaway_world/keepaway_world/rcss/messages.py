@@ -15,6 +15,7 @@ from keepaway_world.rcss.sexpr import Expression, ProtocolError, excerpt, parse
 
 LEFT, RIGHT = "l", "r"
 REFEREE, SELF, OUR = "referee", "self", "our"
+BEFORE_KICK_OFF, PLAYING = "before_kick_off", "play_on"
 EPISODE_OVER = "training Keepaway 1"
 """What the referee says when an episode has ended and the next one has been set up."""
 
@@ -160,10 +161,10 @@ def parse_message(text: str) -> Message:
         return Other(kind, expression[1:])
     try:
         return read(kind, expression)
-    except (IndexError, TypeError, AttributeError, ProtocolError) as error:
+    except (IndexError, TypeError, ValueError) as error:
         why = str(error) if isinstance(error, ProtocolError) else "a part is missing"
         raise ProtocolError(
-            f"not a {kind} message of version 15 ({why}): {excerpt(text)}"
+            f"not a {kind} message of protocol version 15 ({why}): {excerpt(text)}"
         ) from None
 
 

@@ -1,0 +1,185 @@
+"""One client of rcssserver: a UDP socket, and the handshake with which the server takes it in."""
+
+from __future__ import annotations
+
+import contextlib
+import select
+import socket
+import time
+from collections.abc import Iterable, Sequence
+
+from keepaway_world.rcss.messages import Init, Message, Refusal, parse_message
+from keepaway_world.rcss.sexpr import ProtocolError, decode
+
+VERSION = 15
+ANSWER_SECONDS = 0.5
+"""How long the answer to ``(init ...)`` is waited for; a server looks every 10 ms."""
+
+_DATAGRAM = 65_536
+
+REASONS = {
+    "no_more_team": "two teams of other names play there already",
+    "no_more_player_or_goalie_or_illegal_client_version": (
+        f"the team is full, or the server does not speak protocol version {VERSION}; "
+        "start it anew, version 15 or later"
+    ),
+    "illegal_client_version": (
+        f"it does not speak protocol version {VERSION}; use rcssserver 15 or later"
+    ),
+    "illegal_teamname": "it does not like the team's name; use letters, digits, _, + and -",
+    "illegal_teamname_or_too_long_teamname": "the team's name is longer than 15 characters",
+    "already_have_offline_coach": "another trainer is connected; stop that one",
+    "connected_offline_coach_without_coach_mode": (
+        "it takes no trainer; start it with server::coach_w_referee=1"
+    ),
+}
+
+
+class ServerError(Exception):
+    """The server cannot be played on; the text tells in one sentence why, and the way out."""
+
+
+class NoAnswer(ServerError):
+    """Nobody answers there: the server is not up yet, or no longer."""
+
+
+class Connection:
+    """A client that the server has taken in.
+
+    Attributes:
+        where: the server's address, to be told to a user.
+        init: the server's answer.
+        garbled: how many datagrams were none of rcssserver's, and dropped.
+    """
+
+    def __init__(self, sock: socket.socket, where: str, init: Init) -> None:
+        self._socket = sock
+        self.where = where
+        self.init = init
+        self.garbled = 0
+
+    def fileno(self) -> int:
+        """Return the socket's descriptor, so that it can be waited for."""
+        return self._socket.fileno()
+
+    def send(self, *commands: str) -> None:
+        """Send commands, a datagram each, every one closed by a NUL as the server wants it.
+
+        Raises:
+            NoAnswer: if the server is gone.
+        """
+        try:
+            for command in commands:
+                self._socket.send(command.encode("ascii") + b"\0")
+        except OSError as error:
+            if not isinstance(error, BlockingIOError):  # a full buffer loses it, as UDP may
+                raise self._gone() from error
+
+    def receive(self) -> list[str]:
+        """Return the datagrams that have arrived, without waiting, as text.
+
+        Raises:
+            NoAnswer: if the server is gone.
+        """
+        texts: list[str] = []
+        while True:
+            try:
+                datagram = self._socket.recv(_DATAGRAM)
+            except BlockingIOError:
+                return texts
+            except OSError as error:
+                if texts:
+                    return texts
+                raise self._gone() from error
+            try:
+                texts.append(decode(datagram))
+            except ProtocolError:
+                self.garbled += 1
+
+    def parse(self, text: str) -> Message | None:
+        """Return what a datagram's text says; None, counted, if it is no message."""
+        try:
+            return parse_message(text)
+        except ProtocolError:
+            self.garbled += 1
+            return None
+
+    def close(self) -> None:
+        """Say goodbye, so that the server does not wait for this client any more."""
+        with contextlib.suppress(OSError):
+            self._socket.send(b"(bye)\0")
+        self._socket.close()
+
+    def _gone(self) -> NoAnswer:
+        return NoAnswer(f"the rcssserver at {self.where} has gone; start it again")
+
+
+def connect(
+    host: str, port: int, team: str = "", *, answer_seconds: float = ANSWER_SECONDS
+) -> Connection:
+    """Have the server take in a client.
+
+    Args:
+        host: of the server.
+        port: for players, usually 6000, or for the trainer, usually 6001.
+        team: whose player this is; "" for a trainer.
+        answer_seconds: how long to wait for the answer.
+
+    Raises:
+        NoAnswer: if none comes.
+        ServerError: if the server refuses, or if it is no rcssserver.
+    """
+    where = f"{host}:{port}"
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_DGRAM
+        )[0]
+    except (OSError, UnicodeError, OverflowError) as error:
+        raise ServerError(f"{where} is not the address of a server: {error}") from None
+    sock = socket.socket(family, kind, protocol)
+    try:
+        sock.setblocking(False)
+        words = [team, f"(version {VERSION})"] if team else [f"(version {VERSION})"]
+        sock.sendto(f"(init {' '.join(words)})".encode("ascii") + b"\0", address)
+        init, dedicated = _answer(sock, where, answer_seconds)
+        sock.connect(dedicated)  # from now on the system tells us when the server is gone
+        return Connection(sock, where, init)
+    except OSError as error:
+        sock.close()
+        raise NoAnswer(f"no rcssserver can be reached at {where}: {error}") from None
+    except BaseException:
+        sock.close()
+        raise
+
+
+def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tuple[object, ...]]:
+    """Wait for the server's answer; return it and the address from which it came."""
+    deadline = time.monotonic() + seconds
+    while (left := deadline - time.monotonic()) > 0:
+        if not select.select([sock], [], [], left)[0]:
+            break
+        try:
+            datagram, sender = sock.recvfrom(_DATAGRAM)
+        except BlockingIOError:
+            continue
+        try:
+            message = parse_message(decode(datagram))
+        except ProtocolError as error:
+            raise ServerError(f"what answers at {where} is no rcssserver: {error}") from None
+        if isinstance(message, Init):
+            return message, sender
+        if isinstance(message, Refusal) and message.kind == "error":
+            reason = REASONS.get(message.reason, message.reason.replace("_", " "))
+            raise ServerError(f"the rcssserver at {where} refuses: {reason}")
+        # The answer itself was lost: what follows it comes from the new port already.
+        with contextlib.suppress(OSError):
+            sock.sendto(b"(bye)\0", sender)
+        raise NoAnswer(f"the answer of the rcssserver at {where} was lost")
+    raise NoAnswer(
+        f"no rcssserver answers at {where}; start it, or correct the address (host and port)"
+    )
+
+
+def readable(connections: Iterable[Connection], seconds: float) -> Sequence[Connection]:
+    """Wait until something has arrived; return the connections on which it has."""
+    return select.select(list(connections), [], [], max(seconds, 0.0))[0]

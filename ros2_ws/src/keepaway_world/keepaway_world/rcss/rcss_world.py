@@ -1,0 +1,374 @@
+"""Keepaway as a running rcssserver plays it, behind the seam of all worlds.
+
+The server owns time and everything on the field; this world gives its players' commands and
+tells what it was told. See docs/rcssserver.md for what such a world cannot do.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from random import Random
+from typing import Any
+
+from hitab_core.seeding import world_seed
+from hitab_world.world import (
+    LOOK,
+    RESTART,
+    Action,
+    Entity,
+    EpisodeResult,
+    Placement,
+    Sensed,
+    WorldError,
+)
+from keepaway_world import referee
+from keepaway_world.parameters import PAPER, KeepawayParameters
+from keepaway_world.percept import perceive
+from keepaway_world.rcss import sentences
+from keepaway_world.rcss.commands import command_of_order, commands_of
+from keepaway_world.rcss.connection import ServerError
+from keepaway_world.rcss.episode_watch import EpisodeWatch
+from keepaway_world.rcss.field import Field, Place, parameters_of, placed
+from keepaway_world.rcss.link import Link, ServerSettings
+from keepaway_world.rcss.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
+from keepaway_world.rcss.trainer import Trainer
+from keepaway_world.takers import TakerTeam
+
+RETRY_SECONDS = 0.5  # between two attempts to reach a server
+HOLD_SECONDS = 0.9  # how long a server is held while paused; it waits 1.25 s for an answer
+BUSY_SECONDS = 0.05  # longest that `RcssWorld.idle` plays on before it returns
+
+
+class RcssWorld:
+    """A game of keepaway on an rcssserver; see `hitab_world.world.LiveWorld`.
+
+    Percepts and actions are those of `keepaway_world.world.KeepawayWorld`.
+
+    Args:
+        server: where it is, and who plays the takers.
+        parameters: figures of the game; those that are the server's to decide are taken from it.
+        seed: of the run, which the agents draw by; the server draws by its own.
+        patience: s; how long `reset` waits for an episode to begin. A node, which calls `idle`,
+            leaves it 0.
+    """
+
+    name = "keepaway"
+    cycle_seconds = 0.1
+
+    def __init__(
+        self,
+        server: ServerSettings = ServerSettings(),  # noqa: B008  (frozen)
+        parameters: KeepawayParameters = PAPER,
+        seed: int = 0,
+        *,
+        patience: float = 0.0,
+    ) -> None:
+        self.server = server
+        self.parameters = parameters
+        self.seed = seed
+        self.episode = 0
+        self.cycle = 0
+        self.episode_cycle = 0
+        self.ended = ""
+        self.refused: Mapping[str, str] = {}
+        self.waiting = sentences.CONNECTING.format(self._where)
+        self._ours = parameters
+        self._patience = patience
+        self._link: Link | None = None
+        self._trainer: Trainer | None = None
+        self._next_try = 0.0
+        self._forget()
+        self.agents: tuple[str, ...] = tuple(k.name for k in self._field.physics.keepers)
+
+    @property
+    def _where(self) -> str:
+        return f"{self.server.host}:{self.server.port}"
+
+    def _forget(self) -> None:
+        """Know nothing of the field."""
+        self.size = self.parameters.width, self.parameters.height
+        self._field = Field(self.parameters)
+        self._watch = EpisodeWatch(referee.Referee(self.parameters), self._field.physics)
+        self._takers = TakerTeam(self.parameters)
+        self._said: dict[str, str] = {}
+        self._heard: dict[str, list[str]] = {}
+        self._time = -1
+        self._mode = ""
+        self._result: EpisodeResult | None = None
+        self._held: dict[str, Place] = {}
+
+    # -- episodes ---------------------------------------------------------------------------
+
+    def reset(self, episode: int | None = None, seed: int | None = None) -> None:
+        """Begin the next episode, or begin to count them anew, from 0.
+
+        With a trainer the players are placed as at an episode's beginning. Without one, an
+        episode that has begun already has to end by itself; until then the world is `waiting`.
+
+        Raises:
+            WorldError: if an episode is to be played again, or one of another seed.
+        """
+        if seed is not None and seed != self.seed:
+            raise WorldError(
+                f"an rcssserver draws by its own seed (server::random_seed), and this world was "
+                f"started with seed {self.seed} for its agents; start it with seed {seed}"
+            )
+        following = self.episode + 1
+        if episode not in (None, 0, self.episode, following):
+            raise WorldError(
+                f"an rcssserver cannot play episode {episode} again or ahead; "
+                f"the next one is {following}"
+            )
+        self.episode = following if episode is None else episode
+        self.refused = {}
+        fresh = bool(self.ended) or self._time == self._watch.began
+        self.ended = ""
+        self._result = None
+        self.episode_cycle = 0
+        self._held = {}
+        if self._link is not None and not self.waiting and not fresh:
+            if self._trainer is None:
+                self.waiting = sentences.PLAYING_ON.format(self._where)
+            else:
+                self._set_up()
+        if self._patience:
+            self.wait(self._patience)
+
+    def wait(self, seconds: float) -> None:
+        """Keep the server company until an episode begins.
+
+        Raises:
+            WorldError: telling what it waits for, if that takes longer.
+        """
+        deadline = time.monotonic() + seconds
+        while self.waiting:
+            if time.monotonic() > deadline:
+                raise WorldError(self.waiting)
+            self.idle()
+            time.sleep(0.001)
+
+    def _set_up(self) -> None:
+        """Have the trainer place everybody as the referee would, drawn by our seed."""
+        physics = self._field.physics
+        referee.set_up(physics, Random(world_seed(self.seed, self.episode)))
+        self._move(self._field.places())
+        self._watch.begin(self._time)
+
+    def _move(self, places: Mapping[str, Place]) -> None:
+        assert self._trainer is not None
+        try:
+            self._trainer.put(places)
+        except ServerError as error:
+            raise WorldError(str(error)) from None
+        self._field.put(places)
+
+    def result(self) -> EpisodeResult:
+        """Return how the present episode went so far; its measure is the number of passes."""
+        return self._result if self._result is not None else self._result_so_far()
+
+    def _result_so_far(self) -> EpisodeResult:
+        return EpisodeResult(
+            self.episode,
+            self.seed,
+            self.episode_cycle,
+            self.episode_cycle * self.cycle_seconds,
+            self.ended,
+            {"passes": float(self._watch.passes)},
+        )
+
+    # -- cycles -----------------------------------------------------------------------------
+
+    def percept(self, agent: str) -> Sensed:
+        """Return what a keeper perceives now.
+
+        Raises:
+            WorldError: if there is no such keeper.
+        """
+        if agent not in self.agents:
+            raise WorldError(f'no keeper "{agent}" (has: {", ".join(self.agents)})')
+        keeper = self._field.movers[agent]
+        return perceive(self._field.physics, keeper), list(self._heard.get(agent, ()))
+
+    def step(self, actions: Mapping[str, Action]) -> str | None:
+        """Play one cycle; return "out" or "taken" if the episode ended with it, else None.
+
+        If the server is lost, or stops play, nothing happens and the world is `waiting`.
+        """
+        if self.waiting:
+            raise WorldError(self.waiting)
+        if self.ended:
+            raise WorldError(
+                f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
+            )
+        refused: dict[str, str] = {}
+        self.refused = refused
+        self._held = {}
+        given, self._said = commands_of(actions, self.agents, self.parameters, refused)
+        self._exchange(given | self._takers_commands())
+        return self.ended or None
+
+    def _takers_commands(self) -> dict[str, list[str]]:
+        if not self.server.our_takers:
+            return {}
+        physics = self._field.physics
+        orders = self._takers.decide(physics)
+        return {
+            taker.name: [command_of_order(order)]
+            for taker, order in zip(physics.takers, orders, strict=True)
+        }
+
+    def _exchange(self, given: Mapping[str, list[str]]) -> bool:
+        """Give commands and take in the next cycle; return whether an episode began with it."""
+        assert self._link is not None
+        try:
+            self._link.poll()  # in real time the server may have gone on already
+            self._link.answer(given)
+            self._link.await_cycle()
+        except ServerError as error:
+            late = self._link.joined_late
+            self._leave(sentences.JOINED_LATE.format(error) if late else str(error))
+            return False
+        return self._observe(self._link)
+
+    def _observe(self, link: Link) -> bool:
+        """Take in what was told of a cycle; return whether an episode began with it."""
+        time_before, self._time = self._time, link.time
+        if time_before >= 0:
+            self.cycle += max(self._time - time_before, 0)
+        state = link.state()  # None if lost: the field then stays as it was
+        mode = state.mode if state is not None else self._mode
+        over = any(text == EPISODE_OVER for _, text in link.referee)
+        if state is not None and self._mode == mode == PLAYING:
+            over = over or self._watch.set_up_anew(state)
+        began = over or (mode == PLAYING and self._mode == BEFORE_KICK_OFF)
+        if not self.waiting:
+            self.episode_cycle = self._time - self._watch.began
+            if over:
+                self.ended = self._watch.why_over()
+                self._result = self._result_so_far()
+        if state is not None:
+            kickers = self._field.take(state)
+            if not began and mode == PLAYING:
+                self._watch.saw(kickers)
+        if began:
+            self._watch.begin(self._time)
+        self._heard = {name: list(link.clients[name].heard) for name in self.agents}
+        self._mode = mode
+        self._see_to_waiting(state, began)
+        link.forget()
+        return began
+
+    def _see_to_waiting(self, state: FullState | None, began: bool) -> None:
+        """Decide whether there is an episode to be played."""
+        if self._mode == BEFORE_KICK_OFF:
+            self.waiting = sentences.BEFORE_PLAY.format(self._where)
+        elif self._mode != PLAYING:
+            self.waiting = sentences.STOPPED.format(self._where, self._mode)
+        elif state is not None and (missing := self._field.missing(state)):
+            self.waiting = missing
+        elif began:
+            self.waiting = ""
+        elif self.waiting:
+            self.waiting = sentences.PLAYING_ON.format(self._where)
+
+    # -- a server does not wait -------------------------------------------------------------
+
+    def idle(self) -> str:
+        """Keep the server company; see `hitab_world.world.LiveWorld`."""
+        if self._link is None:
+            self._join()
+            return ""
+        if not self.waiting:
+            return self._hold()
+        deadline = time.monotonic() + BUSY_SECONDS
+        while self.waiting and self._link is not None and time.monotonic() < deadline:
+            self._exchange(self._takers_commands() if self._mode == PLAYING else {})
+        if self.waiting:
+            return ""
+        self._result, self.ended, self.episode_cycle = None, "", 0
+        return RESTART
+
+    def _hold(self) -> str:
+        """Let the server go on as little as it can be made to, and put everything back."""
+        link = self._link
+        assert link is not None
+        self._held = self._held or self._field.places()
+        try:
+            link.poll()
+        except ServerError as error:
+            self._leave(str(error))
+            return ""
+        if link.synch:
+            if time.monotonic() - link.thinking_since < HOLD_SECONDS:
+                return ""
+        elif not link.complete:
+            return ""
+        began = self._exchange({})
+        if self._trainer is not None and not self.waiting and not began:
+            self._move(self._held)
+            return ""
+        if began:
+            self._held = {}
+            self._result, self.ended, self.episode_cycle = None, "", 0
+        return RESTART if began else LOOK
+
+    def _join(self) -> None:
+        """Try to be taken in by the server, unless that was tried just now."""
+        now = time.monotonic()
+        if now < self._next_try:
+            return
+        try:
+            self._link = Link(self.server, len(self.agents), self._ours.takers)
+            self.parameters = parameters_of(self._link.settings, self._ours)
+            self._forget()
+            if self.server.trainer_port:
+                self._trainer = Trainer(self.server)
+            self.waiting = sentences.BEFORE_PLAY.format(self._where)
+        except ServerError as error:
+            self._leave(str(error))
+        self._next_try = time.monotonic() + RETRY_SECONDS
+
+    def _leave(self, why: str) -> None:
+        """Leave the server, to be taken in again when that is possible."""
+        for connection in (self._link, self._trainer):
+            if connection is not None:
+                connection.close()
+        self._link = self._trainer = None
+        self._next_try = time.monotonic() + RETRY_SECONDS
+        self.waiting = why
+
+    def close(self) -> None:
+        """Take our players out of the game."""
+        self._leave("the world has left the server")
+
+    # -- what there is to see, and to put somewhere ------------------------------------------
+
+    def entities(self) -> list[Entity]:
+        """Return the ball and the players as the server last told them, in SI units."""
+        return self._field.entities(self._said)
+
+    def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
+        """Have the trainer put players or the ball somewhere else.
+
+        Raises:
+            WorldError: naming what cannot be; or if there is no trainer.
+        """
+        if self._trainer is None:
+            raise WorldError(sentences.NO_TRAINER)
+        if self.waiting:
+            raise WorldError(self.waiting)
+        self._move(placed(placements, self._field.movers))
+        if new_episode:
+            self.episode += 1
+            self._watch.begin(self._time)
+            self.episode_cycle = 0
+        self._held = {}
+
+    def snapshot(self) -> dict[str, Any]:
+        """Refuse: an rcssserver's state cannot be had."""
+        raise WorldError(sentences.NO_SNAPSHOT)
+
+    def restore(self, snapshot: Mapping[str, Any]) -> None:
+        """Refuse: an rcssserver's state cannot be set."""
+        raise WorldError(sentences.NO_SNAPSHOT)

@@ -1,0 +1,65 @@
+"""What a keeper does with the ball: the hand-coded policy, at random, or hold it always."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Mapping, Sequence
+from random import Random
+from types import MappingProxyType
+
+from keepaway_world.angles import wrapped
+from keepaway_world.physics import Mover, Physics
+
+HOLD = 0
+SAFE = 5.0  # m: no taker is nearer
+HOLD_SCORE = 90.0
+PER_METRE = 4.0  # degrees that a metre to the nearest taker is worth
+
+Policy = Callable[[Physics, Random], int]
+"""Returns `HOLD` or i > 0 for a pass to the i-th closest team mate."""
+
+
+def by_distance(players: Sequence[Mover], origin: Mover) -> list[Mover]:
+    """Return the players by their distance from one of them, who is the first."""
+    return sorted(players, key=lambda k: math.hypot(k.x - origin.x, k.y - origin.y))
+
+
+def hand(physics: Physics, random: Random) -> int:
+    """Hold while no taker is near, else what scores most (Stone, Sutton, Kuhlmann 2005)."""
+    ball = physics.ball
+    passer = min(physics.keepers, key=lambda k: math.hypot(k.x - ball.x, k.y - ball.y))
+    if not physics.takers:
+        return HOLD
+    if min(math.hypot(t.x - passer.x, t.y - passer.y) for t in physics.takers) > SAFE:
+        return HOLD
+    best, most = HOLD, HOLD_SCORE
+    for number, mate in enumerate(by_distance(physics.keepers, passer)):
+        if number == 0:
+            continue
+        open_by = min(math.hypot(t.x - mate.x, t.y - mate.y) for t in physics.takers)
+        angle = min(_angle(passer, mate, taker) for taker in physics.takers)
+        score = PER_METRE * open_by + math.degrees(angle)
+        if score > most:
+            best, most = number, score
+    return best
+
+
+def _angle(at: Mover, one: Mover, other: Mover) -> float:
+    """Return the angle at a player between two others."""
+    first = cmath.phase(complex(one.x - at.x, one.y - at.y))
+    second = cmath.phase(complex(other.x - at.x, other.y - at.y))
+    return abs(wrapped(first - second))
+
+
+def rand(physics: Physics, random: Random) -> int:
+    """Hold, or pass to any team mate, with equal chance."""
+    return random.randrange(len(physics.keepers))
+
+
+def hold(physics: Physics, random: Random) -> int:
+    """Never pass."""
+    return HOLD
+
+
+POLICIES: Mapping[str, Policy] = MappingProxyType({"hand": hand, "rand": rand, "hold": hold})

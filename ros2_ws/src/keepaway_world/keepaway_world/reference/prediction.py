@@ -1,0 +1,156 @@
+"""What a player expects of its own motion, and the commands that take it somewhere."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+from keepaway_world.angles import PI, wrapped
+from keepaway_world.interception import Order
+from keepaway_world.parameters import KeepawayParameters
+from keepaway_world.physics import Mover
+
+FULL = 100.0
+LATERAL = 0.9  # of the kicking range: a point that is less beside the way needs no turn
+LATERAL_FAR = ((20.0, 3.0), (10.0, 2.0))  # likewise beyond so many m
+BEHIND = 2.5  # m: a point behind and nearer than this may be reached backwards
+TURNS_MAX = 5
+ROLLING = 4  # cycles of rolling out that are taken into account
+
+
+@dataclass(slots=True)
+class Motion:
+    """Where a player is expected to be: position, velocity after decay, heading."""
+
+    position: complex
+    velocity: complex
+    heading: float
+
+    @classmethod
+    def of(cls, mover: Mover) -> Motion:
+        """Return the present state of a player."""
+        return cls(complex(mover.x, mover.y), complex(mover.vx, mover.vy), mover.heading)
+
+    def copy(self) -> Motion:
+        """Return another one with the same values."""
+        return Motion(self.position, self.velocity, self.heading)
+
+
+class Predictor:
+    """Predicts motion with given mechanics, without noise."""
+
+    def __init__(self, parameters: KeepawayParameters) -> None:
+        self.parameters = p = parameters
+        self.kickable = p.kickable
+        self.contact = p.contact
+        self._sums = [0.0]  # of the powers of the decay
+        for cycle in range(ROLLING):
+            self._sums.append(self._sums[-1] + p.player_decay**cycle)
+        self._first = [1.0]  # part of a distance that is covered in the first of some cycles
+        for cycles in range(1, 101):
+            self._first.append((1.0 - p.player_decay) / (1.0 - p.player_decay**cycles))
+        self._ball_sums = [0.0]
+        for cycle in range(101):
+            self._ball_sums.append(self._ball_sums[-1] + p.ball_decay**cycle)
+
+    def ball_after(self, ball: Mover, cycles: int) -> complex:
+        """Return where the ball will be if nobody touches it."""
+        rolled = self._ball_sums[min(cycles, 100)]
+        return complex(ball.x + ball.vx * rolled, ball.y + ball.vy * rolled)
+
+    def rolled_out(self, motion: Motion, cycles: int) -> complex:
+        """Return where a player will be that does nothing for up to four cycles."""
+        return motion.position + motion.velocity * self._sums[min(cycles, ROLLING)]
+
+    def dashed(self, motion: Motion, power: float) -> None:
+        """Change ``motion`` to what it will be after a dash."""
+        p = self.parameters
+        velocity = motion.velocity
+        if power:
+            velocity += cmath.rect(power * p.dash_rate, motion.heading)
+        speed = abs(velocity)
+        if speed > p.player_speed_max:
+            velocity *= p.player_speed_max / speed
+        motion.position += velocity
+        motion.velocity = velocity * p.player_decay
+
+    def turned(self, motion: Motion, moment: float) -> None:
+        """Change ``motion`` to what it will be after a turn."""
+        slowed = 1.0 + self.parameters.inertia * abs(motion.velocity)
+        motion.heading = wrapped(motion.heading + moment / slowed)
+        self.dashed(motion, 0.0)
+
+    def after(self, motion: Motion, order: Order) -> Motion:
+        """Return what ``motion`` becomes by a command."""
+        result = motion.copy()
+        if order[0] == "turn":
+            self.turned(result, order[1])
+        else:
+            self.dashed(result, order[1] if order[0] == "dash" else 0.0)
+        return result
+
+    def moment(self, angle: float, speed: float) -> float:
+        """Return the moment that turns by ``angle``, or as far as one turn goes."""
+        moment = angle * (1.0 + self.parameters.inertia * speed)
+        return min(max(moment, -PI), PI)
+
+    def turn_to(self, motion: Motion, target: complex, cycles: int = 1) -> Order:
+        """Return the turn towards a point as seen from where the player rolls to."""
+        off = bearing(motion, target - self.rolled_out(motion, cycles))
+        return "turn", self.moment(off, abs(motion.velocity)), 0.0
+
+    def dash_to(self, motion: Motion, target: complex, cycles: int = 1) -> Order:
+        """Return the dash, maybe backwards, that covers the way ahead in so many cycles."""
+        p = self.parameters
+        ahead = cmath.rect(1.0, -motion.heading)
+        way = ((target - motion.position) * ahead).real
+        speed = min(way * self._first[min(max(cycles, 1), 100)], p.player_speed_max)
+        power = (speed - (motion.velocity * ahead).real) / p.dash_rate
+        return "dash", min(max(power, -FULL), FULL), 0.0
+
+    def move_to(self, motion: Motion, target: complex, cycles: int) -> Order:
+        """Return the command that takes a player to a point in some cycles: turn or dash."""
+        turn = self._turn_towards(motion, target, cycles)
+        return turn if turn is not None else self.dash_to(motion, target, cycles)
+
+    def _turn_towards(self, motion: Motion, target: complex, cycles: int) -> Order | None:
+        """Return the turn that is needed, or None if the point is passed near enough without."""
+        start = self.rolled_out(motion, cycles)
+        way = target - start
+        lateral = abs((way * cmath.rect(1.0, -motion.heading)).imag)
+        behind = abs(way) > BEHIND
+        apart = abs(motion.position - target)
+        ratio = next((r for far, r in LATERAL_FAR if apart > far), LATERAL)
+        allowed = ratio * self.kickable
+        off = bearing(motion, way)
+        if not (lateral > allowed or (behind and abs(off) > PI / 2.0)):
+            return None
+        turning = motion.copy()
+        first: Order | None = None
+        turns = 0
+        while turns < TURNS_MAX and (lateral > allowed or (behind and abs(off) > PI / 2.0)):
+            moment = self.moment(off, abs(turning.velocity))
+            if first is None:
+                first = ("turn", moment, 0.0)
+            self.turned(turning, moment)
+            lateral = abs((way * cmath.rect(1.0, -turning.heading)).imag)
+            off = bearing(turning, way)
+            turns += 1
+        if turns > 1 and cycles < ROLLING and not behind and lateral < LATERAL * self.kickable:
+            off = wrapped(bearing(motion, way) + PI)
+            return "turn", self.moment(off, abs(motion.velocity)), 0.0
+        return first
+
+
+def bearing(motion: Motion, way: complex) -> float:
+    """Return the direction of ``way`` relative to the player's heading."""
+    return wrapped(cmath.phase(way) - motion.heading)
+
+
+def as_sent(order: Order) -> Order:
+    """Return a command as these players send it: in whole units of power and degrees."""
+    kind, amount, direction = order
+    if kind == "turn":
+        return kind, math.radians(math.trunc(math.degrees(amount))), 0.0
+    return kind, float(math.trunc(amount)), math.radians(math.trunc(math.degrees(direction)))

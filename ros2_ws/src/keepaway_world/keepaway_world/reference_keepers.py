@@ -1,0 +1,127 @@
+"""UT Austin's keepers as players of whole episodes in one process, to compare trained ones with.
+
+What they decide is in `keepaway_world.reference`; what to do with the ball is one of `POLICIES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from random import Random
+
+from hitab_core.seeding import agent_seed
+from keepaway_world import action
+from keepaway_world.interception import Order
+from keepaway_world.physics import Mover, Physics
+from keepaway_world.reference.ball_handling import BallHandling
+from keepaway_world.reference.interception import Meeting
+from keepaway_world.reference.policies import HOLD, POLICIES, Policy, by_distance
+from keepaway_world.reference.positioning import get_open, open_point
+from keepaway_world.reference.prediction import Predictor, as_sent
+from keepaway_world.reference.reaching import Reach
+from keepaway_world.world import KeepawayWorld
+
+FORWARD = 1.0  # they play towards +x
+HOLD_RATIO = 0.7  # of the kickable margin: how far from the body a held ball is kept
+
+_KINDS = {"dash": action.DASH, "turn": action.TURN, "kick": action.KICK}
+
+
+class ReferenceKeeper:
+    """Decides for one keeper; remembers the last pass and where it meets the ball."""
+
+    def __init__(self, physics: Physics, me: Mover, policy: Policy, random: Random) -> None:
+        self._physics = physics
+        self._me = me
+        self._policy = policy
+        self._random = random
+        self._predictor = Predictor(physics.parameters)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget the last episode."""
+        self._meeting = Meeting(self._predictor, FORWARD)
+        self._last_choice, self._chosen_at = HOLD, -10
+
+    def decide(self, cycle: int) -> Order:
+        """Return the command of a cycle."""
+        physics, me, ball = self._physics, self._me, self._physics.ball
+        apart = complex(ball.x - me.x, ball.y - me.y)
+        if abs(apart) < self._predictor.kickable:
+            return as_sent(self._with_ball(cycle))
+        reach = Reach(self._predictor, physics, me)
+        fastest = reach.fastest(physics.keepers, physics.takers)
+        if fastest is me:
+            return as_sent(self._meeting.order(me, ball, physics.takers, cycle))
+        from_where = self._predictor.ball_after(ball, reach.cycles_to_ball(fastest))
+        takers = [complex(t.x, t.y) for t in physics.takers]
+        others = [complex(p.x, p.y) for p in physics.players if p is not me]
+        p = physics.parameters
+        point = open_point((p.width, p.height), from_where, others, takers)
+        return as_sent(get_open(self._predictor, me, point, complex(ball.x, ball.y)))
+
+    def _with_ball(self, cycle: int) -> Order:
+        physics = self._physics
+        passing = self._last_choice != HOLD and self._chosen_at == cycle - 1
+        choice = self._last_choice if passing else self._policy(physics, self._random)
+        self._last_choice, self._chosen_at = choice, cycle
+        handling = BallHandling(self._predictor, self._me, physics.ball, physics.takers, FORWARD)
+        if choice == HOLD:
+            return handling.hold(HOLD_RATIO)
+        receiver = by_distance(physics.keepers, self._me)[choice]
+        return handling.pass_to(complex(receiver.x, receiver.y))
+
+
+class _SeesAll:
+    """A body for a player that looks at the world itself."""
+
+    def __init__(self) -> None:
+        self.order: Order | None = None
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        """Take the percept, which is not needed."""
+        self.order = None
+
+    def act(self) -> tuple[Sequence[float], str]:
+        """Return this cycle's command."""
+        if self.order is None:
+            return [], ""
+        kind, amount, direction = self.order
+        return [_KINDS[kind], amount, direction], ""
+
+
+class ReferencePlayer:
+    """Plays a keeper by a reference policy; see `keepaway_world.inprocess.Player`."""
+
+    def __init__(self, world: KeepawayWorld, name: str, policy: Policy) -> None:
+        self.body = _SeesAll()
+        self._world = world
+        self._name = name
+        self._random = Random()
+        me = next(k for k in world.physics.keepers if k.name == name)
+        self._keeper = ReferenceKeeper(world.physics, me, policy, self._random)
+
+    def begin(self, seed: int, episode: int) -> None:
+        """Begin an episode, with the player's generator seeded for it."""
+        self._random.seed(agent_seed(seed, episode, self._name))
+        self._keeper.begin()
+
+    def tick(self) -> None:
+        """Decide about this cycle."""
+        self.body.order = self._keeper.decide(self._world.episode_cycle)
+
+
+def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, ReferencePlayer]:
+    """Return players for all keepers of a world.
+
+    Args:
+        world: to be played in, in this process.
+        policy: a name of `POLICIES`.
+
+    Raises:
+        ValueError: if there is no such policy.
+    """
+    if policy not in POLICIES:
+        raise ValueError(
+            f'there is no reference policy "{policy}" (has: {", ".join(sorted(POLICIES))})'
+        )
+    return {name: ReferencePlayer(world, name, POLICIES[policy]) for name in world.agents}
