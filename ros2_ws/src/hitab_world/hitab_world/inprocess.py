@@ -1,0 +1,156 @@
+"""Play episodes in one process: world and agents without ROS, as fast as they can.
+
+Each agent has a player: an object that is told when an episode begins and that makes the agent's
+body act on each percept. `AutomatonPlayer` performs a behavior of a repertoire just as an agent
+node does; `PolicyPlayer` calls a function with the body. Agents perceive and act through the
+domain's body alone, so what is played here plays the same over topics.
+
+Example::
+
+    world = KeepawayWorld(seed=7)
+    repertoire = Repertoire(DOMAIN, library)
+    results = play(world, perform(world, repertoire, "Keepaway"), episodes=200)
+
+A world that computes what all its agents perceive at once does so at the first `World.percept` of
+a cycle; nothing has to be done here for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from random import Random
+from typing import Any, Protocol
+
+from hitab_core.repertoire import Repertoire
+from hitab_core.running_automaton import Stage
+from hitab_core.seeding import agent_seed
+from hitab_core.senses import Senses
+from hitab_core.use import Use
+from hitab_world.world import EpisodeResult, World
+
+Policy = Callable[[Any], None]
+"""Makes a body act: called once a cycle, after the body has sensed."""
+
+
+class Player(Protocol):
+    """What plays one agent.
+
+    Attributes:
+        body: of the agent; see `hitab_core.domain.Body`.
+    """
+
+    body: Any
+
+    def begin(self, seed: int, episode: int) -> None:
+        """Begin an episode; whatever is drawn in it depends on the two alone."""
+
+    def tick(self) -> None:
+        """Act on the percept that the body has just sensed."""
+
+
+class PolicyPlayer:
+    """Plays an agent by a function of its body."""
+
+    def __init__(self, body: Any, policy: Policy) -> None:
+        self.body = body
+        self._policy = policy
+
+    def begin(self, seed: int, episode: int) -> None:
+        """Begin an episode: nothing to be done."""
+
+    def tick(self) -> None:
+        """Act on the percept that the body has just sensed."""
+        self._policy(self.body)
+
+
+class AutomatonPlayer:
+    """Plays an agent by performing a behavior, from Start in each episode.
+
+    Args:
+        repertoire: the behaviors that there are.
+        use: the behavior to perform, bound to targets.
+        name: of the agent.
+        most_probable: take the most probable next state instead of drawing one.
+    """
+
+    def __init__(
+        self, repertoire: Repertoire, use: Use, name: str, *, most_probable: bool = False
+    ) -> None:
+        self.body = repertoire.domain.body(name)
+        self._name = name
+        self._random = Random()
+        self._senses = Senses(self.body, repertoire.domain)
+        stage = Stage(repertoire, self.body, self._senses, self._random.random, most_probable)
+        self.running = stage.perform(use)
+
+    def begin(self, seed: int, episode: int) -> None:
+        """Begin an episode, at Start, with the agent's generator seeded for it."""
+        self._random.seed(agent_seed(seed, episode, self._name))
+        self.running.stop()
+        self.running.start()
+
+    def tick(self) -> None:
+        """Perform one timestep on the percept that the body has just sensed."""
+        self._senses.forget()
+        self.running.tick()
+
+
+def perform(
+    world: World, repertoire: Repertoire, behavior: str | Use, *, most_probable: bool = False
+) -> dict[str, Player]:
+    """Return players that perform the same behavior with all agents of a world."""
+    use = Use.parse(behavior) if isinstance(behavior, str) else behavior
+    return {
+        name: AutomatonPlayer(repertoire, use, name, most_probable=most_probable)
+        for name in world.agents
+    }
+
+
+def play(
+    world: World,
+    players: Mapping[str, Player],
+    episodes: int = 1,
+    *,
+    cycles_max: int | None = None,
+    first: int | None = None,
+) -> list[EpisodeResult]:
+    """Play whole episodes and return how they went; the world is left at the end of the last.
+
+    Args:
+        world: is reset before each episode.
+        players: by agent; agents without a player do nothing.
+        episodes: how many.
+        cycles_max: break an episode off after so many cycles; its result has ``ended == ""``.
+        first: number of the first episode; the next one by default, or the present one if it
+            has not been begun to be played.
+    """
+    fresh = world.episode_cycle == 0 and not world.ended
+    number = first if first is not None else world.episode + (0 if fresh else 1)
+    results = []
+    for episode in range(number, number + episodes):
+        world.reset(episode)
+        results.append(play_on(world, players, cycles_max=cycles_max))
+    return results
+
+
+def play_on(
+    world: World, players: Mapping[str, Player], *, cycles_max: int | None = None
+) -> EpisodeResult:
+    """Play the present episode from where the world is, all agents at Start, to its end."""
+    for player in players.values():
+        player.begin(world.seed, world.episode)
+    while not world.ended and (cycles_max is None or world.episode_cycle < cycles_max):
+        cycle(world, players)
+    return world.result()
+
+
+def cycle(world: World, players: Mapping[str, Player]) -> str | None:
+    """Play one cycle: all perceive, all act; return why the episode ended, or None."""
+    actions = {}
+    for name, player in players.items():
+        body = player.body
+        values, heard = world.percept(name)
+        body.sense(values, heard)
+        player.tick()
+        actions[name] = body.act()
+    return world.step(actions)
