@@ -11,12 +11,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
+from typing import Any
 
 from hitab_core.automaton import Automaton
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.bundle import Bundle, bundle_digest, install
 from hitab_core.domain import Domain
-from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.errors import HitabError, LibraryError, TrainingError, VocabularyError, has
 from hitab_core.example import Example
 from hitab_core.example_journal import ExampleJournal
 from hitab_core.example_log import ExampleLog
@@ -107,6 +108,18 @@ class Agent:
         if self.mode in (Mode.TRAINING, Mode.TESTING) and self.session is not None:
             return self.session.curriculum.name
         return "" if self.mode is Mode.IDLE or self.top is None else str(self.top)
+
+    @property
+    def raised(self) -> frozenset[str]:
+        """The flags that the top-level behavior has raised and nobody has taken down."""
+        running = self._running
+        return frozenset() if running is None else frozenset(running.raised)
+
+    def lower_flags(self) -> None:
+        """Take down the flags of the top-level behavior, as a new order of a commander does."""
+        running = self._running
+        if running is not None:
+            running.raised.clear()
 
     @property
     def _running(self) -> Running | None:
@@ -215,8 +228,8 @@ class Agent:
             )
             examples = _with_features(earlier, features)
         session = TrainingSession(self._stage, curriculum, examples, self._write)
+        self._begin_journal(curriculum, examples)
         self._stop()
-        self._open_journal(curriculum, examples)
         self.session = session
         self.mode = Mode.TRAINING
         return session
@@ -360,14 +373,15 @@ class Agent:
                     f'"{self.top}", which {self.name} performs, is not in {library.folder}'
                 )
             repertoire.check_state(self.top)
-        self._stop()
         stage = self._stage
-        self._stage = Stage(
+        stage = Stage(
             repertoire, stage.body, stage.senses, stage.draw, stage.most_probable, stage.observe
         )
-        self.library = library
         if self.session is not None:
-            self.session.stage = self._stage
+            self.session.check_on(stage)
+        self._stop()
+        self._stage = stage
+        self.library = library
         self._rebuild()
         return sorted(library.names())
 
@@ -390,26 +404,28 @@ class Agent:
         self.library_digest = self.library.digest
         if self.top is not None:
             self._performance = self._stage.perform(self.top)
-            self._performance.start()
+            if self.mode is Mode.PERFORMING:
+                self._performance.start()
         if self.session is not None:
             self.session.rebuild(self._stage)
 
     # -- the journal of a training ----------------------------------------------------------
 
-    def _open_journal(self, curriculum: Curriculum, examples: Iterable[Example]) -> None:
+    def _begin_journal(self, curriculum: Curriculum, examples: Iterable[Example]) -> None:
         if self._journal_path is None:
             return
-        self._close_journal()
-        self._journal_path.parent.mkdir(parents=True, exist_ok=True)
-        self._journal = ExampleJournal.open(self._journal_path)
-        self._journal.append(
+        journal = ExampleJournal.begin(
+            self._journal_path,
             {
                 "do": "begin",
                 "domain": self.domain.name,
                 "curriculum": curriculum.to_record(),
                 "examples": [example_record(e) for e in examples],
-            }
+            },
         )
+        if self._journal is not None:
+            self._journal.close()
+        self._journal = journal
 
     def _write(self, record: Mapping[str, object]) -> None:
         if self._journal is not None:
@@ -429,15 +445,28 @@ class Agent:
         if not records:
             journal.discard()
             return
+        try:
+            self.session = self._replayed(records)
+        except (HitabError, KeyError, TypeError, ValueError) as error:
+            journal.close()
+            raise LibraryError(
+                f"{path}: the training that was interrupted cannot be gone on with: {error}; "
+                "mend that, or move this file away to start without that training"
+            ) from error
+        self._journal = journal
+        self.mode = Mode.TRAINING
+
+    def _replayed(self, records: Sequence[Mapping[str, Any]]) -> TrainingSession:
         begin, *rest = records
+        if begin["domain"] != self.domain.name:
+            raise TrainingError(
+                f'it is of domain "{begin["domain"]}", and {self.name} has "{self.domain.name}"'
+            )
         curriculum = Curriculum.from_record(begin["curriculum"])
         log = replay([{"do": "command", "examples": begin["examples"]}], ExampleLog())
         session = TrainingSession(self._stage, curriculum, log.examples, self._write)
-        replay(rest, session.log)
-        session.rebuild(self._stage)
-        self._journal = journal
-        self.session = session
-        self.mode = Mode.TRAINING
+        session.replay(rest)
+        return session
 
 
 def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example, ...]:

@@ -60,6 +60,37 @@ class ExampleJournal:
                 raise
         return journal
 
+    @classmethod
+    def begin(cls, path: Path | str, first: Mapping[str, Any]) -> Self:
+        """Begin a journal in the place of the one that may be there, which is archived.
+
+        Args:
+            path: where it shall be.
+            first: its first record.
+
+        Raises:
+            LibraryError: if it cannot be written; then what was there is as before.
+        """
+        path = Path(path)
+        beside = path.with_name(f"{path.stem}.next{path.suffix}")
+        with file_errors(beside, "remove"):
+            beside.unlink(missing_ok=True)  # left over from a process that was killed
+        journal = cls.open(beside)
+        try:
+            journal.append(first)
+            with file_errors(path, "begin"):
+                if path.exists():
+                    path.rename(_free_name(path))
+                beside.rename(path)
+                sync_folder(path.parent)
+        except BaseException:
+            journal.close()
+            with suppress(OSError):
+                beside.unlink(missing_ok=True)
+            raise
+        journal.path = path
+        return journal
+
     def append(self, record: Mapping[str, Any]) -> int:
         """Write a record; when this returns, it is on disk.
 
@@ -77,12 +108,12 @@ class ExampleJournal:
             kept = json.loads(json.dumps(record, allow_nan=False))
         except (TypeError, ValueError, RecursionError) as error:
             raise LibraryError(f"{self.path}: cannot hold {record}: {error}") from None
-        text = json.dumps(kept)
-        line = f'{{"journal": {VERSION}, "number": {number}, "crc": "{_crc(text)}", "record": '
-        data = f"{line}{text}}}\n".encode()
+        data = _line(number, kept)
         with file_errors(self.path, "write to"):
+            if not os.fstat(self._open()).st_nlink:
+                self._write_afresh()
             try:
-                write_all(self._open(), data)
+                write_all(self._descriptor, data)
                 os.fsync(self._descriptor)
             except OSError:
                 with suppress(OSError):  # half a line is dropped when it is opened again, too
@@ -113,8 +144,9 @@ class ExampleJournal:
             LibraryError: if that cannot be done.
         """
         with file_errors(self.path, "remove"):
-            self.path.unlink(missing_ok=True)
-            sync_folder(self.path.parent)
+            if self.path.exists():
+                self.path.unlink()
+                sync_folder(self.path.parent)
         self.close()
 
     def archive(self) -> Path:
@@ -126,12 +158,11 @@ class ExampleJournal:
         Raises:
             LibraryError: if that cannot be done.
         """
-        number = 1
         with file_errors(self.path, "rename"):
-            while (archived := self._archived(number)).exists():
-                number += 1
-            self.path.rename(archived)
-            sync_folder(self.path.parent)
+            archived = _free_name(self.path)
+            if self.path.exists():  # else somebody has removed it
+                self.path.rename(archived)
+                sync_folder(self.path.parent)
         self.close()
         return archived
 
@@ -140,8 +171,17 @@ class ExampleJournal:
             raise LibraryError(f"{self.path}: is closed; open it again to write to it")
         return self._descriptor
 
-    def _archived(self, number: int) -> Path:
-        return self.path.with_name(f"{self.path.stem}.{number}{self.path.suffix}")
+    def _write_afresh(self) -> None:
+        """Write everything again, since somebody has removed the file or its folder."""
+        again = type(self).open(self.path)
+        try:
+            for record in self._records[len(again) :]:
+                again.append(record)
+        except BaseException:
+            again.close()
+            raise
+        os.close(self._descriptor)
+        self._descriptor, self._size = again._descriptor, again._size
 
     def _lock(self) -> None:
         try:
@@ -166,6 +206,19 @@ class ExampleJournal:
         if self._size < len(data):
             os.ftruncate(self._descriptor, self._size)
         os.fsync(self._descriptor)
+
+
+def _free_name(path: Path) -> Path:
+    number = 1
+    while (archived := path.with_name(f"{path.stem}.{number}{path.suffix}")).exists():
+        number += 1
+    return archived
+
+
+def _line(number: int, record: Mapping[str, Any]) -> bytes:
+    text = json.dumps(record)
+    line = f'{{"journal": {VERSION}, "number": {number}, "crc": "{_crc(text)}", "record": '
+    return f"{line}{text}}}\n".encode()
 
 
 def _crc(text: str) -> str:

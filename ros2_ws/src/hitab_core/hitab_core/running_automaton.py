@@ -215,17 +215,11 @@ class RunningAutomaton:
         if index != self._active:
             self._enter(index)
 
-    def observe_features(self) -> tuple[float, ...]:
-        """Return the values of all features of this automaton now, and take down the flags.
-
-        Raises:
-            FeatureValueError: naming a feature that has no value.
-        """
-        values = tuple(self.peek_features())
+    def take_down_flags(self) -> None:
+        """Take down what the active state has raised: a demonstrator's command is the query."""
         child = self.child
         if child is not None:
             child.raised.clear()
-        return values
 
     def peek_features(self) -> list[float]:
         """Return the values of all features now, leaving raised flags up."""

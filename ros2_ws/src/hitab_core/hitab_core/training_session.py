@@ -6,6 +6,7 @@ Source: the paper, section 3, "Training with HiTAB".
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
@@ -129,6 +130,28 @@ class TrainingSession:
         self.running.stop()
         self.running.start()
 
+    def check_on(self, stage: Stage) -> None:
+        """Check that the training could go on with another repertoire.
+
+        Raises:
+            VocabularyError: naming what that does not have.
+        """
+        check(stage, self.curriculum)
+        for label in _labels(self.log.examples):
+            stage.repertoire.check_state(Use.parse(label), self.curriculum.parameters)
+
+    def replay(self, records: Iterable[Mapping[str, Any]]) -> None:
+        """Do again what a journal tells was done since the training was begun.
+
+        Raises:
+            VocabularyError: if an example is of a behavior that there is not any more.
+        """
+        records = list(records)
+        replay(records, self.log)
+        self._tested = any(record["do"] == "test" for record in records)
+        self.check_on(self.stage)
+        self.rebuild(self.stage)
+
     def rebuild(self, stage: Stage) -> None:
         """Perform afresh, at Start, since behaviors of the repertoire may have changed."""
         self.stage = stage
@@ -162,7 +185,7 @@ class TrainingSession:
         label = str(state)
         source = START if running.active in FLAGS else running.active
         again = label == source
-        features = running.observe_features()
+        features = tuple(running.peek_features())
         taught = self.log.preview(
             source,
             features,
@@ -174,6 +197,7 @@ class TrainingSession:
         # On disk first: what is acknowledged must survive the agent.
         self._journal({"do": "command", "examples": [example_record(e) for e in taught]})
         self.log.add(taught)
+        running.take_down_flags()
         running.add_state(state)
         running.go_to(label)
         return taught
@@ -185,10 +209,10 @@ class TrainingSession:
             TrainingError: if no example leaves Start.
         """
         automaton = self.automaton()
+        self._journal({"do": "test"})
         self.running.set_transitions(automaton.transitions)
         if restart:
             self.restart()
-        self._journal({"do": "test"})
         self.testing = self._tested = True
 
     def take_over(self) -> None:
@@ -225,17 +249,16 @@ class TrainingSession:
         )
 
     def _edit(self, record: Mapping[str, Any]) -> None:
-        trial = ExampleLog(self.log.examples)
-        if record["do"] != "undo":
-            apply_edit(trial, record)  # refuses what cannot be done before it is written
-        elif not self.log.can_undo:
-            raise TrainingError("nothing to undo")
+        # Whatever is refused is refused before it is written.
+        trial = deepcopy(self.log)
+        apply_edit(trial, record)
+        learned = self._learned(trial.examples) if self.testing else None
         self._journal(record)
-        apply_edit(self.log, record)
-        for label in _labels(self.log.examples):
+        self.log = trial
+        for label in _labels(trial.examples):
             self.running.add_state(Use.parse(label))
-        if self.testing:
-            self.running.set_transitions(self.automaton().transitions)
+        if learned is not None:
+            self.running.set_transitions(learned.transitions)
 
     def automaton(self) -> Automaton:
         """Return what has been learned so far, untrimmed.
@@ -243,7 +266,9 @@ class TrainingSession:
         Raises:
             TrainingError: if no example leaves Start.
         """
-        examples = self.log.examples
+        return self._learned(self.log.examples)
+
+    def _learned(self, examples: tuple[Example, ...]) -> Automaton:
         if not any(e.state == START for e in examples):
             raise TrainingError(
                 f'"{self.curriculum.name}" cannot be tested: no example leaves {START}; '

@@ -1,5 +1,6 @@
 """An agent without its robot: modes, what it keeps, what it refuses."""
 
+import shutil
 from types import SimpleNamespace
 
 import pytest
@@ -9,6 +10,7 @@ from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.bundle import make_bundle
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import LibraryError, TrainingError, VocabularyError
+from hitab_core.example import ExampleKind
 from hitab_core.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -231,3 +233,107 @@ def test_the_same_seed_and_episode_give_the_same_decisions(make):
     assert draws[0] == draws[1]
     assert draws[0] != draws[2]
     assert draws[0] != draws[3], "each agent has its own"
+
+
+def fail_to_write(monkeypatch):
+    """Have every write to a journal fail, as on a full disk."""
+
+    def full(descriptor, data):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("hitab_core.example_journal.write_all", full)
+
+
+def test_a_command_that_cannot_be_written_down_changes_nothing(make, monkeypatch):
+    agent = make()
+    teach_home(agent)
+    before = (agent.session.examples, agent.active_path)
+    with monkeypatch.context() as patch:
+        fail_to_write(patch)
+        with pytest.raises(LibraryError, match="make room on the disk"):
+            agent.command(Use("Right"))
+        with pytest.raises(LibraryError, match="make room on the disk"):
+            agent.session.undo()
+        with pytest.raises(LibraryError, match="make room on the disk"):
+            agent.test(restart=True)
+    assert (agent.session.examples, agent.active_path) == before
+    assert agent.mode is Mode.TRAINING
+    agent.command(Use("Right"))
+    expected = agent.session.examples
+    agent._journal.close()  # as the end of the process does
+    assert make().session.examples == expected
+
+
+def test_a_training_that_cannot_be_written_down_leaves_the_earlier_one_safe(make, monkeypatch):
+    agent = make()
+    teach_home(agent)
+    with monkeypatch.context() as patch:
+        fail_to_write(patch)
+        with pytest.raises(LibraryError, match="make room on the disk"):
+            agent.begin(Curriculum("Other", (Use("x"),)), discard=True)
+    assert agent.behavior == "Home"
+    agent.command(Use("Right"))
+    expected = agent.session.examples
+    agent._journal.close()  # as the end of the process does
+    assert make().session.examples == expected
+
+
+def test_a_training_whose_files_are_removed_is_written_again(make, tmp_path):
+    agent = make()
+    teach_home(agent)
+    shutil.rmtree(tmp_path / "ann")
+    agent.command(Use("Right"))
+    expected = agent.session.examples
+    agent._journal.close()  # as the end of the process does
+    again = make()
+    assert again.session.examples == expected
+    shutil.rmtree(tmp_path / "ann")
+    again.save()
+    assert make().session is None
+
+
+def test_an_edit_that_leaves_nothing_to_test_is_refused_while_testing(make):
+    agent = make()
+    teach_home(agent)
+    agent.test(restart=True)
+    before = agent.session.examples
+    with pytest.raises(TrainingError, match="no example leaves Start"):
+        agent.session.delete([e.number for e in before if e.state == "Start"])
+    assert agent.session.examples == before
+    assert do(agent, 2.0) == "Left"
+
+
+def test_commands_after_a_test_are_corrections_also_after_a_restart(make):
+    agent = make()
+    teach_home(agent)
+    agent.test()
+    agent._journal.close()  # as the end of the process does
+    again = make()
+    see(again, -3.0)
+    assert again.command(Use("Right"))[0].kind is ExampleKind.CORRECTION
+
+
+def test_an_interrupted_training_that_does_not_fit_is_told_with_its_file(make, tmp_path):
+    agent = make()
+    teach_home(agent)
+    agent.save()
+    agent.begin(Curriculum("Far", (Use("x"),)))
+    see(agent, 5.0)
+    agent.command(Use("Home"))
+    agent._journal.close()  # as the end of the process does
+    (tmp_path / "ann" / "library" / "Home.hfa.yaml").unlink()
+    with pytest.raises(LibraryError, match=r"training.jsonl: .*\"Home\".*move this file away"):
+        make()
+
+
+def test_a_library_without_what_is_being_trained_is_refused_and_changes_nothing(make):
+    agent = make()
+    teach_home(agent)
+    agent.save()
+    agent.begin(Curriculum("Far", (Use("x"),)))
+    see(agent, 5.0)
+    agent.command(Use("Home"))
+    with pytest.raises(VocabularyError, match='unknown behavior "Home"'):
+        agent.reload(BehaviorLibrary(agent.library.folder.parent / "nothing", agent.domain))
+    assert "Home" in agent.repertoire
+    assert do(agent, 5.0) == "Left"
