@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -134,14 +134,33 @@ def decider(root: Compiled) -> Decide:
     return decide
 
 
-def ends(root: Compiled, X: Floats) -> Iterator[tuple[Any, Integers]]:
-    """Yield the ends of paths that rows of X come to, with the indices of these rows.
+class Columns(Protocol):
+    """Where the values of many agents come from."""
+
+    def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
+        """Return those of some agents that have a value in a slot, and their values."""
+
+
+class MatrixColumns:
+    """The columns of an array, shape (n, m), without missing values."""
+
+    def __init__(self, X: Floats) -> None:
+        self._X = X
+
+    def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
+        """Return the rows, and their values."""
+        return rows, self._X[rows, slot]
+
+
+def ends(root: Compiled, columns: Columns, rows: Integers) -> Iterator[tuple[Any, Integers]]:
+    """Yield the ends of paths that agents come to, with the indices of these agents.
 
     Args:
-        root: a compiled tree whose slots are columns of X.
-        X: shape (n, m).
+        root: a compiled tree.
+        columns: the agents' values, by the slots of the tree.
+        rows: the agents.
     """
-    waiting: list[tuple[Compiled, Integers]] = [(root, np.arange(len(X)))]
+    waiting: list[tuple[Compiled, Integers]] = [(root, rows)]
     while waiting:
         node, rows = waiting.pop()
         if not len(rows):
@@ -150,12 +169,17 @@ def ends(root: Compiled, X: Floats) -> Iterator[tuple[Any, Integers]]:
             yield node, rows
             continue
         slot, period, low, high, yes, no = node
-        values = X[rows, slot]
+        rows, values = columns.take(slot, rows)
         if period:
             values = values % period
-        held = (low < values) & (values <= high)
-        waiting.append((no, rows[~held]))
-        waiting.append((yes, rows[held]))
+        held = values <= high
+        if low != -math.inf:
+            held &= low < values
+        n_held = np.count_nonzero(held)
+        if n_held < len(rows):
+            waiting.append((no, rows[~held] if n_held else rows))
+        if n_held:
+            waiting.append((yes, rows[held] if n_held < len(rows) else rows))
 
 
 def decide_rows(root: Compiled, X: Floats, draws: Floats) -> Integers:
@@ -167,7 +191,7 @@ def decide_rows(root: Compiled, X: Floats, draws: Floats) -> Integers:
         draws: shape (n,), uniform on [0, 1).
     """
     chosen = np.empty(len(X), np.int64)
-    for leaf, rows in ends(root, X):
+    for leaf, rows in ends(root, MatrixColumns(X), np.arange(len(X))):
         if isinstance(leaf, Draw):
             drawn = np.searchsorted(leaf.cumulative, draws[rows], side="right")
             chosen[rows] = np.asarray(leaf.choices)[drawn]

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from hitab_core.automaton import Automaton
+    from hitab_core.gain_ratio import Floats
 
 ENTRY_POINT_GROUP = "hitab.domains"
 
@@ -37,17 +38,32 @@ class FeatureKind(StrEnum):
     BOOLEAN = "boolean"
 
 
+@dataclass(slots=True)
+class BatchPercepts:
+    """The percepts of many agents whose values are laid out alike.
+
+    Attributes:
+        values: shape (n, m), a row for each agent in the layout of the domain.
+        heard: the messages that each agent hears; None: nobody hears any.
+    """
+
+    values: Floats
+    heard: Sequence[Sequence[str]] | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Target:
     """Something in the world that a parameter can be bound to, such as the closest taker.
 
     ``resolve(body)`` returns whatever the domain's features and behaviors expect, afresh at each
-    use, since what is closest changes.
+    use, since what is closest changes. ``resolve_all`` is the same for many agents at once, see
+    `Feature`.
     """
 
     name: str
     resolve: Callable[[Any], Any]
     description: str = ""
+    resolve_all: Callable[[BatchPercepts], Any] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +72,10 @@ class Feature:
 
     A categorical feature's value is an index into ``categories``; a boolean one's is 0 or 1.
     ``period`` is the length of a toroidal feature's circle, in its own ``unit``.
+
+    ``read_all(percepts, *targets)`` may return the values of many agents at once, shape (n,), from
+    their percepts alone, and exactly those that ``read`` returns; each target is what its
+    ``resolve_all`` returned. Without it many agents' features are read one by one.
     """
 
     name: str
@@ -66,6 +86,7 @@ class Feature:
     period: float = 2 * math.pi
     categories: tuple[str, ...] = ()
     description: str = ""
+    read_all: Callable[..., Floats] | None = None
 
     @property
     def scale(self) -> Scale:

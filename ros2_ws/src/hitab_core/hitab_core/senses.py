@@ -49,7 +49,7 @@ class Senses:
             feature = self._domain.features[use.name]
             self._slots[use] = self._new(
                 partial(
-                    _checked,
+                    checked,
                     resolved(feature.read, self._body, self._domain, use),
                     str(use),
                     len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
@@ -85,7 +85,17 @@ class Senses:
         self.values[:] = self._blank
 
 
-def _checked(read: Callable[[], float], name: str, categories: int) -> float:
+def checked(read: Callable[[], float], name: str, categories: int) -> float:
+    """Return a feature's value.
+
+    Args:
+        read: reads it.
+        name: of the feature, for errors.
+        categories: how many there are; 0 for a feature that is not categorical.
+
+    Raises:
+        FeatureValueError: if the value is missing, not a number or not a category.
+    """
     value = read()
     if value is None or value != value:
         raise FeatureValueError(f'feature "{name}" has no value (got {value}); check its sensor')

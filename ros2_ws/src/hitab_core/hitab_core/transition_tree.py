@@ -17,7 +17,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from hitab_core import tree_text
 from hitab_core.boundaries import on_circle
-from hitab_core.compiled_tree import compiled, decide_rows, decider, ends, leaf_choice
+from hitab_core.compiled_tree import (
+    Compiled,
+    MatrixColumns,
+    compiled,
+    decide_rows,
+    decider,
+    ends,
+    leaf_choice,
+)
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import VocabularyError, has
 from hitab_core.feature_values import check_scales, feature_values
@@ -191,7 +199,7 @@ class TransitionTree:
         values = feature_values(X, self.scales_, self.feature_names)
         probabilities = np.empty((len(values), len(self.classes_)))
         tree = compiled(root, range(self.n_features_in_), np.array)
-        for counts, rows in ends(tree, values):
+        for counts, rows in ends(tree, MatrixColumns(values), np.arange(len(values))):
             probabilities[rows] = counts / counts.sum()
         return probabilities
 
@@ -220,6 +228,16 @@ class TransitionTree:
             VocabularyError: if the tree leads to a state that is not in ``states``.
         """
         return decider(self._compiled(slots, states, most_probable))
+
+    def compile_batch(
+        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
+    ) -> Compiled:
+        """Return the tree as `compiled_tree.ends` walks it for many agents; see `compile`.
+
+        Raises:
+            VocabularyError: if the tree leads to a state that is not in ``states``.
+        """
+        return self._compiled(slots, states, most_probable)
 
     def decide_batch(
         self,

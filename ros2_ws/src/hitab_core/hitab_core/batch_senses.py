@@ -1,0 +1,173 @@
+"""The features of many agents as columns, read when a decision first looks at them.
+
+A feature that its domain can read for all agents at once (`Feature.read_all`) costs one array
+operation; any other is read agent by agent, and only for the agents whose decisions look at it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from hitab_core.domain import Domain, FeatureKind
+from hitab_core.gain_ratio import Booleans, Floats, Integers
+from hitab_core.senses import checked, resolved
+from hitab_core.use import Use
+
+ReadAll = Callable[[], Floats]
+
+
+@dataclass(slots=True)
+class _Column:
+    """The values of one feature: shape (n,).
+
+    Attributes:
+        known: which values have been read since the last percepts; None: all or none.
+        whole: whether all are known.
+        wrong: why values are missing or impossible, by row; these are NaN.
+    """
+
+    values: Floats
+    name: str = ""
+    categories: int = 0
+    read_all: ReadAll | None = None
+    readers: list[Callable[[], float]] | None = None
+    known: Booleans | None = None
+    whole: bool = False
+    wrong: dict[int, Exception] = field(default_factory=dict)
+
+
+class BatchSenses:
+    """Feature values of many agents by slot, as `hitab_core.senses.Senses` has those of one.
+
+    Attributes:
+        errors: why a feature that an agent's decision looked at could not be read, by row.
+    """
+
+    def __init__(
+        self, domain: Domain, size: int, bodies: Sequence[Any] = (), percepts: Any = None
+    ) -> None:
+        """Know the agents.
+
+        Args:
+            domain: whose features they are.
+            size: how many agents, n.
+            bodies: of each agent; not needed for features given by `put` or read for all.
+            percepts: what the domain reads for all agents at once, see `Feature.read_all`;
+                None: nothing is read so.
+        """
+        self.errors: dict[int, Exception] = {}
+        self._domain = domain
+        self._size = size
+        self._bodies = bodies
+        self._percepts = percepts
+        self._columns: list[_Column] = []
+        self._slots: dict[Use, int] = {}
+
+    def slot(self, use: Use) -> int:
+        """Return the slot of a feature bound to targets, making it on first use."""
+        if use not in self._slots:
+            feature = self._domain.features[use.name]
+            column = _Column(
+                np.zeros(self._size),
+                str(use),
+                len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
+                self._reads_all(use),
+            )
+            if column.read_all is None:
+                column.readers = [
+                    resolved(feature.read, body, self._domain, use) for body in self._bodies
+                ]
+                column.known = np.zeros(self._size, np.bool_)
+            self._columns.append(column)
+            self._slots[use] = len(self._columns) - 1
+        return self._slots[use]
+
+    def _reads_all(self, use: Use) -> ReadAll | None:
+        domain = self._domain
+        read = domain.features[use.name].read_all
+        resolvers = [domain.targets[argument].resolve_all for argument in use.arguments]
+        if self._percepts is None or read is None or None in resolvers:
+            return None
+        percepts = self._percepts
+        return lambda: read(percepts, *[r(percepts) for r in resolvers if r is not None])
+
+    def slot_for_flag(self) -> int:
+        """Return a fresh slot that its automaton fills by itself."""
+        self._columns.append(_Column(np.zeros(self._size), whole=True))
+        return len(self._columns) - 1
+
+    def put(self, slot: int, rows: Integers, values: Any) -> None:
+        """Set the values of a flag's slot."""
+        self._columns[slot].values[rows] = values
+
+    def give(self, use: Use, values: Floats) -> None:
+        """Set all values of a feature, shape (n,), until they are forgotten."""
+        column = self._columns[self.slot(use)]
+        column.values = np.array(values, np.float64)
+        self._inspect(column)
+
+    def forget(self) -> None:
+        """Forget all values but flags: new percepts have come."""
+        self.errors.clear()
+        for slot in self._slots.values():
+            column = self._columns[slot]
+            column.whole = False
+            column.wrong.clear()
+            if column.known is not None:
+                column.known[:] = False
+
+    def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
+        """Return those of some agents whose value can be read, and their values."""
+        column = self._columns[slot]
+        if not column.whole:
+            if column.read_all is not None:
+                column.values = np.asarray(column.read_all(), np.float64)
+                self._inspect(column)
+            else:
+                self._read(column, rows)
+        values = column.values.take(rows)
+        if column.wrong:
+            missing = values != values
+            self.errors |= {row: column.wrong[row] for row in rows[missing].tolist()}
+            rows, values = rows[~missing], values[~missing]
+        return rows, values
+
+    def value(self, slot: int, row: int) -> float:
+        """Return one value.
+
+        Raises:
+            FeatureValueError: if it is missing, not a number or not a category.
+        """
+        _, values = self.take(slot, np.array([row]))
+        if not len(values):
+            raise self.errors[row]
+        return float(values[0])
+
+    def _inspect(self, column: _Column) -> None:
+        """Find impossible values in a column that is whole."""
+        column.whole = True
+        values = column.values
+        wrong = values != values
+        if column.categories:
+            wrong |= ~((values >= 0) & (values < column.categories) & (values == np.floor(values)))
+        for row in np.flatnonzero(wrong).tolist():
+            self._read_one(column, row, partial(float, values[row]))
+
+    def _read(self, column: _Column, rows: Integers) -> None:
+        assert column.known is not None
+        assert column.readers is not None
+        for row in rows[~column.known[rows]].tolist():
+            self._read_one(column, row, column.readers[row])
+        column.known[rows] = True
+
+    def _read_one(self, column: _Column, row: int, read: Callable[[], float]) -> None:
+        try:
+            column.values[row] = checked(read, column.name, column.categories)
+        except Exception as error:  # one agent's sensor must not stop the others
+            column.values[row] = np.nan
+            column.wrong[row] = error

@@ -1,0 +1,251 @@
+"""Many agents ticked together decide exactly what each would decide alone."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind, Target
+from hitab_core.errors import FeatureValueError
+from hitab_core.repertoire import Repertoire
+from hitab_core.running_automaton import RunningAutomaton, Stage
+from hitab_core.senses import Senses
+from hitab_core.transition_function import HandWritten
+from hitab_core.transition_tree import TransitionTree
+from hitab_core.troupe import Troupe
+from hitab_core.use import Use
+
+NAN = float("nan")
+THINGS = ("ball", "goal")
+COLUMNS = {"Distance": 0, "Direction": 2, "Role": 4, "Lit": 5}
+VALUES = {
+    "Distance": (0.0, 1.5, 2.5, 7.0, -3.0, float("inf")),
+    "Direction": (0.0, 90.0, -90.0, 179.0, 359.0, -1e-12, 720.5),
+    "Role": (0.0, 1.0, 2.0),
+    "Lit": (0.0, 1.0),
+}
+
+
+@dataclass
+class LoggingBody:
+    """A body that writes down everything that is done with it."""
+
+    values: Sequence[float] = ()
+    done: list[str] = field(default_factory=list)
+
+
+def basic(name: str, parameters: tuple[str, ...] = (), *, one_shot: bool = False) -> BasicBehavior:
+    """Return a basic behavior that writes down what it is told."""
+
+    def writes(what: str) -> object:
+        return lambda body, *targets: body.done.append(f"{what} {name}{targets}")
+
+    told = {what: writes(what) for what in ("start", "pulse", "stop")}
+    return BasicBehavior(name, parameters=parameters, one_shot=one_shot, **told)  # type: ignore[arg-type]
+
+
+def feature(
+    name: str, kind: FeatureKind, *, parameters: tuple[str, ...] = (), all_at_once: bool
+) -> Feature:
+    """Return a feature that reads a column of the percept."""
+    column = COLUMNS[name]
+
+    def read(body: LoggingBody, thing: int = 0) -> float:
+        return body.values[column + thing]
+
+    def read_all(percepts: BatchPercepts, thing: int = 0) -> np.ndarray:
+        return percepts.values[:, column + thing]
+
+    return Feature(
+        name,
+        read,
+        kind,
+        parameters,
+        period=360.0,
+        categories=("a", "b", "c") if kind is FeatureKind.CATEGORICAL else (),
+        read_all=read_all if all_at_once else None,
+    )
+
+
+def robot(all_at_once: bool) -> Domain:
+    """Return a domain with features of every kind."""
+    return Domain.of(
+        "logging",
+        "1",
+        lambda name: LoggingBody(),
+        behaviors=[basic("Go", ("X",)), basic("Kick", one_shot=True), basic("Wait")],
+        features=[
+            feature(
+                "Distance", FeatureKind.CONTINUOUS, parameters=("X",), all_at_once=all_at_once
+            ),
+            feature("Direction", FeatureKind.TOROIDAL, parameters=("X",), all_at_once=True),
+            feature("Role", FeatureKind.CATEGORICAL, all_at_once=all_at_once),
+            feature("Lit", FeatureKind.BOOLEAN, all_at_once=False),
+        ],
+        targets=[
+            Target(name, lambda body, i=i: i, resolve_all=lambda percepts, i=i: i)
+            for i, name in enumerate(THINGS)
+        ],
+    )
+
+
+@st.composite
+def automata(draw: st.DrawFn, domain: Domain, levels: int) -> Repertoire:
+    """Return a repertoire with an automaton ``L1``, ``L2``, ... for each level."""
+    repertoire = Repertoire(domain)
+    below = ["Go", "Kick", "Wait"]
+    for level in range(1, levels + 1):
+        parameters = draw(st.sampled_from([(), ("A",)])) if level < levels else ()
+        arguments = st.sampled_from([*THINGS, *parameters])
+        states: list[Use] = []
+        for name in draw(st.lists(st.sampled_from([*below, *FLAGS]), min_size=1, max_size=4)):
+            taken = () if name in FLAGS else repertoire.parameters_of(name)
+            use = Use(name, tuple(draw(arguments) for _ in taken))
+            if use not in states:
+                states.append(use)
+        if level > 1 and not any(use.name == below[-1] for use in states):
+            taken = repertoire.parameters_of(below[-1])
+            states.append(Use(below[-1], tuple(draw(arguments) for _ in taken)))
+        features: list[Use] = []
+        for name in draw(st.lists(st.sampled_from([*COLUMNS, *FLAGS]), max_size=3)):
+            taken = () if name in FLAGS else domain.features[name].parameters
+            use = Use(name, tuple(draw(arguments) for _ in taken))
+            if use not in features:
+                features.append(use)
+        labels = [str(use) for use in states]
+        learned = {}
+        for state in [START, *labels]:
+            scales = [repertoire.scale_of(use) for use in features]
+            rows = draw(
+                st.lists(
+                    st.tuples(
+                        st.tuples(
+                            *(
+                                st.sampled_from(
+                                    [v for v in VALUES.get(use.name, (0.0, 1.0)) if np.isfinite(v)]
+                                )
+                                for use in features
+                            )
+                        ),
+                        st.sampled_from(labels),
+                    ),
+                    min_size=int(state == START),
+                    max_size=5,
+                )
+            )
+            if rows:
+                X = np.array([values for values, _ in rows]).reshape(len(rows), len(features))
+                learned[state] = TransitionTree(scales).fit(X, [label for _, label in rows])
+        name = f"L{level}"
+        repertoire.add(Automaton(name, tuple(states), tuple(features), learned, parameters))
+        below.append(name)
+    return repertoire
+
+
+def percept(rng: random.Random, missing: float) -> list[float]:
+    """Return random values of all features, some of them missing."""
+    kinds = ["Distance"] * 2 + ["Direction"] * 2 + ["Role", "Lit"]
+    return [NAN if rng.random() < missing else rng.choice(VALUES[kind]) for kind in kinds]
+
+
+class Alone:
+    """An agent that is ticked by itself."""
+
+    def __init__(self, repertoire: Repertoire, use: Use, seed: int) -> None:
+        self.body = LoggingBody()
+        self.senses = Senses(self.body, repertoire.domain)
+        self.random = random.Random(seed)
+        self.stage = Stage(
+            repertoire, self.body, self.senses, self.random.random, observe=self._observe
+        )
+        self.running = self.stage.perform(use)
+        self.seen: list[str] = []
+
+    def _observe(self, automaton: RunningAutomaton, source: str, destination: str) -> None:
+        path, above = [automaton.label], automaton.above
+        while above is not None:
+            path.append(above.label)
+            above = above.above
+        self.seen.append(f"{path}: {source} -> {destination}")
+
+    def tick(self) -> None:
+        """Tick, writing down what goes wrong."""
+        try:
+            self.running.tick()
+        except FeatureValueError as error:
+            self.body.done.append(str(error))
+
+
+@settings(max_examples=100, deadline=None)
+@given(data=st.data())
+def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> None:
+    domain = robot(data.draw(st.booleans(), label="all at once"))
+    levels = data.draw(st.integers(1, 4), label="levels")
+    repertoire = data.draw(automata(domain, levels), label="repertoire")
+    use = Use(f"L{levels}")
+    seed = data.draw(st.integers(0, 2**32), label="seed")
+    missing = data.draw(st.sampled_from([0.0, 0.05]), label="missing")
+    size, rng = 9, random.Random(seed)
+
+    alone = [Alone(repertoire, use, seed + i) for i in range(size)]
+    together = [Alone(repertoire, use, seed + i) for i in range(size)]
+    percepts = BatchPercepts(np.zeros((size, 6)))
+    troupe = Troupe([one.stage for one in together], use, percepts)
+    for one, other, member in zip(alone, together, troupe.members, strict=True):
+        other.running = member
+        one.running.start()
+        member.start()
+
+    for cycle in range(12):
+        percepts.values[:] = [percept(rng, missing) for _ in range(size)]
+        troupe.forget()
+        for row, values in enumerate(percepts.values.tolist()):
+            for one in (alone[row], together[row]):
+                one.body.values = values
+                one.senses.forget()
+                if (cycle + row) % 7 == 5:
+                    one.running.stop()
+                    one.running.start()
+        ticking = np.flatnonzero([rng.random() < 0.9 for _ in range(size)])
+        troupe.decide(ticking)
+        for row in ticking.tolist():
+            alone[row].tick()
+            together[row].tick()
+        for row in range(size):
+            assert together[row].body.done == alone[row].body.done
+            assert together[row].seen == alone[row].seen
+            assert together[row].random.getstate() == alone[row].random.getstate()
+            if not any("feature" in line for line in alone[row].body.done):
+                assert troupe.members[row].active_path == alone[row].running.active_path
+            assert troupe.members[row].raised == alone[row].running.raised
+
+
+def test_a_member_that_nobody_decided_for_decides_by_itself() -> None:
+    domain = robot(False)
+    chooses = HandWritten(lambda distance: "Wait" if distance < 2.0 else "Go(ball)", (0,))
+    automaton = Automaton(
+        "L1",
+        (Use("Wait"), Use("Go", ("ball",))),
+        (Use("Distance", ("ball",)),),
+        {START: chooses, "Wait": chooses, "Go(ball)": chooses},
+    )
+    agent = Alone(Repertoire(domain, {"L1": automaton}), Use("L1"), 1)
+    (member,) = Troupe([agent.stage], Use("L1")).members
+    member.start()
+    for distance in (1.0, 1.0, 3.0):
+        agent.body.values = [distance]
+        member.tick()
+    assert agent.body.done[-3:] == ["stop Wait()", "start Go(0,)", "pulse Go(0,)"]
+
+
+def test_a_basic_behavior_is_not_performed_in_batches() -> None:
+    agent = Alone(Repertoire(robot(False)), Use("Wait"), 1)
+    with pytest.raises(TypeError, match="only automata"):
+        Troupe([agent.stage], Use("Wait"))
