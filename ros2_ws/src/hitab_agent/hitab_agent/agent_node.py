@@ -15,6 +15,7 @@ from rclpy.node import Node
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
 from hitab_agent.settings import AgentSettings
+from hitab_agent.telling import Telling
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core.agent import Agent
@@ -75,6 +76,7 @@ class AgentNode(Node):
             msg.Command, names.COMMAND, self._on_command, qos.EVENTS
         )
         self._agent_services = AgentServices(self)
+        self._telling = Telling(self)
         self._distributor = Distributor(self)
         self._link = _link_class(self.agent.domain)(self, self.settings.world, self._on_percept)
         if self.agent.session is not None:

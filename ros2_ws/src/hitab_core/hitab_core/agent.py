@@ -21,6 +21,7 @@ from hitab_core.errors import HitabError, LibraryError, TrainingError, Vocabular
 from hitab_core.example import Example
 from hitab_core.example_journal import ExampleJournal
 from hitab_core.example_log import ExampleLog
+from hitab_core.live_features import Reading, live_features
 from hitab_core.repertoire import Repertoire
 from hitab_core.running_automaton import Running, RunningAutomaton, Stage
 from hitab_core.seeding import agent_seed
@@ -136,6 +137,10 @@ class Agent:
         self.cycle = cycle
         self.body.sense(values, heard)
         self._stage.senses.forget()
+
+    def live_features(self, also: Sequence[Use] = ()) -> list[Reading]:
+        """Return what it perceives at the moment; see `live_features`."""
+        return live_features(self._running, self._stage, also)
 
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: the agent's own random numbers afresh, the behavior at Start."""
@@ -300,21 +305,9 @@ class Agent:
             VocabularyError: if it does not fit into the repertoire.
         """
         session = self._session()
-        learned = session.automaton()
-        if name or description:
-            learned = replace(learned, name=name or learned.name, description=description)
-        if bindings:
-            learned = rebind(
-                learned, bindings, self.repertoire, classifier=session.curriculum.classifier
-            )
-        trimmed: list[str] = []
-        if keep_unused:
-            check_bound(learned, self.domain)
-            automaton = learned
-        else:
-            automaton, trimmed = trim(
-                learned, self.repertoire, classifier=session.curriculum.classifier
-            )
+        automaton, trimmed = self.preview_save(
+            name, bindings, description, keep_unused=keep_unused
+        )
         before = self.repertoire.automata.get(automaton.name)
         self.repertoire.add(automaton)
         try:
@@ -336,6 +329,32 @@ class Agent:
         if was_testing and automaton.parameters == session.curriculum.parameters:
             self.perform(use)
         return automaton, path, trimmed
+
+    def preview_save(
+        self,
+        name: str = "",
+        bindings: Mapping[str, str] | None = None,
+        description: str = "",
+        *,
+        keep_unused: bool = False,
+    ) -> tuple[Automaton, list[str]]:
+        """Return what `save` would put into the library and what it would trim; change nothing.
+
+        Raises:
+            TrainingError: if there is no training, or no example leaves Start.
+            VocabularyError: if something would not be bound.
+        """
+        session = self._session()
+        classifier = session.curriculum.classifier
+        learned = session.automaton()
+        if name or description:
+            learned = replace(learned, name=name or learned.name, description=description)
+        if bindings:
+            learned = rebind(learned, bindings, self.repertoire, classifier=classifier)
+        if keep_unused:
+            check_bound(learned, self.domain)
+            return learned, []
+        return trim(learned, self.repertoire, classifier=classifier)
 
     def discard(self) -> None:
         """Give up the training under way.

@@ -118,6 +118,11 @@ class TrainingSession:
         """What has been recorded so far."""
         return self.log.examples
 
+    @property
+    def states(self) -> list[str]:
+        """Labels of the states that examples mention, in order of appearance, without Start."""
+        return _labels(self.log.examples)
+
     def tick(self) -> None:
         """Perform one timestep."""
         if self.testing:

@@ -22,6 +22,13 @@ PERFORM = "perform"
 LOAD_LIBRARY = "load_library"
 DISTRIBUTE = "distribute"
 GET_VOCABULARY = "get_vocabulary"
+GET_BEHAVIOR = "get_behavior"
+READ_FEATURES = "read_features"
+
+# Of a commander, beside those of an agent.
+ORDER = "order"
+REPORTS = "reports"
+GROUP = "group"
 
 # Of a world; its status topic is called STATUS too.
 ACTIONS = "actions"
