@@ -44,11 +44,11 @@ class BatchPercepts:
 
     Attributes:
         values: shape (n, m), a row for each agent in the layout of the domain.
-        heard: the messages that each agent hears; None: nobody hears any.
+        heard: the messages heard, by row of those agents that hear any.
     """
 
     values: Floats
-    heard: Sequence[Sequence[str]] | None = None
+    heard: Mapping[int, Sequence[str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

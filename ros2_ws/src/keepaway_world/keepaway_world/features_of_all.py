@@ -65,10 +65,9 @@ def _at(values: Floats, places: Integers, offset: int) -> Floats:
 def all_yelled_at(percepts: BatchPercepts) -> Floats:
     """Whether a passer's yell to each keeper was heard in this cycle."""
     yelled_at = np.zeros(len(percepts.values))
-    for row, heard in enumerate(percepts.heard or ()):
-        if heard:
-            number = int(percepts.values[row, percept.NUMBER])
-            yelled_at[row] = YELL.format(number) in heard
+    for row, heard in percepts.heard.items():
+        number = int(percepts.values[row, percept.NUMBER])
+        yelled_at[row] = YELL.format(number) in heard
     return yelled_at
 
 

@@ -30,7 +30,8 @@ def test_features_of_all_are_those_of_each(keepers: int, takers: int) -> None:
     for body, (values, heard) in zip(bodies, perceived, strict=True):
         body.sense(values, heard)
     percepts = BatchPercepts(
-        np.array([values for values, _ in perceived]), [heard for _, heard in perceived]
+        np.array([values for values, _ in perceived]),
+        {row: heard for row, (_, heard) in enumerate(perceived) if heard},
     )
     looked_at = set()
     for feature in DOMAIN.features.values():
