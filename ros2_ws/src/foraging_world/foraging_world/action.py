@@ -1,0 +1,72 @@
+"""The action of a forager, as a short list of floats: ``[drive, turn, grip]``.
+
+======  =====================================================================================
+value   meaning
+======  =====================================================================================
+drive   how fast to walk, or to pull, along the body: -1 to 1 of what it can do
+turn    angle to turn by, rad, counter-clockwise
+grip    0: as before; -1: let go of what is held; n >= 1: grip the box of number n, which
+        must be in reach and nothing be held, else nothing happens
+======  =====================================================================================
+
+An empty action is none; figures beyond what a robot can do are clipped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+DRIVE, TURN, GRIP = range(3)
+LENGTH = 3
+RELEASE = -1.0
+
+Commands = NDArray[np.float64]
+"""Shape (foragers, 3): drive, turn, grip."""
+
+
+def parse_all(
+    actions: Mapping[str, tuple[Sequence[float], str]], index: Mapping[str, int]
+) -> tuple[Commands, dict[str, str]]:
+    """Return what all foragers do, and what was refused, by agent.
+
+    Args:
+        actions: by agent; who is not in it does nothing.
+        index: row of each forager.
+    """
+    commands = np.zeros((len(index), LENGTH))
+    refused: dict[str, str] = {}
+    rows: list[int] = []
+    given: list[Sequence[float]] = []
+    for name, action in actions.items():
+        row = index.get(name)
+        if row is None:
+            refused[name] = f'no forager "{name}" (has {len(index)}: forager_1 and so on)'
+            continue
+        try:
+            values = action[0]
+            if len(values) == 0:
+                continue
+            drive, turn, grip = values
+            # NaN and infinity leave a sum that is neither finite.
+            if not math.isfinite(drive + turn + grip):
+                raise ValueError("needs finite values")
+        except (TypeError, ValueError) as error:
+            refused[name] = (
+                f"{name}: an action is drive, turn and grip, not {_shown(action)}: {error}; taken "
+                "as no action"
+            )
+            continue
+        rows.append(row)
+        given.append(values)
+    if rows:
+        commands[rows] = given
+    return commands, refused
+
+
+def _shown(action: object) -> str:
+    text = repr(action[0] if isinstance(action, tuple) and action else action)
+    return text if len(text) <= 60 else f"{text[:57]}..."

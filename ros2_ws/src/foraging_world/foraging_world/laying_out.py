@@ -1,0 +1,100 @@
+"""Where things lie when an episode begins, and where a box comes to lie anew."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from foraging_world.parameters import ForagingParameters, ParameterError
+
+Floats = NDArray[np.float64]
+
+TRIES = 2000
+SPREAD = 0.35  # m: the distance from the middle grows with the root of the forager's number
+GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
+
+
+def start_places(p: ForagingParameters) -> Floats:
+    """Return where the foragers stand at first: in a dense spiral around home."""
+    number = np.arange(1, p.foragers + 1)
+    distance = SPREAD * (p.forager_radius / 0.2) * np.sqrt(number)
+    angle = number * GOLDEN_ANGLE
+    return np.stack([distance * np.cos(angle), distance * np.sin(angle)], axis=1)
+
+
+def clear_radius(p: ForagingParameters) -> float:
+    """Return how far from the middle nothing lies at first: home and the foragers are there, m."""
+    spread = SPREAD * (p.forager_radius / 0.2) * math.sqrt(p.foragers) + p.forager_radius
+    return max(spread, p.home_radius) + p.largest_radius
+
+
+def obstacle_places(p: ForagingParameters, random: Generator) -> Floats:
+    """Return where the obstacles lie: between any two, even a large box can be pulled through.
+
+    Raises:
+        ParameterError: if there is no room for so many.
+    """
+    passage = 2.0 * p.largest_radius + 0.5
+    places: list[Floats] = []
+    for _ in range(p.obstacles):
+        place = _free_place(
+            p,
+            random,
+            from_walls=passage + p.obstacle_radius,
+            from_middle=clear_radius(p) + p.obstacle_radius,
+            taken=np.array(places).reshape(-1, 2),
+            distances=np.full(len(places), passage + 2.0 * p.obstacle_radius),
+        )
+        if place is None:
+            raise ParameterError(
+                f"there is no room for {p.obstacles} obstacles, between which large boxes can be "
+                f"pulled, on {p.width:g} m by {p.height:g} m; make the field wider or obstacles "
+                "fewer"
+            )
+        places.append(place)
+    return np.array(places).reshape(-1, 2)
+
+
+def box_place(
+    p: ForagingParameters, random: Generator, radius: float, taken: Floats, radii: Floats
+) -> Floats | None:
+    """Return where a box can lie: away from home, the walls and everything that is there.
+
+    Args:
+        radius: of the box, m.
+        taken, radii: centres and radii of all that it must not touch, nor its pullers.
+    """
+    ring = radius + p.ring_width
+    return _free_place(
+        p,
+        random,
+        from_walls=ring,
+        from_middle=clear_radius(p) + radius,
+        taken=taken,
+        distances=radii + ring,
+    )
+
+
+def _free_place(
+    p: ForagingParameters,
+    random: Generator,
+    *,
+    from_walls: float,
+    from_middle: float,
+    taken: Floats,
+    distances: Floats,
+) -> Floats | None:
+    x, y = p.width / 2.0 - from_walls, p.height / 2.0 - from_walls
+    if x <= 0.0 or y <= 0.0:
+        return None
+    for _ in range(TRIES):
+        place = random.uniform((-x, -y), (x, y))
+        if np.hypot(*place) < from_middle:
+            continue
+        away = np.hypot(*(taken - place).T) if len(taken) else distances
+        if np.all(away >= distances):
+            return place
+    return None

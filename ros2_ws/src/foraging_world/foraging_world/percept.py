@@ -1,0 +1,161 @@
+"""What a forager perceives in a cycle, as a flat list of floats.
+
+====================  =====================================================================
+index                 value
+====================  =====================================================================
+0                     own number, from 1
+1, 2, 3               own position, m, and heading, rad: foragers know where they are
+4                     number of the box that is held, from 1; 0: none
+5                     size of that box: 0 none, 1 small, 2 large
+6                     how many robots hold it
+7                     how long it has not moved since it was gripped, s; 0 if none is held
+8                     how long ago it last let go of a box by itself, s; FAR if never
+9                     how far it can reach, m
+10 and so on          places: distance, m, direction relative to the body, rad, box number
+====================  =====================================================================
+
+The places are, in this order: home (its centre), the closest box, the closest small one, the
+closest large one, the closest one that other robots hold, the box that the own squad holds (with
+most hands), the large box that the own company holds, the middle of the own squad, and the
+closest obstacle or wall. Distances to boxes, obstacles and walls are from edge to edge and never
+negative. What is not seen, or is not there, is FAR away, straight ahead.
+
+Boxes and obstacles are seen within a range; what a squad or company knows is told by radio and
+known everywhere. The direction is counter-clockwise, on [-pi, pi].
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:  # an agent needs the layout, not pymunk
+    from foraging_world.field import Field
+
+FAR = 1000.0
+
+NUMBER, X, Y, HEADING, HELD, HELD_SIZE, HANDS, WAITED, RESTED, REACH = range(10)
+(
+    HOME,
+    BOX,
+    SMALL_BOX,
+    LARGE_BOX,
+    ATTACHED_BOX,
+    SQUAD_BOX,
+    COMPANY_BOX,
+    SQUAD_CENTRE,
+    OBSTACLE,
+) = range(10, 37, 3)
+LENGTH = 37
+SMALL, LARGE = 1.0, 2.0
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def perceive_all(field: Field) -> Floats:
+    """Return what all foragers perceive now; shape (foragers, LENGTH)."""
+    p = field.parameters
+    foragers = p.foragers
+    senses = np.zeros((foragers, LENGTH))
+    xy, heading = field.xy, field.heading
+    senses[:, NUMBER] = np.arange(1, foragers + 1)
+    senses[:, X : Y + 1] = xy
+    senses[:, HEADING] = heading
+    senses[:, WAITED] = field.waited
+    senses[:, RESTED] = field.rested
+    senses[:, REACH] = p.reach
+    senses[:, HOME:LENGTH:3] = FAR
+
+    def put(place: int, to: Floats, gap: Floats, numbers: Ints | None, seen: NDArray) -> None:
+        """Fill a place: vectors, distances and box numbers, where something is seen."""
+        direction = np.arctan2(to[:, 1], to[:, 0]) - heading
+        direction -= 2.0 * np.pi * np.round(direction / (2.0 * np.pi))
+        senses[:, place] = np.where(seen, np.maximum(gap, 0.0), FAR)
+        senses[:, place + 1] = np.where(seen, direction, 0.0)
+        if numbers is not None:
+            senses[:, place + 2] = np.where(seen, numbers + 1, 0)
+
+    everyone = np.ones(foragers, bool)
+    put(HOME, -xy, np.hypot(xy[:, 0], xy[:, 1]), None, everyone)
+    middle = squad_means(xy, p.squad_size) - xy
+    put(SQUAD_CENTRE, middle, np.hypot(middle[:, 0], middle[:, 1]), None, everyone)
+    put(OBSTACLE, *_closest_obstacle(field))
+    if len(field.box_xy):
+        _put_boxes(field, senses, put)
+    return senses
+
+
+def _put_boxes(field: Field, senses: Floats, put) -> None:
+    p, held = field.parameters, field.held
+    xy, boxes = field.xy, field.box_xy
+    foragers, rows = p.foragers, np.arange(p.foragers)
+    holds = held >= 0
+    senses[:, HELD] = held + 1
+    senses[:, HELD_SIZE] = np.where(holds, np.where(field.large[held], LARGE, SMALL), 0.0)
+    senses[:, HANDS] = np.where(holds, field.hands[held], 0)
+
+    to = boxes[None, :, :] - xy[:, None, :]
+    gaps = np.hypot(to[:, :, 0], to[:, :, 1]) - (field.box_radius + p.forager_radius)
+    seen_gaps = np.where((gaps <= p.sight) & field.present, gaps, np.inf)
+    others = field.hands[None, :] - (held[:, None] == np.arange(len(boxes)))
+    for place, among in (
+        (BOX, None),
+        (SMALL_BOX, ~field.large),
+        (LARGE_BOX, field.large),
+        (ATTACHED_BOX, others > 0),
+    ):
+        candidates = seen_gaps if among is None else np.where(among, seen_gaps, np.inf)
+        chosen = candidates.argmin(axis=1)
+        gap = candidates[rows, chosen]
+        put(place, to[rows, chosen], gap, chosen, np.isfinite(gap))
+
+    squads = rows // p.squad_size
+    for place, groups, which in (
+        (SQUAD_BOX, squads, holds),
+        (COMPANY_BOX, squads // p.company_squads, holds & field.large[held]),
+    ):
+        counts = np.bincount(
+            groups[which] * len(boxes) + held[which],
+            minlength=(int(groups[-1]) + 1) * len(boxes),
+        ).reshape(-1, len(boxes))
+        favourite = counts.argmax(axis=1)
+        chosen = favourite[groups]
+        known = counts.max(axis=1)[groups] > 0
+        put(place, to[rows, chosen], gaps[rows, chosen], chosen, known)
+    assert foragers == len(senses)
+
+
+def squad_means(xy: Floats, squad_size: int) -> Floats:
+    """Return the mean position of each forager's squad; shape (foragers, 2)."""
+    squads = np.arange(len(xy)) // squad_size
+    sizes = np.bincount(squads)
+    means = np.stack([np.bincount(squads, xy[:, i]) / sizes for i in (0, 1)], axis=1)
+    return means[squads]
+
+
+def _closest_obstacle(field: Field) -> tuple[Floats, Floats, None, NDArray]:
+    """Return the vectors and distances to what is closest of the obstacles and the walls."""
+    p, xy = field.parameters, field.xy
+    rows = np.arange(len(xy))
+    half_width, half_height = p.width / 2.0, p.height / 2.0
+    zero = np.zeros(len(xy))
+    to = [
+        np.stack([half_width - xy[:, 0], zero], axis=1),
+        np.stack([-half_width - xy[:, 0], zero], axis=1),
+        np.stack([zero, half_height - xy[:, 1]], axis=1),
+        np.stack([zero, -half_height - xy[:, 1]], axis=1),
+    ]
+    gaps = [np.hypot(wall[:, 0], wall[:, 1]) for wall in to]
+    if len(field.obstacles):
+        all_to = field.obstacles[None, :, :] - xy[:, None, :]
+        distances = np.hypot(all_to[:, :, 0], all_to[:, :, 1])
+        closest = distances.argmin(axis=1)
+        to.append(all_to[rows, closest])
+        gaps.append(distances[rows, closest] - p.obstacle_radius)
+    every_gap = np.stack(gaps, axis=1) - p.forager_radius
+    chosen = every_gap.argmin(axis=1)
+    gap = every_gap[rows, chosen]
+    return np.stack(to, axis=1)[rows, chosen], gap, None, gap <= p.obstacle_sight

@@ -1,0 +1,278 @@
+"""The foraging world: a field, whom it hears of, and episodes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from foraging_world import action
+from foraging_world.field import Field, Floats
+from foraging_world.parameters import ForagingParameters
+from foraging_world.percept import perceive_all
+from hitab_core.seeding import world_seed
+from hitab_world.world import (
+    Action,
+    Entity,
+    EpisodeResult,
+    Placement,
+    Sensed,
+    WorldError,
+)
+
+SNAPSHOT_VERSION = 1
+TIME, CLEARED = "time", "cleared"
+
+
+class ForagingWorld:
+    """A swarm that forages; see `hitab_world.world.World` for what can be done.
+
+    What foragers perceive is laid out as `foraging_world.percept` tells, what they do as
+    `foraging_world.action` does. Nobody hears anything that is said.
+
+    Args:
+        parameters: figures of the field, the boxes and the robots.
+        seed: of the run. Episode i draws from a generator seeded by the two, so that it can be
+            played again by itself.
+
+    Raises:
+        ParameterError: if there is no room for all that is to lie on the field.
+    """
+
+    name = "foraging"
+    cycle_seconds = 0.1
+
+    def __init__(self, parameters: ForagingParameters | None = None, seed: int = 0) -> None:
+        self.parameters = p = parameters or ForagingParameters()
+        self.size = (p.width, p.height)
+        self.seed = seed
+        self.episode = 0
+        self.cycle = 0
+        self.episode_cycle = 0
+        self.ended = ""
+        self.refused: Mapping[str, str] = {}
+        self.agents = tuple(f"forager_{i + 1}" for i in range(p.foragers))
+        self._index = {name: i for i, name in enumerate(self.agents)}
+        self._boxes = [
+            *(f"small_box_{i + 1}" for i in range(p.small_boxes)),
+            *(f"large_box_{i + 1}" for i in range(p.large_boxes)),
+        ]
+        self._field = Field(p)
+        self._perceived: Floats | None = None
+        self._rows: list[list[float]] = []
+        self.reset(0)
+
+    def reset(self, episode: int | None = None, seed: int | None = None) -> None:
+        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+        if seed is not None:
+            self.seed = int(seed)
+        self.episode = self.episode + 1 if episode is None else int(episode)
+        self.episode_cycle = 0
+        self.ended = ""
+        self.refused = {}
+        self._field.begin(world_seed(self.seed, self.episode))
+        self._perceived = None
+
+    # -- perceiving -------------------------------------------------------------------------
+
+    def percepts(self) -> Floats:
+        """Return what all foragers perceive now: a row each, in the order of ``agents``.
+
+        The array is computed once a cycle and must not be changed.
+        """
+        if self._perceived is None:
+            self._perceived = perceive_all(self._field)
+            self._rows = self._perceived.tolist()
+        return self._perceived
+
+    def percept(self, agent: str) -> Sensed:
+        """Return what a forager perceives now.
+
+        Raises:
+            WorldError: if there is no such forager.
+        """
+        index = self._index.get(agent)
+        if index is None:
+            raise WorldError(
+                f'no forager "{agent}" (has {len(self.agents)}: forager_1 to {self.agents[-1]})'
+            )
+        self.percepts()
+        return self._rows[index], []
+
+    # -- acting -----------------------------------------------------------------------------
+
+    def step(self, actions: Mapping[str, Action]) -> str | None:
+        """Play one cycle; return "time" or "cleared" if the episode ended with it, else None."""
+        if self.ended:
+            raise WorldError(
+                f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
+            )
+        commands, self.refused = action.parse_all(actions, self._index)
+        self._field.step(commands, self.cycle_seconds)
+        self._perceived = None
+        self.cycle += 1
+        self.episode_cycle += 1
+        if self._boxes and not self._field.present.any() and not self.parameters.renew:
+            self.ended = CLEARED
+        elif self.episode_cycle * self.cycle_seconds >= self.parameters.duration - 1e-9:
+            self.ended = TIME
+        return self.ended or None
+
+    # -- showing and arranging --------------------------------------------------------------
+
+    def entities(self) -> list[Entity]:
+        """Return home, obstacles, boxes and foragers as they truly are now."""
+        p, field = self.parameters, self._field
+        found = [Entity("home", "home", 0.0, 0.0, radius=p.home_radius)]
+        found += [
+            Entity(f"obstacle_{i + 1}", "obstacle", x, y, radius=p.obstacle_radius)
+            for i, (x, y) in enumerate(field.obstacles.tolist())
+        ]
+        boxes = zip(
+            self._boxes,
+            field.large.tolist(),
+            field.present.tolist(),
+            field.box_xy.tolist(),
+            field.box_velocity.tolist(),
+            field.box_radius.tolist(),
+            strict=True,
+        )
+        found += [
+            Entity(name, "large_box" if large else "small_box", x, y, 0.0, vx, vy, radius)
+            for name, large, present, (x, y), (vx, vy), radius in boxes
+            if present
+        ]
+        found += [
+            Entity(name, "forager", x, y, heading, vx, vy, p.forager_radius)
+            for name, (x, y), heading, (vx, vy) in zip(
+                self.agents,
+                field.xy.tolist(),
+                field.heading.tolist(),
+                field.velocity.tolist(),
+                strict=True,
+            )
+        ]
+        return found
+
+    def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
+        """Put foragers or boxes somewhere else; nothing is placed if anything is refused.
+
+        A forager that is put somewhere lets go of its box; a box that is put somewhere is let go
+        by all. Velocities are those of the next command, so that there is nothing to be set.
+
+        Raises:
+            WorldError: naming what does not exist or cannot be.
+        """
+        placements = list(placements)
+        for placement in placements:
+            self._check(placement)
+        if new_episode:
+            self.reset()
+        field = self._field
+        for placement in placements:
+            forager = self._index.get(placement.name)
+            if forager is not None:
+                _put(field.xy[forager], placement)
+                if not math.isnan(placement.heading):
+                    field.heading[forager] = math.remainder(placement.heading, 2.0 * math.pi)
+                field.velocity[forager] = 0.0
+                field.let_go(np.arange(len(self.agents)) == forager)
+            else:
+                box = self._boxes.index(placement.name)
+                field.let_go(field.held == box)
+                _put(field.box_xy[box], placement)
+                field.box_velocity[box] = 0.0
+        self._perceived = None
+
+    def _check(self, placement: Placement) -> None:
+        name = placement.name
+        if name not in self._index and name not in self._boxes:
+            fixed = name == "home" or name.startswith("obstacle_")
+            raise WorldError(
+                f"{name} cannot be moved"
+                if fixed
+                else f'nothing is called "{name}" (has: forager_1 to {self.agents[-1]}'
+                f"{''.join(f', {box}' for box in self._boxes)})"
+            )
+        for figure in ("x", "y", "heading", "vx", "vy"):
+            if math.isinf(getattr(placement, figure)):
+                raise WorldError(f"{name}: {figure} is infinite; give a number or NaN")
+        for figure, half in (("x", self.size[0] / 2.0), ("y", self.size[1] / 2.0)):
+            if abs(getattr(placement, figure)) > half:
+                raise WorldError(
+                    f"{name}: {figure} is {getattr(placement, figure):g} m, outside of the field, "
+                    f"which ends at {half:g} m"
+                )
+        if math.hypot(*(0.0 if math.isnan(v) else v for v in (placement.vx, placement.vy))):
+            raise WorldError(
+                f"{name}: cannot be given a velocity; foragers walk as they are commanded, boxes "
+                "as they are pulled; leave it out"
+            )
+        if name in self._boxes and not self._field.present[self._boxes.index(name)]:
+            raise WorldError(f"{name} is home already; a new episode brings it back")
+
+    # -- snapshots --------------------------------------------------------------------------
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return the complete state, random generator included, as JSON-able data."""
+        return {
+            "world": self.name,
+            "version": SNAPSHOT_VERSION,
+            "parameters": self.parameters.as_dict(),
+            "seed": self.seed,
+            "episode": self.episode,
+            "cycle": self.cycle,
+            "episode_cycle": self.episode_cycle,
+            "ended": self.ended,
+            "field": self._field.state(),
+        }
+
+    def restore(self, snapshot: Mapping[str, Any]) -> None:
+        """Bring back a state that `snapshot` returned.
+
+        Raises:
+            WorldError: if it is of another kind of world or of one with other parameters.
+        """
+        for key, mine in (
+            ("world", self.name),
+            ("version", SNAPSHOT_VERSION),
+            ("parameters", self.parameters.as_dict()),
+        ):
+            if snapshot.get(key) != mine:
+                raise WorldError(
+                    f"the snapshot's {key} is {snapshot.get(key)}, this world's is {mine}; "
+                    "restore it in a world like the one that it was taken of"
+                )
+        try:
+            figures = [int(snapshot[k]) for k in ("seed", "episode", "cycle", "episode_cycle")]
+            ended = str(snapshot["ended"])
+            self._field.restore(snapshot["field"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise WorldError(
+                f"the snapshot is damaged: {type(error).__name__} {error}; take another one"
+            ) from None
+        self.seed, self.episode, self.cycle, self.episode_cycle = figures
+        self.ended = ended
+        self.refused = {}
+        self._perceived = None
+
+    def result(self) -> EpisodeResult:
+        """Return how the present episode went so far: boxes that came home, by size."""
+        small, large = self._field.collected.tolist()
+        return EpisodeResult(
+            self.episode,
+            self.seed,
+            self.episode_cycle,
+            self.episode_cycle * self.cycle_seconds,
+            self.ended,
+            {"boxes": float(small + large), "small": float(small), "large": float(large)},
+        )
+
+
+def _put(xy: Floats, placement: Placement) -> None:
+    """Set the coordinates that are given."""
+    for axis, value in enumerate((placement.x, placement.y)):
+        if not math.isnan(value):
+            xy[axis] = value

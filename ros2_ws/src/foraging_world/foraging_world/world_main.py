@@ -1,0 +1,42 @@
+"""Runs the foraging world as a process of its own.
+
+For example::
+
+    python -m foraging_world.world_main --ros-args -r __ns:=/world -p parameters.foragers:=100
+
+Figures of the world are parameters; see `foraging_world.parameters`.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from rclpy.node import Node
+
+from foraging_world.parameters import ForagingParameters
+from foraging_world.world import ForagingWorld
+from hitab_core.errors import HitabError
+from hitab_ros.spinning import run
+from hitab_world.figures import declare_figures
+from hitab_world.world_node import run_world
+
+
+def make_world(node: Node, seed: int) -> ForagingWorld:
+    """Make the world that the node's parameters describe.
+
+    Raises:
+        HitabError: if a figure cannot be, or there is no room for all that shall be there.
+    """
+    try:
+        return ForagingWorld(declare_figures(node, ForagingParameters), seed)
+    except ValueError as error:
+        raise HitabError(str(error)) from error
+
+
+def main() -> None:
+    """Run until told to stop."""
+    sys.exit(run(lambda spinning: run_world(make_world, spinning)))
+
+
+if __name__ == "__main__":
+    main()
