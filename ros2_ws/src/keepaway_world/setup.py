@@ -25,6 +25,10 @@ setup(
             "keepaway_world = keepaway_world.world_main:main",
             "rcss_world = keepaway_world.rcss.rcss_main:main",
         ],
-        "hitab.domains": ["keepaway = keepaway_world.domain:DOMAIN"],
+        "hitab.domains": [
+            "keepaway = keepaway_world.domain:DOMAIN",
+            "keepaway_predictive = keepaway_world.predictive.domain:DOMAIN",
+        ],
+        "hitab.worlds": ["rcssserver = keepaway_world.rcss.rcss_main"],
     },
 )

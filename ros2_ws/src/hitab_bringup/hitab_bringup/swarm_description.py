@@ -33,8 +33,8 @@ class WorldDescription:
     """The world in which a swarm lives, if it is a simulated one.
 
     Attributes:
-        kind: of world; its node is ``python -m <kind>_world.world_main`` unless ``module`` tells
-            otherwise.
+        kind: of world, such as ``keepaway``.
+        module: of its node, run by ``python -m``; see `hitab_bringup.swarm_file.world_module`.
         pace: ``lockstep`` or ``realtime``, at ``factor`` of real time.
         parameters: of this kind of world, such as ``taker_speed``.
     """

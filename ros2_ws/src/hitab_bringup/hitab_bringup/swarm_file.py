@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 from dataclasses import dataclass
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from hitab_core.use import NAME
 from hitab_core.yaml_places import Complaints, read_yaml
 
 RESERVED = (WORLD, "distribution", "distribution_ack", "clock")
+WORLDS = "hitab.worlds"
 AGENT = "{agent}"
 """Stands for the agent's name in a path."""
 
@@ -56,7 +58,7 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
 def _world(top: Fields) -> WorldDescription:
     fields = top.inner("world")
     kind = fields.text("kind") or ""
-    module = fields.text("module", f"{kind}_world.world_main")
+    module = fields.text("module", world_module(kind))
     world = WorldDescription(
         kind,
         module,
@@ -74,6 +76,16 @@ def _world(top: Fields) -> WorldDescription:
             "kind",
         )
     return world
+
+
+def world_module(kind: str) -> str:
+    """Return the module that runs worlds of a kind.
+
+    A package tells its own under the entry-point group ``hitab.worlds``; else it is
+    ``<kind>_world.world_main``.
+    """
+    told = entry_points(group=WORLDS, name=kind)
+    return next((point.value for point in told), f"{kind}_world.world_main")
 
 
 def _scalars(fields: Fields) -> dict[str, Any]:

@@ -139,7 +139,7 @@ class WorldClient:
         """Play episodes and return their results.
 
         Raises:
-            SwarmError: if the world stops making progress.
+            SwarmError: if the world makes no progress: if no cycle is played for so long.
         """
         self.link.spin_until(
             lambda: self.link.node.count_publishers(self._name("episodes")) > 0, 5.0, 0.01
@@ -152,13 +152,24 @@ class WorldClient:
             so_far = len(self.episodes)
             if not self._more_episodes_than(so_far, stall_seconds):
                 raise SwarmError(
-                    f"no episode has ended for {stall_seconds:g} s after {seen} of {episodes}"
-                    f"{self._why_stalled()}"
+                    f"nothing was played for {stall_seconds:g} s after {seen} of {episodes} "
+                    f"episodes{self._why_stalled()}"
                 )
         return self.episodes[before:]
 
     def _more_episodes_than(self, number: int, seconds: float) -> bool:
-        return self.link.spin_until(lambda: len(self.episodes) > number, seconds)
+        def cycle() -> int:
+            return -1 if self.status is None else int(self.status.cycle)
+
+        def ended() -> bool:
+            return len(self.episodes) > number
+
+        before = cycle()
+        while not self.link.spin_until(ended, seconds):
+            if cycle() == before:
+                return False
+            before = cycle()  # a long episode, in real time
+        return True
 
     def _why_stalled(self) -> str:
         if self.status is None:

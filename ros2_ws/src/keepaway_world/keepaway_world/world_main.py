@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import MISSING, fields
+from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
@@ -31,8 +32,21 @@ def make_world(node: Node, seed: int) -> KeepawayWorld:
     Raises:
         HitabError: if a figure of the game cannot be.
     """
+    values = declared_figures(node, KeepawayParameters)
+    try:
+        return KeepawayWorld(KeepawayParameters(**values), seed)
+    except ValueError as error:
+        raise HitabError(str(error)) from error
+
+
+def declared_figures(node: Node, *settings: type[Any]) -> dict[str, Any]:
+    """Declare the fields of dataclasses as parameters of the node and return their values.
+
+    Raises:
+        HitabError: if the node was given another figure.
+    """
     values = {}
-    for figure in fields(KeepawayParameters):
+    for figure in (figure for kind in settings for figure in fields(kind)):
         default = figure.default if figure.default is not MISSING else None
         values[figure.name] = node.declare_parameter(
             PREFIX + figure.name, default, ParameterDescriptor(read_only=True)
@@ -41,10 +55,7 @@ def make_world(node: Node, seed: int) -> KeepawayWorld:
     for name in node.get_parameters_by_prefix("parameters"):
         if PREFIX + name not in known:
             raise HitabError(f'the game has no figure "{name}"')
-    try:
-        return KeepawayWorld(KeepawayParameters(**values), seed)
-    except ValueError as error:
-        raise HitabError(str(error)) from error
+    return values
 
 
 def main() -> None:

@@ -15,8 +15,8 @@ from keepaway_world import percept
 from keepaway_world.parameters import PAPER, variant
 from keepaway_world.rcss.episode_watch import EpisodeWatch
 from keepaway_world.rcss.field import Field
-from keepaway_world.rcss.link import ServerSettings
 from keepaway_world.rcss.rcss_world import RcssWorld
+from keepaway_world.rcss.server_settings import ServerSettings
 from keepaway_world.referee import Referee
 
 _spec = importlib.util.spec_from_file_location(

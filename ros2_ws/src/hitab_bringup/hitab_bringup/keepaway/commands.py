@@ -32,6 +32,12 @@ def evaluate(
         str,
         typer.Option(help="lockstep: a process per keeper, over ROS; inprocess: without ROS."),
     ] = "lockstep",
+    world: Annotated[
+        str,
+        typer.Option(help="keepaway: the simulated one; rcssserver: a running RoboCup server."),
+    ] = "keepaway",
+    host: Annotated[str, typer.Option(help="Of the rcssserver.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Of the rcssserver, for players.")] = 6000,
     behavior: Annotated[str, typer.Option(help="The keepers' top-level behavior.")] = "Keepaway",
     parameter: Annotated[
         list[str] | None,
@@ -53,15 +59,21 @@ def evaluate(
       hitab keepaway evaluate -l hitab-demo/library --pace inprocess --json figures.json
 
       hitab keepaway evaluate --taker-speed 1.0 --parameter sight=full
+
+      hitab keepaway evaluate --world rcssserver --port 6000 --episodes 20
     """
-    from hitab_bringup.keepaway.evaluation import PACES
+    from hitab_bringup.keepaway.evaluation import PACES, RCSSSERVER, WORLDS
     from hitab_bringup.keepaway.evaluation import evaluate as play
     from hitab_bringup.shipped import shipped
 
     if pace not in PACES:
         raise typer.BadParameter(f'pace "{pace}" is not one of {", ".join(PACES)}')
+    if world not in WORLDS:
+        raise typer.BadParameter(f'world "{world}" is not one of {", ".join(WORLDS)}')
     folder = library or shipped("libraries") / "keepaway"
     parameters: dict[str, Any] = {"taker_speed": taker_speed, **_figures(parameter or [])}
+    if world == RCSSSERVER:
+        parameters |= {"host": host, "port": port}
     with console.progress("evaluating", "episodes") as advance:
         evaluation = play(
             folder,
@@ -71,6 +83,7 @@ def evaluate(
             pace=pace,
             parameters=parameters,
             advance=advance,
+            world=world,
         )
     figures = evaluation.to_json()
     if json != "-":

@@ -6,23 +6,29 @@ the same automata play the same episodes without ROS, many times faster.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import TYPE_CHECKING, Any
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.opened_library import open_library
 from hitab_bringup.swarm_description import AgentDescription, SwarmDescription, WorldDescription
+from hitab_bringup.swarm_file import world_module
 from hitab_core.errors import HitabError, LibraryError, has
 
 if TYPE_CHECKING:
     from hitab_bringup.console import Advance
+    from hitab_world.world import World
 
 PACES = ("lockstep", "inprocess")
+KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
+PATIENCE_SECONDS = 30.0  # for a server to begin to play
 CHUNK = 5  # episodes between two looks at the progress, in-process
 
 
@@ -50,6 +56,7 @@ class Evaluation:
     played: Sequence[Played]
     wall_s: float
     missed_deadlines: int = 0
+    world: str = KEEPAWAY
 
     def to_json(self) -> dict[str, Any]:
         """Return the figures as plain data."""
@@ -64,6 +71,7 @@ class Evaluation:
             "wall_s": round(self.wall_s, 3),
             "cycles_per_s": round(cycles / self.wall_s, 1) if self.wall_s else 0.0,
             "missed_deadlines": self.missed_deadlines,
+            "world": self.world,
             "pace": self.pace,
             "seed": self.seed,
             "behavior": self.behavior,
@@ -83,18 +91,28 @@ def mean_and_error(values: Sequence[float]) -> dict[str, float]:
 
 
 def trained_keepers(
-    library: Path | None, behavior: str, parameters: Mapping[str, Any]
+    library: Path | None,
+    behavior: str,
+    parameters: Mapping[str, Any],
+    *,
+    world: str = KEEPAWAY,
+    seed: int = 1,
+    domain: str = "",
 ) -> SwarmDescription:
-    """Return a swarm of keepers that share what a library holds, in a paused lockstep world."""
+    """Return a swarm of keepers that share what a library holds, in a paused lockstep world.
+
+    Their domain is the library's unless one is given; without a library it is ``keepaway``.
+    """
     count = int(parameters.get("keepers", 3))
+    domain = domain or (open_library(library).domain.name if library else KEEPAWAY)
     agents = tuple(
-        AgentDescription(name, "keepaway", start_from=library, behavior=behavior, process=name)
+        AgentDescription(name, domain, start_from=library, behavior=behavior, process=name)
         for name in (f"keeper_{i + 1}" for i in range(count))
     )
-    world = WorldDescription(
-        "keepaway", "keepaway_world.world_main", "lockstep", paused=True, parameters=parameters
+    described = WorldDescription(
+        world, world_module(world), "lockstep", seed=seed, paused=True, parameters=parameters
     )
-    return SwarmDescription("evaluation", Path("evaluation"), agents, world)
+    return SwarmDescription("evaluation", Path("evaluation"), agents, described)
 
 
 def evaluate(
@@ -106,6 +124,7 @@ def evaluate(
     pace: str,
     parameters: Mapping[str, Any],
     advance: Advance,
+    world: str = KEEPAWAY,
 ) -> Evaluation:
     """Play episodes with keepers trained as a library says.
 
@@ -115,8 +134,9 @@ def evaluate(
         episodes: how many.
         seed: of the run; the same one gives the same episodes.
         pace: ``lockstep`` or ``inprocess``.
-        parameters: of the game.
+        parameters: of the game, and of the server on which it is played.
         advance: told how many episodes have been played.
+        world: ``keepaway``, the simulated one, or ``rcssserver``.
 
     Raises:
         LibraryError: if the library cannot be used, or has no such behavior.
@@ -125,22 +145,22 @@ def evaluate(
     digest = _check_library(library, behavior)
     if pace == "inprocess":
         began = time.monotonic()
-        played = _play_inprocess(library, behavior, episodes, seed, parameters, advance)
+        with _made(world, parameters, seed) as made:
+            played = _play_inprocess(library, behavior, episodes, made, advance)
         wall, missed = time.monotonic() - began, 0
     else:
-        swarm = trained_keepers(library, behavior, parameters)
+        swarm = trained_keepers(library, behavior, parameters, world=world, seed=seed)
         with temporary_swarm(swarm, progress=advance) as running:
             played, wall, missed = play_lockstep(running, episodes, seed, advance)
-    return Evaluation(behavior, str(library), digest, pace, seed, parameters, played, wall, missed)
+    return Evaluation(
+        behavior, str(library), digest, pace, seed, parameters, played, wall, missed, world
+    )
 
 
 def _check_library(library: Path, behavior: str) -> str:
-    from hitab_core.behavior_library import BehaviorLibrary
-    from hitab_core.domain import load_domain
-
     if not library.is_dir():
         raise LibraryError(f"{library}: there is no such library folder; train one: `hitab demo`")
-    opened = BehaviorLibrary(library, load_domain("keepaway"))
+    opened = open_library(library)
     there = opened.load()
     if behavior not in there:
         raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there)}')
@@ -181,26 +201,44 @@ def play_lockstep(
     return played, wall, missed
 
 
+@contextlib.contextmanager
+def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World]:
+    """Make a world in this process; what it refuses is told as a user's error."""
+    from hitab_world.world import WorldError
+    from keepaway_world.parameters import KeepawayParameters
+    from keepaway_world.rcss.rcss_world import RcssWorld
+    from keepaway_world.rcss.server_settings import settings_from_dict
+    from keepaway_world.world import KeepawayWorld
+
+    try:
+        if kind == RCSSSERVER:
+            server, figures = settings_from_dict(parameters)
+        else:
+            figures = KeepawayParameters.from_dict(parameters)
+    except ValueError as error:
+        raise HitabError(str(error)) from None
+    if kind != RCSSSERVER:
+        yield KeepawayWorld(figures, seed)
+        return
+    with contextlib.closing(RcssWorld(server, figures, seed, patience=PATIENCE_SECONDS)) as world:
+        try:
+            yield world
+        except WorldError as error:
+            raise HitabError(str(error)) from None
+
+
 def _play_inprocess(
     library: Path,
     behavior: str,
     episodes: int,
-    seed: int,
-    parameters: Mapping[str, Any],
+    world: World,
     advance: Callable[[int, int, str], None],
 ) -> list[Played]:
-    from hitab_core.behavior_library import BehaviorLibrary
     from hitab_core.repertoire import Repertoire
-    from keepaway_world.domain import DOMAIN
-    from keepaway_world.inprocess import perform, play
-    from keepaway_world.parameters import KeepawayParameters
-    from keepaway_world.world import KeepawayWorld
+    from hitab_world.inprocess import perform, play
 
-    try:
-        world = KeepawayWorld(KeepawayParameters.from_dict(parameters), seed)
-    except ValueError as error:
-        raise HitabError(str(error)) from None
-    repertoire = Repertoire(DOMAIN, BehaviorLibrary(library, DOMAIN).load())
+    opened = open_library(library)
+    repertoire = Repertoire(opened.domain, opened.load())
     players = perform(world, repertoire, behavior)
     played: list[Played] = []
     while len(played) < episodes:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -28,6 +27,7 @@ from keepaway_world.rcss.messages import (
     Think,
     parse_message,
 )
+from keepaway_world.rcss.server_settings import ServerSettings
 from keepaway_world.rcss.sexpr import ProtocolError
 
 PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
@@ -35,43 +35,6 @@ STRAGGLER_SECONDS = 0.3  # a client that still has nothing when others have it h
 REPEAT_SECONDS = 0.4  # after so much silence the server is told (done) again
 GONE_SECONDS = 4.0  # a server waits 1.25 s for a (done): one that takes longer is gone
 REALTIME_STRAGGLER_SECONDS = 0.02
-
-_TEAM = re.compile(r"[-+_a-zA-Z0-9]{1,15}")
-
-
-@dataclass(frozen=True)
-class ServerSettings:
-    """Which server, and what we are on it.
-
-    Attributes:
-        host, port: where it takes players.
-        trainer_port: where it takes a trainer, usually 6001; 0: connect none.
-        team, taker_team: names of the teams.
-        our_takers: whether the takers are played by this world; else they are someone else's
-            clients, which connect after the keepers.
-    """
-
-    host: str = "127.0.0.1"
-    port: int = 6000
-    trainer_port: int = 0
-    team: str = "keepers"
-    taker_team: str = "takers"
-    our_takers: bool = True
-
-    def __post_init__(self) -> None:
-        """Refuse what cannot be an address or the name of a team."""
-        for name, least in (("port", 1), ("trainer_port", 0)):
-            port = getattr(self, name)
-            if not least <= port <= 65535:
-                raise ValueError(f"{name} is {port}; it must lie between {least} and 65535")
-        for name in ("team", "taker_team"):
-            if not _TEAM.fullmatch(getattr(self, name)):
-                raise ValueError(
-                    f'{name} is "{getattr(self, name)}"; a team has a name of 1 to 15 letters, '
-                    "digits, _, + and -"
-                )
-        if self.team == self.taker_team:
-            raise ValueError(f'both teams are called "{self.team}"; give one another name')
 
 
 @dataclass
@@ -111,7 +74,7 @@ class Link:
             NoAnswer: if there is no server.
             ServerError: if it refuses, or plays something else.
         """
-        self.where = f"{server.host}:{server.port}"
+        self.where = server.where
         self.clients: dict[str, Client] = {}
         self.settings = Parameters("server_param", {})
         self.time = -1

@@ -11,21 +11,18 @@ decide, such as ``-p parameters.taker_speed:=1.0``. See docs/rcssserver.md.
 
 from __future__ import annotations
 
+import contextlib
 import sys
-from collections.abc import Callable
-from dataclasses import MISSING, fields
-from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
 from hitab_core.errors import HitabError
 from hitab_ros.spinning import Loop, Spinner, run
 from hitab_world.world_node import run_world
 from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.rcss.link import ServerSettings
 from keepaway_world.rcss.rcss_world import RcssWorld
-from keepaway_world.world_main import PREFIX
+from keepaway_world.rcss.server_settings import ServerSettings, settings_from_dict
+from keepaway_world.world_main import declared_figures
 
 
 def make_world(node: Node, seed: int) -> RcssWorld:
@@ -34,43 +31,26 @@ def make_world(node: Node, seed: int) -> RcssWorld:
     Raises:
         HitabError: if a parameter cannot be.
     """
-    server = _declared(node, ServerSettings)
-    figures = _declared(node, KeepawayParameters)
-    known = {PREFIX + name for name in (*server, *figures)}
-    for name in node.get_parameters_by_prefix("parameters"):
-        if PREFIX + name not in known:
-            raise HitabError(f'neither the server nor the game has a parameter "{name}"')
+    values = declared_figures(node, ServerSettings, KeepawayParameters)
     try:
-        return RcssWorld(ServerSettings(**server), KeepawayParameters(**figures), seed)
+        return RcssWorld(*settings_from_dict(values), seed)
     except ValueError as error:
         raise HitabError(str(error)) from error
 
 
-def _declared(node: Node, settings: type[Any]) -> dict[str, Any]:
-    """Declare a dataclass's fields as parameters and return their values."""
-    values = {}
-    for figure in fields(settings):
-        default = figure.default if figure.default is not MISSING else None
-        values[figure.name] = node.declare_parameter(
-            PREFIX + figure.name, default, ParameterDescriptor(read_only=True)
-        ).value
-    return values
-
-
 def _start(spinning: Spinner) -> Loop:
-    worlds: list[RcssWorld] = []
+    leave = contextlib.ExitStack()
 
     def make(node: Node, seed: int) -> RcssWorld:
-        worlds.append(make_world(node, seed))
-        return worlds[0]
+        world = make_world(node, seed)
+        leave.callback(world.close)  # else the server would wait for our players
+        return world
 
-    loop: Callable[[Spinner], int] = run_world(make, spinning)
+    loop = run_world(make, spinning)
 
     def run_and_leave(spinning: Spinner) -> int:
-        try:
+        with leave:
             return loop(spinning)
-        finally:
-            worlds[0].close()  # else the server would wait for our players
 
     return run_and_leave
 

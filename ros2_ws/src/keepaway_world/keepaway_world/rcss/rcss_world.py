@@ -30,8 +30,9 @@ from keepaway_world.rcss.commands import command_of_order, commands_of
 from keepaway_world.rcss.connection import ServerError
 from keepaway_world.rcss.episode_watch import EpisodeWatch
 from keepaway_world.rcss.field import Field, Place, parameters_of, placed
-from keepaway_world.rcss.link import Link, ServerSettings
+from keepaway_world.rcss.link import Link
 from keepaway_world.rcss.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
+from keepaway_world.rcss.server_settings import ServerSettings
 from keepaway_world.rcss.trainer import Trainer
 from keepaway_world.takers import TakerTeam
 
@@ -72,7 +73,7 @@ class RcssWorld:
         self.episode_cycle = 0
         self.ended = ""
         self.refused: Mapping[str, str] = {}
-        self.waiting = sentences.CONNECTING.format(self._where)
+        self.waiting = sentences.CONNECTING.format(self.server.where)
         self._ours = parameters
         self._patience = patience
         self._link: Link | None = None
@@ -80,10 +81,6 @@ class RcssWorld:
         self._next_try = 0.0
         self._forget()
         self.agents: tuple[str, ...] = tuple(k.name for k in self._field.physics.keepers)
-
-    @property
-    def _where(self) -> str:
-        return f"{self.server.host}:{self.server.port}"
 
     def _forget(self) -> None:
         """Know nothing of the field."""
@@ -129,7 +126,7 @@ class RcssWorld:
         self._held = {}
         if self._link is not None and not self.waiting and not fresh:
             if self._trainer is None:
-                self.waiting = sentences.PLAYING_ON.format(self._where)
+                self.waiting = sentences.PLAYING_ON.format(self.server.where)
             else:
                 self._set_up()
         if self._patience:
@@ -262,15 +259,15 @@ class RcssWorld:
     def _see_to_waiting(self, state: FullState | None, began: bool) -> None:
         """Decide whether there is an episode to be played."""
         if self._mode == BEFORE_KICK_OFF:
-            self.waiting = sentences.BEFORE_PLAY.format(self._where)
+            self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
         elif self._mode != PLAYING:
-            self.waiting = sentences.STOPPED.format(self._where, self._mode)
+            self.waiting = sentences.STOPPED.format(self.server.where, self._mode)
         elif state is not None and (missing := self._field.missing(state)):
             self.waiting = missing
         elif began:
             self.waiting = ""
         elif self.waiting:
-            self.waiting = sentences.PLAYING_ON.format(self._where)
+            self.waiting = sentences.PLAYING_ON.format(self.server.where)
 
     # -- a server does not wait -------------------------------------------------------------
 
@@ -324,7 +321,7 @@ class RcssWorld:
             self._forget()
             if self.server.trainer_port:
                 self._trainer = Trainer(self.server)
-            self.waiting = sentences.BEFORE_PLAY.format(self._where)
+            self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
         except ServerError as error:
             self._leave(str(error))
         self._next_try = time.monotonic() + RETRY_SECONDS

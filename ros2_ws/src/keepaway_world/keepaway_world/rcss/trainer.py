@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 from keepaway_world.rcss.connection import Connection, NoAnswer, ServerError, connect, readable
 from keepaway_world.rcss.field import Place
-from keepaway_world.rcss.link import ServerSettings
 from keepaway_world.rcss.messages import Ok, Refusal
+from keepaway_world.rcss.server_settings import ServerSettings
 
 ANSWER_SECONDS = 0.5
 
