@@ -30,8 +30,12 @@ ORDER = "order"
 REPORTS = "reports"
 GROUP = "group"
 
+# Of a host of many agents.
+PERCEPTS = "percepts"
+
 # Of a world; its status topic is called STATUS too.
 ACTIONS = "actions"
+ACTION_BATCHES = "action_batches"
 STATE = "state"
 EPISODES = "episodes"
 CONTROL = "control"
@@ -41,6 +45,7 @@ SNAPSHOT = "snapshot"
 CLOCK = "/clock"  # absolute, as ROS wants it
 
 # Of the swarm.
+HOSTS = "hosts"
 DISTRIBUTION = "distribution"
 DISTRIBUTION_ACK = "distribution_ack"
 

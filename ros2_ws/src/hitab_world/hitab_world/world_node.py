@@ -15,6 +15,7 @@ from hitab_ros.conversions import time_of
 from hitab_ros.name_guard import refuse_second_of_name
 from hitab_ros.spinning import Loop, Spinner
 from hitab_world.attendance import Attendance
+from hitab_world.audience import Audience
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
 from hitab_world.world_services import WorldServices
@@ -22,6 +23,7 @@ from hitab_world.world_services import WorldServices
 NANOSECONDS = 1_000_000_000
 STATUS_PERIOD_NS = NANOSECONDS
 LOOK_FOR_VIEWERS_EVERY = 50  # cycles
+NAMED_MAX = 10  # agents that an error names
 UNREAD_MAX = 100  # events that are handled after a deadline to find answers among them
 
 
@@ -63,18 +65,8 @@ class WorldNode(Node):
         self._next_state_ns = 0
         self._next_status_ns = 0
         self._viewed = self._clocked = False
-        self._percepts = {
-            name: (
-                self.create_publisher(
-                    msg.Percept, names.in_swarm(self, name, names.PERCEPT), qos.CYCLE
-                ),
-                msg.Percept(),
-            )
-            for name in self.world.agents
-        }
-        self.attendance = Attendance(
-            self.world.agents, lambda name: self._percepts[name][0].get_subscription_count() > 0
-        )
+        self._audience = Audience(self, tuple(self.world.agents))
+        self.attendance = Attendance(self.world.agents, self._audience.has)
         self._state = self.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
         self._status = self.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
         self._episodes = self.create_publisher(msg.Episode, names.EPISODES, qos.EVENTS)
@@ -82,13 +74,13 @@ class WorldNode(Node):
 
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
-        self._actions = self.create_subscription(
-            msg.Action, names.ACTIONS, self._on_action, qos.CYCLE
-        )
+        self._audience.join(self.attendance.take)
         self._world_services = WorldServices(self)
 
-    def _on_action(self, action: msg.Action) -> None:
-        self.attendance.take(action.agent, action.sequence, (action.values, action.say))
+    def look_who_is_there(self) -> bool:
+        """Find out which agents have joined the world; return whether that has changed."""
+        self._audience.look()
+        return self.attendance.look()
 
     # -- the main loop ----------------------------------------------------------------------
 
@@ -129,7 +121,7 @@ class WorldNode(Node):
         now = self._now_ns()
         if now >= self._next_status_ns:
             self._next_status_ns = now + STATUS_PERIOD_NS
-            changed = self.attendance.look()
+            changed = self.look_who_is_there()
             if changed or (self.attendance.silent and self.paused):
                 self.disturbed = True  # shown again, so that who was late may answer
             self.publish_status()
@@ -165,9 +157,7 @@ class WorldNode(Node):
             return  # what they answered was about another situation
         if not self.attendance.complete:
             late = self.attendance.count_late(exclude=lockstep)
-            self.report_error(
-                f"no answer in time from {', '.join(late)} in cycle {self.world.cycle}"
-            )
+            self.report_error(f"no answer in time from {_some(late)} in cycle {self.world.cycle}")
         self._advance()
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
@@ -192,19 +182,16 @@ class WorldNode(Node):
         world = self.world
         self._sequence += 1
         self.attendance.begin(self._sequence)
-        stamp = time_of(world.cycle * world.cycle_seconds)
-        for name, (publisher, percept) in self._percepts.items():
-            values, heard = world.percept(name)
-            percept.stamp = stamp
-            percept.sequence = self._sequence
-            percept.cycle = world.cycle
-            percept.episode = world.episode
-            percept.seed = world.seed
-            percept.look = look
-            percept.restart = self._restart
-            percept.values = values
-            percept.heard = heard
-            publisher.publish(percept)
+        common = {
+            "stamp": time_of(world.cycle * world.cycle_seconds),
+            "sequence": self._sequence,
+            "cycle": world.cycle,
+            "episode": world.episode,
+            "seed": world.seed,
+            "look": look,
+            "restart": self._restart,
+        }
+        self._audience.send(common, world.percept)
         self._restart = False
 
     def _advance(self) -> None:
@@ -323,6 +310,12 @@ class WorldNode(Node):
             )
         )
         self._note = ""
+
+
+def _some(agents: list[str]) -> str:
+    """Name some agents, and say how many there are besides."""
+    more = len(agents) - NAMED_MAX
+    return ", ".join(agents[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
 
 
 def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:

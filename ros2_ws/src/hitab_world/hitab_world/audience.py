@@ -1,0 +1,78 @@
+"""Who perceives a world: agents with nodes of their own topics, and hosts of many agents."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from hitab_msgs import msg
+from rclpy.node import Node
+
+from hitab_ros import names, qos
+from hitab_world.attendance import Answer
+from hitab_world.host_desk import HostDesk
+from hitab_world.world import Sensed
+
+ALONE_MAX = 64  # agents for which a topic each is made ready before they come
+
+
+class Audience:
+    """Sends percepts, a message per agent or per host, and passes answers on."""
+
+    def __init__(self, node: Node, agents: tuple[str, ...]) -> None:
+        self._node = node
+        self._agents = agents
+        self._alone: dict[str, tuple[Any, msg.Percept]] = {}
+        self._hosts: HostDesk | None = None
+        if len(agents) <= ALONE_MAX:
+            for name in agents:
+                self._expect(name)
+
+    def join(self, take: Callable[[str, int, Answer], None]) -> None:
+        """Begin to hear answers, each given to ``take`` with the sequence of its percept."""
+
+        def on_action(action: msg.Action) -> None:
+            take(action.agent, action.sequence, (action.values, action.say))
+
+        self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.CYCLE)
+        self._hosts = HostDesk(self._node, self._agents, take)
+
+    def look(self) -> None:
+        """Find out which hosts are there."""
+        if self._hosts is not None:
+            self._hosts.look()
+
+    def has(self, agent: str) -> bool:
+        """Whether a node or a host answers for an agent."""
+        if self._hosted(agent):
+            return True
+        if agent in self._alone:
+            return bool(self._alone[agent][0].get_subscription_count())
+        if self._node.count_subscribers(names.in_swarm(self._node, agent, names.PERCEPT)):
+            self._expect(agent)  # it is there as soon as the two have found each other
+        return False
+
+    def send(self, common: dict[str, Any], percept_of: Callable[[str], Sensed]) -> None:
+        """Send all their percepts.
+
+        Args:
+            common: the fields that all percepts of a cycle have in common.
+            percept_of: returns what an agent perceives.
+        """
+        for name, (publisher, percept) in self._alone.items():
+            if self._hosted(name):
+                continue
+            for field, value in common.items():
+                setattr(percept, field, value)
+            percept.values, percept.heard = percept_of(name)
+            publisher.publish(percept)
+        if self._hosts is not None:
+            self._hosts.send(common, percept_of)
+
+    def _hosted(self, agent: str) -> bool:
+        return self._hosts is not None and self._hosts.has(agent)
+
+    def _expect(self, agent: str) -> None:
+        topic = names.in_swarm(self._node, agent, names.PERCEPT)
+        publisher = self._node.create_publisher(msg.Percept, topic, qos.CYCLE)
+        self._alone[agent] = (publisher, msg.Percept())
