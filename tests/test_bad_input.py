@@ -1,10 +1,12 @@
 """Bad input is refused with the way out: in status, service reply and command line alike."""
 
 import pytest
+from hitab_msgs.msg import Command
 
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.world_client import WorldClient
+from hitab_ros import qos
 
 AGENT = "keeper_1"
 
@@ -82,6 +84,32 @@ def test_commands_in_the_wrong_mode_are_refused(training):
         agents.set_mode(AGENT, "resting")
 
 
+def test_a_command_sent_again_is_not_obeyed_twice_though_others_commanded_since(training):
+    link, agents = training.link, training.agents
+    publisher = link.node.create_publisher(Command, f"/{AGENT}/command", qos.EVENTS)
+    assert link.spin_until(lambda: publisher.get_subscription_count() > 0, 5)
+
+    def command(who, sequence, behavior):
+        agents.statuses[AGENT].demonstrator = ""
+        publisher.publish(Command(sequence=sequence, demonstrator=who, behavior=behavior))
+        assert link.spin_until(lambda: agents.statuses[AGENT].demonstrator == who, 5)
+        status = agents.statuses[AGENT]
+        return status.examples, status.last_command_sequence, status.last_refused_sequence
+
+    before = len(agents.list_examples(AGENT).examples)
+    try:
+        assert command("ann", 7, "GoSlow")[:2] == (before + 2, 7)
+        assert command("bob", 3, "GoFast")[:2] == (before + 4, 3)
+        assert command("ann", 7, "GoSlow")[:2] == (before + 4, 7)
+        assert command("bob", 4, "Dance")[::2] == (before + 4, 4)
+        assert command("ann", 8, "GoFast")[:2] == (before + 5, 8)
+        assert command("bob", 4, "Dance")[::2] == (before + 5, 4)
+    finally:
+        link.node.destroy_publisher(publisher)
+        for _ in range(3):
+            agents.edit_examples(AGENT, "undo")
+
+
 def test_wrong_edits_are_refused(training):
     for arguments, expected in (
         (("delete", [99]), r"no example number 99 \(has: 1, 2\)"),
@@ -97,6 +125,9 @@ def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
     (tmp_path / "Bad.hfa.yaml").write_text("format: 99\nname: Bad\n")
     with pytest.raises(SwarmError, match=r"Bad.hfa.yaml:1: has format 99"):
         agents.load_library("keeper_2", str(tmp_path))
+    for folder in ("nowhere", "~nobody/library", str(tmp_path / "Bad.hfa.yaml")):
+        with pytest.raises(SwarmError, match="is not a folder"):
+            agents.load_library("keeper_2", folder)
     with pytest.raises(SwarmError, match='unknown behavior "Dance"'):
         agents.perform("keeper_2", "Dance")
     with pytest.raises(SwarmError, match='"Dance"'):
@@ -110,6 +141,7 @@ WORLD_ERRORS = [
     (lambda w: w.control("dance"), 'unknown action "dance"'),
     (lambda w: w.control("step", cycles=0), "step needs a number of cycles"),
     (lambda w: w.control("pace", pace="slow"), 'unknown pace "slow"'),
+    (lambda w: w.control("pace", factor=float("inf")), "factor inf is not a speed"),
     (lambda w: w.snapshot("restore", "nothing"), 'no snapshot "nothing"'),
     (lambda w: w.snapshot("save"), "a snapshot needs a name"),
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
@@ -14,6 +13,7 @@ from rclpy.node import Node
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
+from hitab_agent.recent_commands import RecentCommands
 from hitab_agent.settings import AgentSettings
 from hitab_agent.telling import Telling
 from hitab_agent.transition_log import TransitionLog
@@ -23,6 +23,7 @@ from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
+from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import use_of
 
 STATUS_PERIOD_S = 0.05
@@ -57,6 +58,7 @@ class AgentNode(Node):
             observe=self.transition_log.observe,
         )
         self._tick_error = ""
+        self._recent = RecentCommands()
         self._last_path: list[str] = []
         self._percept_stamp = msg.AgentStatus().stamp
         self._status = msg.AgentStatus(agent=self.agent_name, domain=domain.name)
@@ -112,7 +114,7 @@ class AgentNode(Node):
                 agent.tick()
                 answer = agent.act()
         except Exception as error:
-            self._tick_failed(_what_went_wrong(error))
+            self._tick_failed(what_went_wrong(error))
             return _NO_ACTION
         if self._tick_error and not percept.look:
             self._tick_error = ""
@@ -134,24 +136,24 @@ class AgentNode(Node):
 
     def _on_command(self, command: msg.Command) -> None:
         status = self._status
-        known = (
-            status.demonstrator,
-            max(status.last_command_sequence, status.last_refused_sequence),
-        )
-        if command.sequence and known == (command.demonstrator, command.sequence):
-            return  # sent again because our acknowledgement was late
         status.demonstrator = command.demonstrator
+        # One that is sent again, since our acknowledgement was late, is acknowledged again.
+        refusal = self._recent.came_of(command.demonstrator, command.sequence)
         self.transition_log.commanded = True
         try:
-            self.agent.command(use_of(command.behavior, command.targets))
+            if refusal is None:
+                refusal = ""
+                self.agent.command(use_of(command.behavior, command.targets))
         except Exception as error:
-            status.last_refused_sequence = command.sequence
-            self.report_error(_what_went_wrong(error))
-        else:
-            status.last_command_sequence = command.sequence
-            self.report_error("")
+            refusal = what_went_wrong(error)
         finally:
             self.transition_log.commanded = False
+            self._recent.keep(command.demonstrator, command.sequence, refusal or "")
+            if refusal:
+                status.last_refused_sequence = command.sequence
+            else:
+                status.last_command_sequence = command.sequence
+            self.report_error(refusal or "")
 
     # -- status -----------------------------------------------------------------------------
 
@@ -188,14 +190,6 @@ class AgentNode(Node):
         self.transition_log.look()
         if self.agent.active_path != self._last_path:
             self.publish_status()
-
-
-def _what_went_wrong(error: Exception) -> str:
-    """Say it in words: a domain's code is a user's, whose mistakes must not end the agent."""
-    if isinstance(error, HitabError):
-        return str(error)
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__} in {Path(place.filename).name}:{place.lineno}: {error}"
 
 
 def _link_class(domain: Domain) -> Any:

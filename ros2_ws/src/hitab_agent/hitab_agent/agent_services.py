@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +11,11 @@ from hitab_msgs import srv
 from hitab_core.agent import Mode
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior
-from hitab_core.errors import HitabError, TrainingError, has
+from hitab_core.errors import LibraryError, TrainingError, has
 from hitab_core.training_session import Curriculum
 from hitab_core.use import Use
 from hitab_ros import names
+from hitab_ros.answering import Serve, answering
 from hitab_ros.conversions import example_message, use_of
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class AgentServices:
     def __init__(self, node: AgentNode) -> None:
         self._node = node
         self._agent = node.agent
-        offered: list[tuple[Any, str, Callable[[Any, Any], str]]] = [
+        offered: list[tuple[Any, str, Serve]] = [
             (srv.BeginTraining, names.BEGIN, self._begin),
             (srv.SetMode, names.SET_MODE, self._set_mode),
             (srv.EditExamples, names.EDIT_EXAMPLES, self._edit_examples),
@@ -37,22 +38,12 @@ class AgentServices:
             (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, self._answering(serve))
+            node.create_service(kind, name, answering(serve, self._answered))
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
-    def _answering(self, serve: Callable[[Any, Any], str]) -> Callable[[Any, Any], Any]:
-        def answer(request: Any, response: Any) -> Any:
-            try:
-                response.message = serve(request, response)
-                response.success = True
-            except HitabError as error:
-                response.success = False
-                response.message = str(error)
-            # Telling the status too, so that whoever watches sees what went wrong.
-            self._node.report_error("" if response.success else response.message)
-            return response
-
-        return answer
+    def _answered(self, error: str) -> None:
+        # Telling the status too, so that whoever watches sees what went wrong.
+        self._node.report_error(error)
 
     def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:
         curriculum = Curriculum(
@@ -128,7 +119,8 @@ class AgentServices:
         response.path = str(path)
         response.digest = self._agent.library.file_digest(automaton.name)
         response.trimmed = trimmed
-        return f'saved "{automaton.name}" with {len(automaton.examples)} examples'
+        saved = Use(automaton.name, automaton.parameters)
+        return f'saved "{saved}" with {len(automaton.examples)} examples'
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
         if not request.behavior:
@@ -141,7 +133,12 @@ class AgentServices:
     def _load_library(self, request: srv.LoadLibrary.Request, response: Any) -> str:
         library = None
         if request.path:
-            library = BehaviorLibrary(Path(request.path).expanduser(), self._agent.domain)
+            folder = Path(os.path.expanduser(request.path))
+            if not folder.is_absolute() or not folder.is_dir():
+                raise LibraryError(
+                    f'"{request.path}" is not a folder here; give the whole path of a library'
+                )
+            library = BehaviorLibrary(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.library_digest
         return f"{len(response.behaviors)} trained behaviors"

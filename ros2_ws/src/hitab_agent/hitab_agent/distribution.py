@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 from hitab_msgs import msg, srv
 
 from hitab_core.bundle import Bundle, make_bundle
-from hitab_core.errors import HitabError, VocabularyError
+from hitab_core.errors import VocabularyError
 from hitab_core.use import Use
 from hitab_ros import names, qos
+from hitab_ros.answering import answering, what_went_wrong
 from hitab_ros.conversions import use_of
 
 if TYPE_CHECKING:
@@ -31,25 +32,22 @@ class Distributor:
         self._outgoing = node.create_publisher(msg.Distribution, distribution, qos.EVENTS)
         self._acknowledge = node.create_publisher(msg.DistributionAck, acknowledgement, qos.EVENTS)
         node.create_subscription(msg.Distribution, distribution, self._receive, qos.EVENTS)
-        node.create_service(srv.Distribute, names.DISTRIBUTE, self._distribute)
+        node.create_service(
+            srv.Distribute, names.DISTRIBUTE, answering(self._distribute, node.report_error)
+        )
 
     def _distribute(
         self, request: srv.Distribute.Request, response: srv.Distribute.Response
-    ) -> srv.Distribute.Response:
+    ) -> str:
         agent = self._agent
-        try:
-            use = use_of(request.behavior, request.arguments)
-            if request.start:
-                agent.repertoire.check_state(use)
-            if use.name not in agent.library.names():
-                raise VocabularyError(
-                    f'"{use.name}" is not in the library of {agent.name}; save it first'
-                )
-            bundle = make_bundle(agent.library.texts(), agent.repertoire, use.name)
-        except HitabError as error:
-            response.message = str(error)
-            self._node.report_error(response.message)
-            return response
+        use = use_of(request.behavior, request.arguments)
+        if request.start:
+            agent.repertoire.check_state(use)
+        if use.name not in agent.library.names():
+            raise VocabularyError(
+                f'"{use.name}" is not in the library of {agent.name}; save it first'
+            )
+        bundle = make_bundle(agent.library.texts(), agent.repertoire, use.name)
         # The time makes it unique in the swarm, whoever else distributes.
         sequence = self._node.get_clock().now().nanoseconds
         self._outgoing.publish(
@@ -64,11 +62,9 @@ class Distributor:
                 start=request.start,
             )
         )
-        response.success = True
         response.sequence = sequence
         response.digest = bundle.digest
-        response.message = f"sent {len(bundle.files)} behaviors"
-        return response
+        return f"sent {len(bundle.files)} behaviors"
 
     def _receive(self, sent: msg.Distribution) -> None:
         agent = self._agent
@@ -82,8 +78,8 @@ class Distributor:
             if sent.start:
                 agent.perform(Use(sent.behavior, tuple(sent.arguments)))
             answer.success = True
-        except HitabError as error:
-            answer.message = str(error)
+        except Exception as error:
+            answer.message = what_went_wrong(error)
         # The status first: who has all acknowledgements may look at everybody's digest.
         self._node.report_distribution(sent.sequence, answer.message)
         self._acknowledge.publish(answer)

@@ -12,7 +12,7 @@ from hitab_core.behavior_schema import SUFFIX
 from hitab_core.durable_files import file_errors, locked, make_folder
 from hitab_core.errors import LibraryError
 from hitab_core.library_commit import commit, finish, is_unfinished
-from hitab_core.use import NAME
+from hitab_core.use import NAME, NAME_RULE
 
 VERSIONS = ".versions"
 
@@ -64,9 +64,7 @@ class LibraryFolder:
             LibraryError: if no behavior can have this name.
         """
         if NAME.match(name) is None or name in RESERVED:
-            raise LibraryError(
-                f'{self.path}: no behavior can be called "{name}"; use letters, digits and _'
-            )
+            raise LibraryError(f'{self.path}: no behavior can be called "{name}"; {NAME_RULE}')
         return self.path / file_name(name)
 
     def versions(self, name: str) -> list[int]:

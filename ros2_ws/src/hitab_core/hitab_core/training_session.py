@@ -14,9 +14,9 @@ from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.errors import TrainingError, VocabularyError, has
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_log import ExampleLog
-from hitab_core.learning import learn_transitions
+from hitab_core.learning import learn_transitions, learner
 from hitab_core.running_automaton import RunningAutomaton, Stage
-from hitab_core.use import NAME, Use
+from hitab_core.use import NAME, NAME_RULE, Use
 
 Journal = Callable[[Mapping[str, Any]], None]
 """Writes a record to disk before it returns."""
@@ -312,15 +312,18 @@ class TrainingSession:
 
 
 def check(stage: Stage, curriculum: Curriculum) -> None:
-    """Check that all that a curriculum names exists.
+    """Check that all that a curriculum names exists, its classifier included.
 
     Raises:
         VocabularyError: naming what does not.
     """
     repertoire = stage.repertoire
     name = curriculum.name
-    if NAME.match(name) is None:
-        raise VocabularyError(f'"{name}" is not a name; use letters, digits and _')
+    for text in (name, *curriculum.parameters):
+        if NAME.match(text) is None:
+            raise VocabularyError(f'"{text}" is not a name; {NAME_RULE}')
+    if len(set(curriculum.parameters)) < len(curriculum.parameters):
+        raise VocabularyError(f'"{name}" has a parameter twice; give each a name of its own')
     if len(curriculum.parameters) != len(curriculum.arguments):
         raise VocabularyError(
             f'"{name}" has {len(curriculum.parameters)} parameter(s) but '
@@ -338,6 +341,7 @@ def check(stage: Stage, curriculum: Curriculum) -> None:
     # The empty automaton is checked as any other: reserved names, parameters that are targets.
     blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
     repertoire.check_new(blank)
+    learner(curriculum.classifier, [repertoire.scale_of(f) for f in curriculum.features])
 
 
 def _labels(examples: Iterable[Example]) -> list[str]:

@@ -19,7 +19,7 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.transition_tree import TransitionTree
 from hitab_core.tree_nodes import described, nodes
-from hitab_core.use import NAME, Use
+from hitab_core.use import NAME, NAME_RULE, Use
 
 
 def trim(
@@ -102,9 +102,7 @@ def rebind(
         if old not in there:
             raise VocabularyError(f'"{old}" is not in automaton "{automaton.name}" {has(there)}')
         if "(" not in old and NAME.match(new) is None:
-            raise VocabularyError(
-                f'"{new}" cannot be a target or parameter; use letters, digits and _'
-            )
+            raise VocabularyError(f'"{new}" cannot be a target or parameter; {NAME_RULE}')
 
     def bound(use: Use) -> Use:
         whole = bindings.get(str(use)) if use.arguments else None

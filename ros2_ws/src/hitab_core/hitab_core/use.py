@@ -12,7 +12,10 @@ from dataclasses import dataclass
 
 from hitab_core.errors import VocabularyError
 
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
+"""What names a behavior, target or parameter; a file is called after a behavior."""
+
+NAME_RULE = "use up to 100 letters, digits and _"
 _USE = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
 
 

@@ -337,3 +337,19 @@ def test_a_library_without_what_is_being_trained_is_refused_and_changes_nothing(
         agent.reload(BehaviorLibrary(agent.library.folder.parent / "nothing", agent.domain))
     assert "Home" in agent.repertoire
     assert do(agent, 5.0) == "Left"
+
+
+WRONG = [
+    (Curriculum("A" * 101, (Use("x"),)), "is not a name; use up to 100 letters"),
+    (Curriculum("A", (Use("x"),), parameters=("P", "P"), arguments=("x", "x")), "twice"),
+    (Curriculum("A", (Use("x"),), classifier="os.system"), '"os.system" is not a classifier'),
+    (Curriculum("A", (Use("x"),), classifier="tree("), "does not name a classifier"),
+]
+
+
+@pytest.mark.parametrize(("curriculum", "expected"), WRONG, ids=[w[1][:20] for w in WRONG])
+def test_what_could_not_be_saved_is_refused_before_it_is_trained(make, curriculum, expected):
+    agent = make()
+    with pytest.raises(VocabularyError, match=expected):
+        agent.begin(curriculum)
+    assert agent.session is None

@@ -59,6 +59,20 @@ class WorldSettings:
         return cls(**values)
 
 
+def check_factor(factor: float) -> None:
+    """Check a speed as a factor of real time.
+
+    Raises:
+        HitabError: naming the smallest and the largest.
+    """
+    low, high = _FLOATS["factor"]
+    if not low <= factor <= high:
+        raise HitabError(
+            f"factor {factor:g} is not a speed to run at; give one from {low:g} to {high:g}, "
+            "or use pace lockstep"
+        )
+
+
 def check_pace(pace: str) -> None:
     """Check the name of a pace.
 

@@ -12,6 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
+from hitab_core.errors import HitabError
+
 Action = tuple[Sequence[float], str]
 """What one agent does: values in the domain's own layout, and what it says ("" = nothing)."""
 
@@ -21,7 +23,7 @@ Sensed = tuple[list[float], list[str]]
 NAN = float("nan")
 
 
-class WorldError(ValueError):
+class WorldError(HitabError, ValueError):
     """A request that a world refuses as a whole; the message names the way out."""
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from hitab_msgs import srv
 
 from hitab_core.errors import HitabError, has
 from hitab_ros import names
-from hitab_world.settings import check_pace
-from hitab_world.world import Placement, WorldError
+from hitab_ros.answering import Serve, answering
+from hitab_world.settings import check_factor, check_pace
+from hitab_world.world import Placement
 
 if TYPE_CHECKING:
     from hitab_world.world_node import WorldNode
@@ -22,26 +22,14 @@ class WorldServices:
     def __init__(self, node: WorldNode) -> None:
         self._node = node
         self._snapshots: dict[str, dict[str, Any]] = {}
-        offered: list[tuple[Any, str, Callable[[Any, Any], str]]] = [
+        offered: list[tuple[Any, str, Serve]] = [
             (srv.Control, names.CONTROL, self._control),
             (srv.Play, names.PLAY, self._play),
             (srv.Place, names.PLACE, self._place),
             (srv.Snapshot, names.SNAPSHOT, self._snapshot),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, self._answering(serve))
-
-    def _answering(self, serve: Callable[[Any, Any], str]) -> Callable[[Any, Any], Any]:
-        def answer(request: Any, response: Any) -> Any:
-            try:
-                response.message = serve(request, response)
-                response.success = True
-            except (HitabError, WorldError) as error:
-                response.success = False
-                response.message = str(error)
-            return response
-
-        return answer
+            node.create_service(kind, name, answering(serve))
 
     def _control(self, request: srv.Control.Request, response: srv.Control.Response) -> str:
         node, actions = self._node, srv.Control.Request
@@ -74,8 +62,7 @@ class WorldServices:
                 node.begin_episode()
                 return f"episode {node.world.episode}"
             case actions.PACE:
-                if request.factor < 0 or request.factor != request.factor:
-                    raise HitabError(f"factor {request.factor} is not a speed; give one above 0")
+                check_factor(request.factor or node.factor)
                 if request.pace:
                     check_pace(request.pace)
                     node.pace = request.pace
