@@ -14,8 +14,11 @@ from rclpy.node import Node
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
 from hitab_agent.recent_commands import RecentCommands
+from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.settings import AgentSettings
+from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.telling import Telling
+from hitab_agent.ticker import Ticker
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core.agent import Agent
@@ -35,8 +38,21 @@ _NO_ACTION: tuple[Sequence[float], str] = ((), "")
 class AgentNode(Node):
     """One agent of the swarm, in the namespace of its name."""
 
-    def __init__(self, node_name: str = "agent", **options: Any) -> None:
+    def __init__(
+        self,
+        node_name: str = "agent",
+        *,
+        ticker: Ticker | None = None,
+        outbox: ReportOutbox | None = None,
+        **options: Any,
+    ) -> None:
         """Make the node, load the library and take up an interrupted training.
+
+        Args:
+            node_name: name of the node in the agent's namespace.
+            ticker: what calls it at fixed rates; the agents of a host share one.
+            outbox: through which it reports to its commander; shared likewise.
+            options: of every node.
 
         Raises:
             HitabError: if the domain, the library, the journal or the behavior is not usable.
@@ -44,7 +60,9 @@ class AgentNode(Node):
         super().__init__(node_name, enable_rosout=False, start_parameter_services=False, **options)
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
-        domain = load_domain(settings.domain)
+        self.ticker = ticker or Ticker(self)
+        self.outbox = outbox or ReportOutbox(self)
+        domain = self.load_domain(settings.domain)
         self.transition_log = TransitionLog(self)
         state = Path(settings.state_dir).expanduser() / self.agent_name
         library = Path(settings.library).expanduser() if settings.library else state / "library"
@@ -69,8 +87,17 @@ class AgentNode(Node):
         self._status_timer.cancel()
         self._waiting_for_timer = False
         self._link: Any = None
+        self.superior: SuperiorLink | None = None
         if settings.behavior and self.agent.session is None:
             self.agent.perform(use_of(settings.behavior, ()))
+
+    def load_domain(self, name: str) -> Domain:
+        """Return the domain that the parameter of that name means.
+
+        Raises:
+            HitabError: if there is none.
+        """
+        return load_domain(name)
 
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
@@ -81,6 +108,11 @@ class AgentNode(Node):
         self._telling = Telling(self)
         self._distributor = Distributor(self)
         self._link = _link_class(self.agent.domain)(self, self.settings.world, self._on_percept)
+        if self.settings.commander:
+            self.superior = SuperiorLink(
+                self, self.settings.commander, self.settings.role, self.outbox
+            )
+            self.ticker.every(HEARTBEAT_S, self.superior.heartbeat)
         if self.agent.session is not None:
             training = self.agent.session
             self.report_error(
@@ -100,10 +132,20 @@ class AgentNode(Node):
     # -- percepts ---------------------------------------------------------------------------
 
     def _on_percept(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
-        agent = self.agent
         log = self.transition_log
         log.cycle = percept.cycle
         log.stamp = self._percept_stamp = percept.stamp
+        answer = self._perceive(percept)
+        if self.superior is not None:
+            self.superior.perceived(percept, self.seconds_of(percept))
+        return answer
+
+    def seconds_of(self, percept: msg.Percept) -> float:
+        """Return the agent's own time, s, by which it reports; that of the world or the robot."""
+        return float(percept.stamp.sec + percept.stamp.nanosec * 1e-9)
+
+    def _perceive(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+        agent = self.agent
         try:
             agent.sense(percept.values, percept.heard, percept.cycle)
             if percept.restart:
@@ -122,15 +164,29 @@ class AgentNode(Node):
         elif percept.look:
             if agent.active_path != self._last_path or percept.restart:
                 self.publish_status()
-        elif not self._waiting_for_timer and agent.active_path != self._last_path:
-            self._waiting_for_timer = True
-            self._status_timer.reset()
+        elif agent.active_path != self._last_path:
+            self._publish_status_soon()
         return answer
 
     def _tick_failed(self, why: str) -> None:
         if why != self._tick_error:
             self._tick_error = why
             self.report_error(f"{self.agent_name} did nothing in cycle {self.agent.cycle}: {why}")
+
+    # -- orders of a commander ----------------------------------------------------------------
+
+    def ordered(self) -> None:
+        """Do what has to be done when an order was heard: it has been taken up, or waits."""
+        superior = self.superior
+        if superior is not None and superior.subordinate.refusal:
+            self.report_error(superior.subordinate.refusal)
+        else:
+            self._publish_status_soon()
+
+    def settle(self) -> None:
+        """Take up an order that waits, now that a demonstrator has changed something."""
+        if self.superior is not None:
+            self.superior.settle()
 
     # -- commands ---------------------------------------------------------------------------
 
@@ -154,6 +210,7 @@ class AgentNode(Node):
             else:
                 status.last_command_sequence = command.sequence
             self.report_error(refusal or "")
+            self.settle()
 
     # -- status -----------------------------------------------------------------------------
 
@@ -182,14 +239,23 @@ class AgentNode(Node):
         status.default_examples = session.log.defaults if session else 0
         status.cycle = agent.cycle
         status.library_digest = agent.library_digest
+        if self.superior is not None:
+            subordinate = self.superior.subordinate
+            status.superior = self.superior.commander
+            status.ordered = subordinate.ordered or ""
+            status.order_waits = subordinate.waits
         self._status_publisher.publish(status)
+
+    def _publish_status_soon(self) -> None:
+        if not self._waiting_for_timer:
+            self._waiting_for_timer = True
+            self._status_timer.reset()
 
     def _status_due(self) -> None:
         self._status_timer.cancel()
         self._waiting_for_timer = False
         self.transition_log.look()
-        if self.agent.active_path != self._last_path:
-            self.publish_status()
+        self.publish_status()
 
 
 def _link_class(domain: Domain) -> Any:

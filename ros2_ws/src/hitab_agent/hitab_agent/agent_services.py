@@ -42,6 +42,7 @@ class AgentServices:
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
     def _answered(self, error: str) -> None:
+        self._node.settle()
         # Telling the status too, so that whoever watches sees what went wrong.
         self._node.report_error(error)
 

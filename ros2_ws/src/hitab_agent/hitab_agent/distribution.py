@@ -78,6 +78,7 @@ class Distributor:
             if sent.start:
                 agent.perform(Use(sent.behavior, tuple(sent.arguments)))
             answer.success = True
+            self._node.settle()
         except Exception as error:
             answer.message = what_went_wrong(error)
         # The status first: who has all acknowledgements may look at everybody's digest.

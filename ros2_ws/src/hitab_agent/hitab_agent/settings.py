@@ -15,6 +15,8 @@ DESCRIPTIONS = {
     "behavior": "what to perform from the beginning, such as GoTo(ball); empty: nothing",
     "world": "name of the world's node, from which percepts come",
     "seed": "of the agent's own random numbers, until a world gives one",
+    "commander": "name of its commander, whose orders it obeys; empty: it has none",
+    "role": "in its commander's group, for orders that differ by role",
     "most_probable": "take the most probable next state instead of drawing from the distribution",
 }
 
@@ -30,6 +32,8 @@ class AgentSettings:
     world: str = "world"
     seed: int = 0
     most_probable: bool = False
+    commander: str = ""
+    role: str = ""
 
     @classmethod
     def declare(cls, node: Node) -> AgentSettings:

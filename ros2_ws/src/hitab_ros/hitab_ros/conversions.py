@@ -8,6 +8,7 @@ from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
 from hitab_core.example import Example
+from hitab_core.order import Order, Report
 from hitab_core.use import Use
 
 NANOSECONDS = 1_000_000_000
@@ -40,3 +41,49 @@ def use_of(name: str, arguments: Sequence[str]) -> Use:
     """
     use = Use.parse(name)
     return Use(use.name, (*use.arguments, *arguments))
+
+
+def order_message(commander: str, order: Order) -> msg.Order:
+    """Return an order as a message."""
+    return msg.Order(
+        commander=commander,
+        epoch=order.epoch,
+        sequence=order.sequence,
+        order=order.name,
+        receivers=list(order.behaviors),
+        behaviors=list(order.behaviors.values()),
+        report=list(order.report),
+        report_position=order.report_position,
+        report_period=order.report_period,
+    )
+
+
+def order_of(message: msg.Order) -> Order:
+    """Return the order in a message; receivers without a behavior are left out."""
+    return Order(
+        message.epoch,
+        message.sequence,
+        message.order,
+        dict(zip(message.receivers, message.behaviors, strict=False)),
+        tuple(message.report),
+        message.report_position,
+        message.report_period,
+    )
+
+
+def report_message(report: Report) -> msg.Report:
+    """Return a report as a message. The message has the same fields, and can be read as one."""
+    return msg.Report(
+        agent=report.agent,
+        epoch=report.epoch,
+        sequence=report.sequence,
+        waits=report.waits,
+        mode=report.mode,
+        path=list(report.path),
+        flags=list(report.flags),
+        values=report.values,
+        position=report.position,
+        cycle=report.cycle,
+        episode=report.episode,
+        seed=report.seed,
+    )

@@ -1,0 +1,74 @@
+"""How an agent is joined to its commander: orders in, reports out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hitab_msgs import msg
+
+from hitab_agent.report_outbox import ReportOutbox, reports_topic
+from hitab_core.order import Report
+from hitab_core.subordinate import Subordinate
+from hitab_ros import names, qos
+from hitab_ros.conversions import order_of
+
+if TYPE_CHECKING:
+    from hitab_agent.agent_node import AgentNode
+
+HEARTBEAT_S = 0.5
+
+
+class SuperiorLink:
+    """Obeys a commander's orders as they arrive, and reports to it.
+
+    Attributes:
+        subordinate: the agent as it obeys and reports.
+    """
+
+    def __init__(self, node: AgentNode, commander: str, role: str, outbox: ReportOutbox) -> None:
+        self.subordinate = Subordinate(node.agent, role)
+        self.commander = commander
+        self._node = node
+        self._outbox = outbox
+        self._topic = reports_topic(node, commander)
+        self._seconds = 0.0
+        outbox.open(self._topic)
+        node.create_subscription(
+            msg.Order, names.in_swarm(node, commander, names.ORDER), self._on_order, qos.LATCHED
+        )
+
+    def _on_order(self, message: msg.Order) -> None:
+        with self._outbox.held():
+            subordinate = self.subordinate
+            if subordinate.take(order_of(message)):
+                self._node.ordered()
+                self.tell()
+
+    def settle(self) -> None:
+        """Take up a waiting order, if the demonstrator is done, and report what has changed."""
+        if self.subordinate.settle():
+            self._node.ordered()
+        self.tell()
+
+    def perceived(self, percept: msg.Percept, seconds: float) -> None:
+        """Report what a percept and the tick after it have changed."""
+        subordinate = self.subordinate
+        subordinate.episode, subordinate.seed = percept.episode, percept.seed
+        self._seconds = seconds
+        if percept.look:
+            # Whoever arranges a paused world wants the commander to see it, too.
+            self._send(subordinate.report())
+        else:
+            self.tell()
+
+    def tell(self) -> None:
+        """Report if there is anything to tell."""
+        self._send(self.subordinate.news(self._seconds))
+
+    def heartbeat(self) -> None:
+        """Give a sign of life, if there has been none for a while."""
+        self._send(self.subordinate.heartbeat())
+
+    def _send(self, report: Report | None) -> None:
+        if report is not None:
+            self._outbox.send(self._topic, report)

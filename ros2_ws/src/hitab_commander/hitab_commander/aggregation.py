@@ -1,0 +1,89 @@
+"""Facts about a group, from what each member reports; pure functions.
+
+Members that have no value for a feature are left out, as silent ones are. Of nobody, no question
+is true, and a mean, a minimum or a maximum has no value (NaN).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from hitab_commander.kind import Observation, Over
+from hitab_core.order import Number, Report
+
+NAN = math.nan
+
+
+def observed(report: Report, of: Observation, asked: Sequence[str], order: Number) -> float:
+    """Return what is observed in one member: a value, or 1 and 0 for true and false.
+
+    Args:
+        report: what the member told last.
+        of: what to look at.
+        asked: names of the report's values.
+        order: the order in force. Flags belong to the order under which they were raised, values
+            to the epoch in which they were asked for.
+
+    Returns:
+        NaN if the member has no such value.
+    """
+    if of.flag:
+        return float(of.flag in report.flags and (report.epoch, report.sequence) == order)
+    if of.active:
+        return float(any(_is_called(label, of.active) for label in report.path))
+    if report.epoch != order[0]:
+        return NAN
+    index = asked.index(of.feature)
+    value = report.values[index] if index < len(report.values) else NAN
+    if math.isnan(value) or not of.is_question:
+        return value
+    above = of.above is None or value > of.above
+    return float(above and (of.below is None or value < of.below))
+
+
+def _is_called(label: str, name: str) -> bool:
+    """Whether a state has this name, with or without its targets."""
+    return label == name or (label.startswith(name) and label[len(name)] == "(")
+
+
+def summed_up(values: Iterable[float], over: Over) -> float:
+    """Return a fact about a group from what was observed in its members."""
+    known = [value for value in values if not math.isnan(value)]
+    match over:
+        case Over.ANY:
+            return float(any(known))
+        case Over.ALL:
+            return float(bool(known) and all(known))
+        case Over.COUNT:
+            return float(sum(value != 0.0 for value in known))
+        case Over.FRACTION:
+            return sum(value != 0.0 for value in known) / len(known) if known else 0.0
+        case Over.MEAN:
+            return math.fsum(known) / len(known) if known else NAN
+        case Over.MINIMUM:
+            return min(known, default=NAN)
+        case Over.MAXIMUM:
+            return max(known, default=NAN)
+    raise ValueError(f"{over} is not about all members")
+
+
+def mean_position(positions: Iterable[Sequence[float]]) -> tuple[float, float] | None:
+    """Return the mean of some positions, m; None if there are none."""
+    known = [position for position in positions if len(position) == 2]
+    if not known:
+        return None
+    return (
+        math.fsum(position[0] for position in known) / len(known),
+        math.fsum(position[1] for position in known) / len(known),
+    )
+
+
+def spread(positions: Iterable[Sequence[float]]) -> float:
+    """Return the root mean square of the distances from the mean position, m; NaN for nobody."""
+    known = [position for position in positions if len(position) == 2]
+    mean = mean_position(known)
+    if mean is None:
+        return NAN
+    squares = ((x - mean[0]) ** 2 + (y - mean[1]) ** 2 for x, y in known)
+    return math.sqrt(math.fsum(squares) / len(known))

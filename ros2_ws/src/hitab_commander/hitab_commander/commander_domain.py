@@ -1,0 +1,125 @@
+"""The domain of a kind of commander: orders as basic behaviors, facts about its group as features.
+
+It depends on the kind alone, not on who the subordinates are, so that all commanders of one kind
+fit the same library. Its version is a digest of what the words mean: where an order or a feature
+is described otherwise, what was trained with the earlier meaning is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from functools import partial
+
+from hitab_commander.aggregation import spread
+from hitab_commander.commander_body import CommanderBody
+from hitab_commander.kind import (
+    CommanderKind,
+    GroupFeature,
+    Observation,
+    OrderMap,
+    Over,
+    Pick,
+)
+from hitab_core.digests import checksum
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
+
+FRACTION_SILENT = "FractionSilent"
+LINK = "hitab_commander.commander_link:CommanderLink"
+
+
+def commander_domain(kind: CommanderKind) -> Domain:
+    """Return the domain of all commanders of a kind.
+
+    Raises:
+        VocabularyError: if a name is not well formed, or given twice.
+    """
+    return Domain.of(
+        kind.name,
+        _meaning(kind),
+        lambda name: CommanderBody(name, kind),
+        behaviors=[_behavior(order) for order in kind.orders],
+        features=[*(_feature(feature) for feature in kind.features), _SILENT],
+        targets=[_target(pick) for pick in kind.targets],
+        link=LINK,
+    )
+
+
+def _meaning(kind: CommanderKind) -> str:
+    described = {
+        "orders": {order.name: asdict(order) for order in kind.orders},
+        "features": {feature.name: asdict(feature) for feature in kind.features},
+        "targets": {pick.name: asdict(pick) for pick in kind.targets},
+    }
+    return checksum(described)[:12]
+
+
+def _behavior(order: OrderMap) -> BasicBehavior:
+    def give(body: CommanderBody, *chosen: str | None) -> None:
+        body.give(order, *chosen)
+
+    told = ", ".join(
+        f"{receiver or 'others' if order.behaviors.keys() != {''} else 'all'}: "
+        f"{'go on' if behavior is None else behavior or 'nothing'}"
+        for receiver, behavior in order.behaviors.items()
+    )
+    parameters = (order.parameter,) if order.parameter else ()
+    return BasicBehavior(order.name, give, give, parameters=parameters, description=told)
+
+
+def _feature(feature: GroupFeature) -> Feature:
+    of = feature.of
+    question = feature.over is Over.VALUE and of.is_question
+    boolean = feature.over in (Over.ANY, Over.ALL) or question
+    kind = FeatureKind.BOOLEAN if boolean else FeatureKind.CONTINUOUS
+    told = f"{feature.over} {feature.part or _in_words(of)}"
+    if feature.role:
+        told += f", of those with role {feature.role}"
+    if feature.over is Over.VALUE:
+        read = partial(_read_one, feature)
+        return Feature(feature.name, read, kind, parameters=(feature.parameter,), description=told)
+    if feature.over is Over.GROUP:
+        return Feature(feature.name, _GROUP[feature.part], kind, unit="m", description=told)
+    return Feature(feature.name, partial(_read_all, feature), kind, description=told)
+
+
+def _in_words(of: Observation) -> str:
+    text = of.flag or (f"active {of.active}" if of.active else of.feature)
+    if of.below is not None:
+        text += f" below {of.below:g}"
+    return text + (f" above {of.above:g}" if of.above is not None else "")
+
+
+def _read_all(feature: GroupFeature, body: CommanderBody) -> float:
+    return body.feature(feature)
+
+
+def _read_one(feature: GroupFeature, body: CommanderBody, name: str | None) -> float:
+    return body.feature_of(feature, name)
+
+
+def _x(body: CommanderBody) -> float:
+    mean = body.position
+    return float("nan") if mean is None else mean[0]
+
+
+def _y(body: CommanderBody) -> float:
+    mean = body.position
+    return float("nan") if mean is None else mean[1]
+
+
+def _spread(body: CommanderBody) -> float:
+    return spread(report.position for _, report in body.present())
+
+
+_GROUP = {"x": _x, "y": _y, "spread": _spread}
+
+_SILENT = Feature(
+    FRACTION_SILENT,
+    lambda body: body.fraction_silent,
+    description="share of the subordinates that have not been heard of for too long",
+)
+
+
+def _target(pick: Pick) -> Target:
+    told = f"number {pick.number}" if pick.number else f"{pick.over} {_in_words(pick.of)}"
+    return Target(pick.name, lambda body: body.picked(pick), f"the subordinate: {told}")

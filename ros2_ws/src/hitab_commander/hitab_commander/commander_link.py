@@ -1,0 +1,179 @@
+"""How a commander is joined to its group: reports in, orders out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from hitab_msgs import msg
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.parameter import Parameter
+
+from hitab_commander.commander_body import CommanderBody
+from hitab_commander.group_status import GroupStatus
+from hitab_commander.order_memory import OrderMemory, Remembered
+from hitab_core.agent import Mode
+from hitab_core.errors import HitabError
+from hitab_core.order import Order
+from hitab_core.use import Use
+from hitab_ros import names, qos
+from hitab_ros.conversions import order_message
+
+if TYPE_CHECKING:
+    from hitab_commander.commander_node import CommanderNode
+
+EPISODES_KNOWN = 8
+"""So many episodes back a late report does not pass for that of a new one."""
+
+
+class CommanderLink:
+    """Has the commander decide when something has changed, and at a fixed rate besides.
+
+    It decides at once when a subordinate does something else, when all have reported anew, and
+    when its own commander or a person has it perform something.
+    """
+
+    def __init__(self, node: CommanderNode, world: str, on_percept: Callable[..., Any]) -> None:
+        self._node = node
+        self._agent = node.agent
+        self._on_percept = on_percept
+        self.body: CommanderBody = node.agent.body
+        self._memory = OrderMemory(node.state_folder)
+        self._kept: tuple[str, int] = ("", -1)
+        self.seconds = 0.0
+        self._unheard: set[str] = set()
+        self._episodes: list[tuple[int, int]] = []
+        self._percept = msg.Percept()
+        self._decided = False
+        self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
+        roles = _roles(node)
+        remembered = self._memory.remembered
+        self.body.enlist(
+            roles,
+            self._memory.next_epoch(),
+            node.ticker.seconds(),
+            asks_position=_parameter(
+                node, "asks_position", False, "have subordinates report where they are"
+            ),
+        )
+        self.group = GroupStatus(node, self.body)
+        self.body.on_order = self._on_order
+        self._take_up(remembered)
+        node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
+        node.ticker.every(1.0 / self.body.kind.rate, self._on_time)
+
+    def close(self) -> None:
+        """Do nothing: subordinates go on with what they were ordered."""
+
+    def _take_up(self, remembered: Remembered) -> None:
+        """Go on where the process before this one ended, or tell that nothing is ordered yet."""
+        agent = self._agent
+        if remembered.behavior and agent.mode in (Mode.IDLE, Mode.PERFORMING):
+            try:
+                agent.perform(Use.parse(remembered.behavior))
+            except HitabError as error:
+                self._node.get_logger().warning(f"cannot take up what was performed: {error}")
+        if remembered.label:
+            self.body.put_in_force(remembered.label, remembered.behaviors)
+        elif not self.body.order.sequence:
+            self._on_order(self.body.order)
+
+    # -- hearing ----------------------------------------------------------------------------
+
+    def _on_reports(self, message: msg.Reports) -> None:
+        body = self.body
+        now = self._node.ticker.seconds()
+        changed = restart = False
+        for report in message.reports:
+            changed |= body.hear(report, now)
+            self._unheard.discard(report.agent)
+            self._percept.cycle = max(self._percept.cycle, report.cycle)
+            restart |= self._is_new(report.seed, report.episode)
+        everybody = not self._unheard
+        if everybody:
+            self.seconds += body.kind.report_period
+            self._unheard = {name for name, _ in body.present()}
+        self.group.changed |= changed
+        if changed or everybody or restart:
+            self.decide(restart=restart)
+        else:
+            self._agent.sense((), (), self._percept.cycle)
+
+    def _is_new(self, seed: int, episode: int) -> bool:
+        """Whether the world in which the subordinates live has begun an episode."""
+        found = (seed, episode)
+        if found in self._episodes:
+            return False
+        self._episodes = [*self._episodes[1 - EPISODES_KNOWN :], found]
+        self._percept.seed, self._percept.episode = found
+        return True
+
+    # -- deciding ---------------------------------------------------------------------------
+
+    def _on_time(self) -> None:
+        self.body.now = self._node.ticker.seconds()
+        if not self._decided:
+            self.decide()
+        self._decided = False
+        self.group.publish_if_changed()
+
+    def decide(self, *, restart: bool = False) -> None:
+        """Tick, if there is anybody to command; what is decided is ordered at once."""
+        percept = self._percept
+        percept.restart |= restart
+        percept.stamp = self._node.get_clock().now().to_msg()
+        self._decided = True
+        with self._node.outbox.held():
+            if self.body.ready:
+                self._on_percept(percept)
+                percept.restart = False
+            else:
+                self._agent.sense((), (), percept.cycle)
+                self._node.tell()
+        self._remember()
+
+    # -- ordering ---------------------------------------------------------------------------
+
+    def _on_order(self, order: Order) -> None:
+        self._orders.publish(order_message(self._node.agent_name, order))
+        self.group.changed = True
+        self._remember()
+
+    def _remember(self) -> None:
+        body, agent = self.body, self._agent
+        performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
+        if (performed, body.order.sequence) != self._kept:
+            self._kept = (performed, body.order.sequence)
+            order = body.order
+            self._memory.keep(Remembered(order.epoch, performed, order.name, order.behaviors))
+
+
+def _roles(node: CommanderNode) -> dict[str, str]:
+    """Return the subordinates' roles by name, from the node's parameters.
+
+    Raises:
+        HitabError: if there are no subordinates, or not as many roles as subordinates.
+    """
+    descriptor = ParameterDescriptor(description="names of those that it commands", read_only=True)
+    strings = Parameter.Type.STRING_ARRAY
+    subordinates = node.declare_parameter("subordinates", strings, descriptor).value
+    if not subordinates:
+        raise HitabError(
+            f"the commander {node.agent_name} was given nobody to command; "
+            'give it -p subordinates:="[a, b]"'
+        )
+    roles = _parameter(node, "roles", [""], "roles of the subordinates, in the same order")
+    if list(roles) == [""]:
+        roles = [""] * len(subordinates)
+    if len(roles) != len(subordinates) or len(set(subordinates)) != len(subordinates):
+        raise HitabError(
+            f"the commander {node.agent_name} was given {len(subordinates)} subordinates and "
+            f"{len(roles)} roles; it needs a role for each, and each subordinate once"
+        )
+    return dict(zip(subordinates, roles, strict=True))
+
+
+def _parameter(node: CommanderNode, name: str, default: Any, description: str) -> Any:
+    return node.declare_parameter(
+        name, default, ParameterDescriptor(description=description, read_only=True)
+    ).value

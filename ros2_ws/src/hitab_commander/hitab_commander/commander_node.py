@@ -1,0 +1,61 @@
+"""The ROS node of one commander: an agent whose body is its group of subordinates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from hitab_msgs import msg
+
+from hitab_agent.agent_node import AgentNode
+from hitab_commander.commander_domain import commander_domain
+from hitab_commander.commander_link import CommanderLink
+from hitab_commander.kind_reader import read_kind
+from hitab_core.agent import Mode
+from hitab_core.domain import Domain
+
+
+class CommanderNode(AgentNode):
+    """One commander, in the namespace of its name.
+
+    It has all the topics, services and parameters of an agent; its parameter ``domain`` is the
+    path of the file that describes its kind (see `hitab_commander.kind_reader`).
+    """
+
+    _link: CommanderLink | None
+
+    def __init__(self, node_name: str = "commander", **options: Any) -> None:
+        super().__init__(node_name, **options)
+
+    @property
+    def state_folder(self) -> Path:
+        """Where it keeps what it needs after a restart."""
+        return Path(self.settings.state_dir).expanduser() / self.agent_name
+
+    def load_domain(self, name: str) -> Domain:
+        """Return the domain of the kind of commander in the file ``name``."""
+        return commander_domain(read_kind(Path(name)))
+
+    def seconds_of(self, percept: msg.Percept) -> float:
+        """Return its subordinates' time, s: how often all have reported, times the period."""
+        return 0.0 if self._link is None else self._link.seconds
+
+    def ordered(self) -> None:
+        """Pass an order on at once: decide now what the subordinates are to do for it."""
+        super().ordered()
+        self._decide()
+
+    def settle(self) -> None:
+        """Do at once what a person has had it perform, or what was waiting for him."""
+        super().settle()
+        self._decide()
+
+    def tell(self) -> None:
+        """Report to its own commander, if it has one."""
+        if self.superior is not None:
+            self.superior.tell()
+
+    def _decide(self) -> None:
+        deciding = self.agent.mode in (Mode.PERFORMING, Mode.TESTING)
+        if self._link is not None and deciding:
+            self._link.decide()

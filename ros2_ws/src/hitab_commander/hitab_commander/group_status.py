@@ -1,0 +1,57 @@
+"""Tells what a commander orders and which of its subordinates perform it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hitab_msgs import msg
+
+from hitab_commander.commander_body import CommanderBody
+from hitab_ros import names, qos
+
+if TYPE_CHECKING:
+    from hitab_commander.commander_node import CommanderNode
+
+
+class GroupStatus:
+    """Publishes a commander's group when something in it has changed.
+
+    Attributes:
+        changed: whether something has, since it was published last.
+    """
+
+    def __init__(self, node: CommanderNode, body: CommanderBody) -> None:
+        self.changed = True
+        self._node = node
+        self._body = body
+        self._doing: tuple[object, ...] = ()
+        self._publisher = node.create_publisher(msg.CommanderStatus, names.GROUP, qos.LATCHED)
+
+    def publish_if_changed(self) -> None:
+        """Publish it, if anything has changed."""
+        agent, body = self._node.agent, self._body
+        path = agent.active_path
+        silent = [body.is_silent(name) for name in body.members]
+        doing = (agent.mode, agent.behavior, path, silent)
+        if not self.changed and doing == self._doing:
+            return
+        self.changed = False
+        self._doing = doing
+        reports = [member.report for member in body.members.values()]
+        self._publisher.publish(
+            msg.CommanderStatus(
+                commander=agent.name,
+                kind=body.kind.name,
+                superior=self._node.settings.commander,
+                mode=agent.mode.value,
+                behavior=agent.behavior,
+                active_path=path,
+                order=body.given,
+                epoch=body.order.epoch,
+                sequence=body.order.sequence,
+                subordinates=list(body.members),
+                behaviors=[r.path[0] if r is not None and r.path else "" for r in reports],
+                obeying=[body.obeys(name) for name in body.members],
+                silent=silent,
+            )
+        )

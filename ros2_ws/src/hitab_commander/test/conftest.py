@@ -1,0 +1,257 @@
+"""A troop for the tests: commanders and agents, real nodes over real topics, in one process."""
+
+import contextlib
+import os
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from builtin_interfaces.msg import Time
+from hitab_msgs import msg, srv
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+from rclpy.parameter import Parameter
+
+from hitab_agent.agent_node import AgentNode
+from hitab_bringup.domain_ids import reserved
+from hitab_commander.commander_node import CommanderNode
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
+from hitab_ros import names, qos
+
+SECONDS = 20.0
+
+
+class Ant:
+    """A body that tells which behaviors were begun; it perceives x, y and whether it is home."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.values: tuple[float, ...] = ()
+        self.begun: list[str] = []
+
+    @property
+    def position(self) -> tuple[float, float]:
+        return self.values[0], self.values[1]
+
+    def sense(self, values: Any, heard: Any) -> None:
+        self.values = tuple(values)
+
+    def act(self) -> tuple[tuple[float, ...], str]:
+        return (1.0,), ""
+
+
+def _behavior(name: str) -> BasicBehavior:
+    return BasicBehavior(name, start=lambda body: body.begun.append(name))
+
+
+ANT = Domain.of(
+    "ant",
+    "1",
+    Ant,
+    behaviors=[_behavior(name) for name in ("Search", "Follow", "Home", "Wait")],
+    features=[
+        Feature("X", lambda body: body.values[0]),
+        Feature("AtHome", lambda body: body.values[2], FeatureKind.BOOLEAN),
+    ],
+)
+
+
+class AntNode(AgentNode):
+    """The node of an ant."""
+
+    def load_domain(self, name: str) -> Domain:
+        return ANT
+
+
+class Troop:
+    """Nodes of a swarm, and what is needed to talk to them.
+
+    Attributes:
+        orders: all that were published, by commander.
+    """
+
+    def __init__(self, folder: Path, context: Context) -> None:
+        self.folder = folder
+        self.context = context
+        self.executor = EventsExecutor(context=context)
+        self.nodes: dict[str, Any] = {}
+        self.link = rclpy.create_node(
+            "test", context=context, enable_rosout=False, start_parameter_services=False
+        )
+        self.executor.add_node(self.link)
+        self.statuses: dict[str, msg.AgentStatus] = defaultdict(msg.AgentStatus)
+        self.groups: dict[str, msg.CommanderStatus] = defaultdict(msg.CommanderStatus)
+        self.orders: dict[str, list[msg.Order]] = {}
+        self._percepts: dict[str, Any] = {}
+        self._commands: dict[str, Any] = {}
+        self._cycle = 0
+
+    # -- nodes ------------------------------------------------------------------------------
+
+    def ant(self, name: str, commander: str = "", role: str = "", **settings: Any) -> AntNode:
+        return self._join(AntNode, name, commander=commander, role=role, **settings)
+
+    def commander(
+        self, name: str, kind: str, subordinates: list[str], superior: str = "", **settings: Any
+    ) -> CommanderNode:
+        file = self.folder / f"{name}.yaml"
+        file.write_text(kind)
+        if name not in self.orders:
+            self.orders[name] = []
+            self._listen(msg.Order, name, names.ORDER, self.orders[name].append)
+            self._listen(
+                msg.CommanderStatus, name, names.GROUP, lambda g: self.groups.__setitem__(name, g)
+            )
+        return self._join(
+            CommanderNode,
+            name,
+            domain=str(file),
+            subordinates=subordinates,
+            commander=superior,
+            **settings,
+        )
+
+    def _join(self, node_class: Any, name: str, **settings: Any) -> Any:
+        settings = {
+            "state_dir": str(self.folder / "state"),
+            "library": str(self.folder / "libraries" / name),
+            **settings,
+        }
+        node = node_class(
+            namespace=f"/{name}",
+            context=self.context,
+            parameter_overrides=[Parameter(k, value=v) for k, v in settings.items()],
+            use_global_arguments=False,
+        )
+        if name not in self._percepts:
+            self._percepts[name] = None
+            self._listen(
+                msg.AgentStatus, name, names.STATUS, lambda s: self.statuses.__setitem__(name, s)
+            )
+        self.executor.add_node(node)
+        self.nodes[name] = node
+        node.join()
+        return node
+
+    def _listen(self, kind: Any, name: str, topic: str, take: Callable[[Any], None]) -> None:
+        self.link.create_subscription(kind, f"/{name}/{topic}", take, qos.LATCHED)
+
+    def end(self, name: str) -> None:
+        """End a node, as the end of its process does."""
+        node = self.nodes.pop(name)
+        self.executor.remove_node(node)
+        node.destroy_node()
+
+    def close(self) -> None:
+        for name in list(self.nodes):
+            self.end(name)
+        self.executor.remove_node(self.link)
+        self.link.destroy_node()
+        self.executor.shutdown()
+
+    # -- time -------------------------------------------------------------------------------
+
+    def until(self, condition: Callable[[], Any], seconds: float = SECONDS) -> None:
+        assert self.holds(condition, seconds), "it did not happen in time"
+
+    def holds(self, condition: Callable[[], Any], seconds: float) -> bool:
+        """Handle events until a condition holds; return whether it did in time."""
+        clock = self.link.get_clock()
+        deadline = clock.now().nanoseconds + int(seconds * 1e9)
+        while not condition():
+            if clock.now().nanoseconds > deadline:
+                return False
+            self.executor.spin_once(timeout_sec=0.02)
+        return True
+
+    # -- talking ----------------------------------------------------------------------------
+
+    def perceive(self, name: str, *values: float, restart: bool = False) -> None:
+        """Give an ant a percept."""
+        if self._percepts[name] is None:
+            self._percepts[name] = self.link.create_publisher(
+                msg.Percept, f"/{name}/{names.PERCEPT}", qos.CYCLE
+            )
+        publisher = self._percepts[name]
+        self.until(lambda: publisher.get_subscription_count() > 0)
+        self._cycle += 1
+        publisher.publish(
+            msg.Percept(
+                stamp=Time(sec=self._cycle),
+                sequence=self._cycle,
+                cycle=self._cycle,
+                values=list(values),
+                restart=restart,
+            )
+        )
+        self.until(lambda: self.nodes[name].agent.cycle >= self._cycle)
+
+    def command(self, name: str, behavior: str, *targets: str) -> None:
+        """Command as a demonstrator does, and wait for the acknowledgement."""
+        if name not in self._commands:
+            self._commands[name] = self.link.create_publisher(
+                msg.Command, f"/{name}/{names.COMMAND}", qos.EVENTS
+            )
+        publisher = self._commands[name]
+        self.until(lambda: publisher.get_subscription_count() > 0)
+        self._cycle += 1
+        number = self._cycle
+        publisher.publish(
+            msg.Command(
+                sequence=number, demonstrator="me", behavior=behavior, targets=list(targets)
+            )
+        )
+        status = self.statuses
+        self.until(
+            lambda: (
+                number in (status[name].last_command_sequence, status[name].last_refused_sequence)
+            )
+        )
+
+    def ask(self, kind: Any, name: str, service: str, **fields: Any) -> Any:
+        client = self.link.create_client(kind, f"/{name}/{service}")
+        self.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**fields))
+        self.until(future.done)
+        self.link.destroy_client(client)
+        return future.result()
+
+    def perform(self, name: str, behavior: str) -> Any:
+        return self.ask(srv.Perform, name, names.PERFORM, behavior=behavior)
+
+    def sees(self, name: str, feature: str) -> float:
+        """Return the value of a feature as an agent or commander perceives it now."""
+        answer = self.ask(srv.ReadFeatures, name, "read_features", also=[feature])
+        return answer.values[list(answer.features).index(feature)]
+
+    def begun(self, name: str) -> list[str]:
+        return self.nodes[name].agent.body.begun
+
+    def performs(self, name: str) -> str:
+        return self.nodes[name].agent.behavior
+
+
+@pytest.fixture
+def troop(tmp_path: Path) -> Iterator[Troop]:
+    """Nobody yet, in a ROS domain that nobody else uses."""
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    with contextlib.ExitStack() as stack:
+        context = Context()
+        rclpy.init(
+            context=context,
+            domain_id=stack.enter_context(reserved()),
+            signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
+        )
+        stack.callback(context.try_shutdown)
+        made = Troop(tmp_path, context)
+        stack.callback(made.close)
+        yield made
+
+
+def library_of(troop: Troop, name: str) -> BehaviorLibrary:
+    """Return the library of a node, to put something into it before the node begins."""
+    return BehaviorLibrary(troop.folder / "libraries" / name, ANT)

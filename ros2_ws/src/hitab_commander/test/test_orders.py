@@ -1,0 +1,169 @@
+"""Orders over topics: latched, numbered, obeyed on arrival, by role, to any depth."""
+
+from hitab_msgs import msg, srv
+
+from hitab_ros import names, qos
+
+SQUAD = """\
+commander: Squad
+orders:
+  Attack: {scout: Search, others: Follow}
+  Retreat: Home
+  Rest: nothing
+features:
+  AllHome: {all: AtHome}
+"""
+ANTS = ["a", "b"]
+
+
+def squad(troop, **settings):
+    return troop.commander("chief", SQUAD, ANTS, roles=["scout", "carrier"], **settings)
+
+
+def test_an_order_has_each_subordinate_perform_what_it_means_for_its_role(troop):
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.ant("b", "chief", "carrier")
+    assert troop.perform("chief", "Attack").success
+    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["Search", "Follow"])
+    troop.perform("chief", "Rest")
+    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["", ""])
+
+
+def test_who_joins_late_performs_the_current_order(troop):
+    squad(troop)
+    troop.perform("chief", "Attack")
+    troop.perform("chief", "Retreat")
+    troop.ant("a", "chief", "scout")
+    troop.until(lambda: troop.performs("a") == "Home")
+    assert troop.begun("a") == ["Home"]
+
+
+def test_who_is_restarted_performs_the_current_order(troop):
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.perform("chief", "Attack")
+    troop.until(lambda: troop.performs("a") == "Search")
+    troop.end("a")
+    troop.perform("chief", "Retreat")
+    troop.ant("a", "chief", "scout")
+    troop.until(lambda: troop.performs("a") == "Home")
+
+
+def test_an_old_or_repeated_order_changes_nothing(troop):
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.perform("chief", "Attack")
+    troop.perform("chief", "Retreat")
+    troop.until(lambda: troop.begun("a") == ["Search", "Home"])
+    attack = next(o for o in troop.orders["chief"] if o.order == "Attack")
+    retreat = next(o for o in troop.orders["chief"] if o.order == "Retreat")
+    again = troop.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    troop.until(lambda: again.get_subscription_count() > 1)
+    fence = msg.Order(epoch=retreat.epoch, sequence=retreat.sequence + 1, order="Wait")
+    fence.receivers, fence.behaviors = [""], ["Wait"]
+    for order in (retreat, attack, fence):
+        again.publish(order)
+        troop.executor.spin_once(timeout_sec=0.1)
+    troop.until(lambda: troop.performs("a") == "Wait")
+    assert troop.begun("a") == ["Search", "Home", "Wait"]
+
+
+def test_who_performs_the_ordered_behavior_already_is_not_restarted(troop):
+    squad(troop)
+    troop.ant("b", "chief", "carrier", behavior="Follow")
+    troop.perform("chief", "Attack")
+    troop.until(lambda: troop.statuses["b"].ordered == "Follow")
+    troop.until(lambda: troop.groups["chief"].obeying == [False, True])
+    assert troop.begun("b") == ["Follow"]
+
+
+def test_the_orders_of_a_restarted_commander_are_newer_and_it_goes_on_where_it_was(troop):
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.perform("chief", "Retreat")
+    troop.until(lambda: troop.performs("a") == "Home")
+    before = troop.orders["chief"][-1]
+    troop.end("chief")
+    squad(troop)
+    troop.until(lambda: troop.orders["chief"][-1].epoch > before.epoch)
+    now = troop.orders["chief"][-1]
+    assert (now.order, troop.performs("chief")) == ("Retreat", "Retreat")
+    troop.until(lambda: list(troop.groups["chief"].obeying)[:1] == [True])
+    assert troop.begun("a") == ["Home"]
+    troop.perform("chief", "Attack")
+    troop.until(lambda: troop.performs("a") == "Search")
+
+
+def test_a_commander_that_ordered_nothing_leaves_its_subordinates_alone(troop):
+    troop.ant("a", "chief", "scout", behavior="Wait")
+    squad(troop)
+    troop.until(lambda: list(troop.groups["chief"].behaviors)[:1] == ["Wait"])
+    assert troop.begun("a") == ["Wait"]
+    assert troop.groups["chief"].order == ""
+
+
+def test_the_demonstrator_wins_and_the_order_is_taken_up_afterwards(troop):
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.perceive("a", 0.0, 0.0, 0.0)
+    troop.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
+    troop.command("a", "Wait")
+    troop.perform("chief", "Attack")
+    troop.until(lambda: troop.statuses["a"].order_waits)
+    status = troop.statuses["a"]
+    assert (status.mode, status.superior, status.ordered) == ("training", "chief", "Search")
+    assert troop.begun("a") == ["Wait"]
+    troop.perform("chief", "Retreat")
+    troop.until(lambda: troop.statuses["a"].ordered == "Home")
+    assert troop.ask(srv.SaveBehavior, "a", names.SAVE).success
+    troop.until(lambda: troop.performs("a") == "Home")
+    troop.until(lambda: not troop.statuses["a"].order_waits)
+    assert troop.begun("a") == ["Wait", "Home"]
+
+
+def test_an_order_that_cannot_be_obeyed_waits_and_tells_why(troop):
+    kind = "commander: Squad\norders: {Sing: Sing, Retreat: Home}\n"
+    troop.commander("chief", kind, ["a"])
+    troop.ant("a", "chief")
+    troop.perform("chief", "Sing")
+    troop.until(lambda: troop.statuses["a"].order_waits)
+    assert 'cannot obey the order "Sing": unknown behavior "Sing" (has: Follow, Home' in (
+        troop.statuses["a"].last_error
+    )
+    troop.perform("chief", "Retreat")
+    troop.until(lambda: troop.performs("a") == "Home")
+
+
+def test_an_order_is_passed_on_through_commanders_of_commanders_on_arrival(troop):
+    slow = "rate: 0.01\n"  # so that nothing happens by the clock
+    top = "commander: Top\norders: {War: Attack, Peace: Retreat}\n" + slow
+    troop.commander("general", top, ["major"])
+    middle = "commander: Middle\norders: {Attack: Attack, Retreat: Retreat}\n" + slow
+    troop.commander("major", middle, ["chief"], "general")
+    troop.commander("chief", SQUAD + slow, ANTS, "major", roles=["scout", "carrier"])
+    troop.ant("a", "chief", "scout")
+    troop.ant("b", "chief", "carrier")
+    troop.perform("general", "War")
+    troop.until(lambda: [troop.performs(n) for n in ANTS] == ["Search", "Follow"], 5.0)
+    troop.perform("general", "Peace")
+    troop.until(lambda: [troop.performs(n) for n in ANTS] == ["Home", "Home"], 5.0)
+
+
+def test_an_order_can_be_about_one_subordinate(troop):
+    kind = (
+        "commander: Squad\n"
+        "orders:\n  Send(A): {A: Search, others: keep}\n  Rest: nothing\n"
+        "targets:\n  foremost: {maximum: X}\nfeatures:\n  MeanX: {mean: X}\n"
+    )
+    troop.commander("chief", kind, ANTS)
+    for name in ANTS:
+        troop.ant(name, "chief", behavior="Wait")
+        troop.perceive(name, 1.0 if name == "b" else 0.0, 0.0, 0.0)
+    troop.until(lambda: troop.sees("chief", "MeanX") == 0.5)
+    assert troop.perform("chief", "Send(foremost)").success
+    troop.until(lambda: troop.performs("b") == "Search")
+    assert troop.begun("a") == ["Wait"]
+    assert troop.orders["chief"][-1].order == "Send(b)"
+    troop.perceive("a", 2.0, 0.0, 0.0)
+    troop.until(lambda: troop.performs("a") == "Search")

@@ -1,0 +1,185 @@
+"""An agent under a commander: it obeys orders, and reports what it does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from hitab_core.agent import Agent, Mode
+from hitab_core.errors import HitabError
+from hitab_core.order import Order, Report
+from hitab_core.senses import resolved
+from hitab_core.use import Use
+
+NAN = math.nan
+
+
+class Subordinate:
+    """The side of one agent that obeys and reports; knows no middleware.
+
+    An order has the agent perform a top-level behavior. One that is not newer than the last
+    changes nothing, and what is performed already is not restarted. An order waits as long as a
+    demonstrator trains or tests the agent, or it cannot be obeyed, such as for want of the
+    behavior; `settle` takes it up as soon as nothing is in the way any more.
+
+    Attributes:
+        order: the newest that was heard; None: none yet.
+        ordered: what the agent is to perform by it; None: nothing was ordered.
+        waits: whether that has not been taken up yet.
+        refusal: why it cannot be obeyed, and the way out; empty if it can.
+        episode, seed: of the last percept, for the reports.
+    """
+
+    def __init__(self, agent: Agent, role: str = "") -> None:
+        self.agent = agent
+        self.role = role
+        self.order: Order | None = None
+        self.ordered: str | None = None
+        self.waits = False
+        self.refusal = ""
+        self.episode = 0
+        self.seed = 0
+        self._asked: tuple[str, ...] = ()
+        self._readers: list[Callable[[], float] | None] = []
+        self._told: Report | None = None
+        self._told_at = -math.inf
+        self._beaten = False
+
+    # -- obeying ----------------------------------------------------------------------------
+
+    def take(self, order: Order) -> bool:
+        """Hear an order, and obey if nothing is in the way; return whether it was newer."""
+        if self.order is not None and order.number <= self.order.number:
+            return False
+        self.order = order
+        if order.report != self._asked:
+            self._asked = order.report
+            self._readers = [self._reader(text) for text in order.report]
+        if not order.sequence:
+            return True  # a commander that has ordered nothing yet: go on
+        behavior = order.behavior_for(self.agent.name, self.role)
+        self.agent.lower_flags()
+        if behavior is None:
+            self.waits, self.refusal = False, ""
+        else:
+            self.ordered, self.waits = behavior, True
+            self.settle()
+        return True
+
+    def settle(self) -> bool:
+        """Take up the order if one waits and nothing is in the way; return whether it was."""
+        if not self.waits or self.ordered is None:
+            return False
+        agent = self.agent
+        if agent.mode in (Mode.TRAINING, Mode.TESTING):
+            self.refusal = ""
+            return False
+        try:
+            use = Use.parse(self.ordered) if self.ordered else None
+            if not self._performs(use):
+                agent.perform(use)
+        except HitabError as error:
+            name = self.order.name if self.order is not None else ""
+            self.refusal = f'cannot obey the order "{name}": {error}'
+            return False
+        self.waits, self.refusal = False, ""
+        return True
+
+    def _performs(self, use: Use | None) -> bool:
+        if use is None:
+            return self.agent.mode is Mode.IDLE
+        return self.agent.mode is Mode.PERFORMING and self.agent.top == use
+
+    # -- reporting --------------------------------------------------------------------------
+
+    def news(self, seconds: float) -> Report | None:
+        """Return a report if the commander has to be told something now.
+
+        That is so when what the agent does has changed and, if it asked for values, once in a
+        while; see `Order.report_period`.
+
+        Args:
+            seconds: the agent's own time, as its percepts tell it.
+        """
+        doing = self._doing()
+        if doing == self._told:
+            order = self.order
+            if order is None or not (order.report or order.report_position):
+                return None
+            # Half a millisecond is forgiven: times are sums of cycles.
+            if 0.0 <= seconds - self._told_at < order.report_period - 5e-4:
+                return None
+        self._told_at = seconds
+        return self._report(doing)
+
+    def heartbeat(self) -> Report | None:
+        """Return a report unless there was one since the last call: a sign of life."""
+        beaten, self._beaten = self._beaten, False
+        if beaten:
+            return None
+        report = self.report()
+        self._beaten = False
+        return report
+
+    def report(self) -> Report:
+        """Return what the agent does now."""
+        return self._report(self._doing())
+
+    def _doing(self) -> Report:
+        """Return what the agent does, but for values and the cycle, which change all the time."""
+        agent = self.agent
+        epoch, sequence = self.order.number if self.order is not None else (0, 0)
+        idle = agent.mode is Mode.IDLE
+        return Report(
+            agent.name,
+            epoch,
+            sequence,
+            self.waits,
+            agent.mode.value,
+            () if idle else (agent.behavior, *agent.active_path),
+            tuple(sorted(agent.raised)),
+            episode=self.episode,
+            seed=self.seed,
+        )
+
+    def _report(self, doing: Report) -> Report:
+        self._told = doing
+        self._beaten = True
+        return replace(
+            doing,
+            values=tuple(NAN if read is None else _value(read) for read in self._readers),
+            position=self._position(),
+            cycle=self.agent.cycle,
+        )
+
+    def _reader(self, text: str) -> Callable[[], float] | None:
+        """Return how to read a feature; None if this agent has no such feature or target."""
+        domain = self.agent.domain
+        try:
+            use = Use.parse(text)
+            known = {name: feature.parameters for name, feature in domain.features.items()}
+            domain.check_use(use, known, what="feature")
+        except HitabError:
+            return None
+        read: Callable[[], float] = resolved(
+            domain.features[use.name].read, self.agent.body, domain, use
+        )
+        return read
+
+    def _position(self) -> tuple[float, ...]:
+        if self.order is None or not self.order.report_position:
+            return ()
+        try:
+            position = self.agent.body.position
+            return () if position is None else (float(position[0]), float(position[1]))
+        except Exception:  # a body without a position, or without a percept yet
+            return ()
+
+
+def _value(read: Callable[[], float]) -> float:
+    """Return a feature's value; NaN if it has none now: a domain's code is a user's."""
+    try:
+        return float(read())
+    except Exception:
+        return NAN
