@@ -23,7 +23,7 @@ BALL_RESTS = 0.02  # m/cycle: a ball as slow as this rolls on for a third of a m
 
 OPEN_STEP = 3.0  # m: how far ahead GetOpen looks down its potential field
 OPEN_ARRIVED = 0.5  # m: a place so near is not worth going to
-OPEN_TURN_WHEN_OFF = math.radians(10.0)
+TURN_WHEN_OFF = math.radians(10.0)  # a keeper that is off by less dashes
 
 
 def go_fast(body: KeeperBody) -> None:
@@ -89,10 +89,17 @@ def pass_ball(body: KeeperBody) -> None:
     placed for a kick; where one kick is too weak for that, the ball leaves in the right
     direction as fast as it can be made to. Does nothing if the ball is not kickable.
     """
-    if not body.ball_is_kickable:
+    pass_to(body, most_open_keeper(body))
+
+
+def pass_to(body: KeeperBody, receiver: int) -> None:
+    """Kick the ball once to the team mate at a place, as `pass_ball` tells.
+
+    Does nothing if the ball is not kickable or there is no such team mate.
+    """
+    if not body.ball_is_kickable or receiver == NOBODY:
         return
     p, values = body.parameters, body.values
-    receiver = most_open_keeper(body)
     ball_x, ball_y = body.vector_to(BALL)
     receiver_x, receiver_y = body.vector_to(receiver)
     dx, dy = receiver_x - ball_x, receiver_y - ball_y
@@ -136,13 +143,18 @@ def get_open(body: KeeperBody) -> None:
         aim_x *= radius / from_centre
         aim_y *= radius / from_centre
     dx, dy = aim_x - x, aim_y - y
-    distance = math.hypot(dx, dy)
-    if distance < OPEN_ARRIVED:
+    if math.hypot(dx, dy) < OPEN_ARRIVED:
         return
+    go_by(body, dx, dy)
+
+
+def go_by(body: KeeperBody, dx: float, dy: float) -> None:
+    """Turn towards a place, given relative to the keeper, or dash so as to come to rest there."""
     off = wrapped(math.atan2(dy, dx) - body.heading)
-    if abs(off) > OPEN_TURN_WHEN_OFF:
+    if abs(off) > TURN_WHEN_OFF:
         body.turn_by(off)
         return
+    distance = math.hypot(dx, dy)
     p = body.parameters
     vx, vy = body.velocity
     forward = vx * math.cos(body.heading) + vy * math.sin(body.heading)

@@ -1,0 +1,19 @@
+"""The domain ``keepaway_predictive``: all of keepaway's words, and those that look ahead."""
+
+from __future__ import annotations
+
+from hitab_core.domain import Domain
+from keepaway_world.domain import DOMAIN as KEEPAWAY
+from keepaway_world.predictive.behaviors import BEHAVIORS
+from keepaway_world.predictive.body import PredictiveBody
+from keepaway_world.predictive.features import FEATURES, TARGETS
+
+DOMAIN = Domain.of(
+    "keepaway_predictive",
+    "1",
+    PredictiveBody,
+    behaviors=(*KEEPAWAY.behaviors.values(), *BEHAVIORS),
+    features=(*KEEPAWAY.features.values(), *FEATURES),
+    targets=(*KEEPAWAY.targets.values(), *TARGETS),
+    automata=tuple(KEEPAWAY.automata.values()),
+)
