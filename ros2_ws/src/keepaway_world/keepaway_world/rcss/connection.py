@@ -7,6 +7,7 @@ import select
 import socket
 import time
 from collections.abc import Iterable, Sequence
+from typing import Any, TypeVar
 
 from keepaway_world.rcss.messages import Init, Message, Refusal, parse_message
 from keepaway_world.rcss.sexpr import ProtocolError, decode
@@ -16,6 +17,8 @@ ANSWER_SECONDS = 0.5
 """How long the answer to ``(init ...)`` is waited for; a server looks every 10 ms."""
 
 _DATAGRAM = 65_536
+
+Readable = TypeVar("Readable", "Connection", socket.socket)
 
 REASONS = {
     "no_more_team": "two teams of other names play there already",
@@ -114,6 +117,26 @@ class Connection:
         return NoAnswer(f"the rcssserver at {self.where} has gone; start it again")
 
 
+def address_of(host: str, port: int) -> tuple[int, Any]:
+    """Return the family and the address of a host and port.
+
+    Raises:
+        ServerError: if there is no such host.
+    """
+    try:
+        family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+    except (OSError, UnicodeError, OverflowError) as error:
+        raise ServerError(f"{host}:{port} is not the address of a server: {error}") from None
+    return family, address
+
+
+def udp_socket(family: int) -> socket.socket:
+    """Return a socket for datagrams that never waits."""
+    sock = socket.socket(family, socket.SOCK_DGRAM)
+    sock.setblocking(False)
+    return sock
+
+
 def connect(
     host: str, port: int, team: str = "", *, answer_seconds: float = ANSWER_SECONDS
 ) -> Connection:
@@ -130,15 +153,9 @@ def connect(
         ServerError: if the server refuses, or if it is no rcssserver.
     """
     where = f"{host}:{port}"
+    family, address = address_of(host, port)
+    sock = udp_socket(family)
     try:
-        family, kind, protocol, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_DGRAM
-        )[0]
-    except (OSError, UnicodeError, OverflowError) as error:
-        raise ServerError(f"{where} is not the address of a server: {error}") from None
-    sock = socket.socket(family, kind, protocol)
-    try:
-        sock.setblocking(False)
         words = [team, f"(version {VERSION})"] if team else [f"(version {VERSION})"]
         sock.sendto(f"(init {' '.join(words)})".encode("ascii") + b"\0", address)
         init, dedicated = _answer(sock, where, answer_seconds)
@@ -180,6 +197,6 @@ def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tupl
     )
 
 
-def readable(connections: Iterable[Connection], seconds: float) -> Sequence[Connection]:
+def readable(connections: Iterable[Readable], seconds: float) -> Sequence[Readable]:
     """Wait until something has arrived; return the connections on which it has."""
     return select.select(list(connections), [], [], max(seconds, 0.0))[0]

@@ -15,6 +15,7 @@ from keepaway_world.rcss.connection import (
 )
 from keepaway_world.rcss.messages import (
     BEFORE_KICK_OFF,
+    EPISODE_OVER,
     LEFT,
     OUR,
     REFEREE,
@@ -23,12 +24,14 @@ from keepaway_world.rcss.messages import (
     Hear,
     Init,
     Parameters,
+    See,
     SenseBody,
     Think,
     parse_message,
 )
-from keepaway_world.rcss.server_settings import ServerSettings
+from keepaway_world.rcss.server_settings import FULL_STATE, ServerSettings
 from keepaway_world.rcss.sexpr import ProtocolError
+from keepaway_world.rcss.sighting import Sighting, together
 
 PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
 STRAGGLER_SECONDS = 0.3  # a client that still has nothing when others have it has lost it
@@ -46,6 +49,7 @@ class Client:
         thinking: whether the server waits for its ``(done)``.
         time: of the cycle, the server's.
         heard: from its team mates.
+        sighting: what it makes of what it sees; None if that is not looked at.
     """
 
     connection: Connection
@@ -53,6 +57,7 @@ class Client:
     thinking: bool = False
     time: int = -1
     heard: list[str] = field(default_factory=list)
+    sighting: Sighting | None = None
 
 
 class Link:
@@ -62,6 +67,8 @@ class Link:
         clients: by name, keepers first.
         settings: the server's own.
         synch: whether the server waits for ``(done)``; else it plays in real time.
+        full_state: whether the server tells everything as it is.
+        mode: of play, as far as it was told.
         time: the server's, in cycles, as far as it was told.
         referee: what the referee said in this cycle, with the server's time.
         thinking_since: when the server last began to wait for us.
@@ -82,6 +89,8 @@ class Link:
         self.thinking_since = self._last_arrival = 0.0
         self._state_text = ""
         self.synch = False
+        self.full_state = True
+        self.mode = BEFORE_KICK_OFF
         try:
             for kind, team, count in (
                 ("keeper", server.team, keepers),
@@ -92,17 +101,8 @@ class Link:
                     self.clients[f"{kind}_{index + 1}"] = client
                     self._check(kind, index, client.connection.init)
             self._await_settings()
-            self.synch = self.settings.number("synch_mode", 0.0) != 0.0
-            if not self.settings.number("keepaway", 0.0):
-                raise ServerError(
-                    f"the rcssserver at {self.where} plays a whole match; "
-                    "start it with server::keepaway=1"
-                )
-            if not self.settings.number("fullstate_l", 0.0):
-                raise ServerError(
-                    f"the rcssserver at {self.where} does not tell the keepers its full state; "
-                    "start it with server::fullstate_l=1 server::fullstate_r=1"
-                )
+            self._check_settings(server)
+            self._open_eyes(server)
         except BaseException:
             self.close()
             raise
@@ -119,6 +119,34 @@ class Link:
                 "was there first; the first one to connect are the keepers, so start the server "
                 "anew and this world before any takers"
             )
+
+    def _check_settings(self, server: ServerSettings) -> None:
+        self.synch = self.settings.number("synch_mode", 0.0) != 0.0
+        self.full_state = self.settings.number("fullstate_l", 0.0) != 0.0
+        if not self.settings.number("keepaway", 0.0):
+            raise ServerError(
+                f"the rcssserver at {self.where} plays a whole match; "
+                "start it with server::keepaway=1"
+            )
+        if not self.full_state and server.percepts == FULL_STATE:
+            raise ServerError(
+                f"the rcssserver at {self.where} does not tell the keepers its full state; start "
+                "it with server::fullstate_l=1, or set the parameter percepts to see"
+            )
+
+    def _open_eyes(self, server: ServerSettings) -> None:
+        """Have those players see in every cycle whose sight is looked at."""
+        teams = {server.team: LEFT, server.taker_team: RIGHT}
+        decay = self.settings.number("ball_decay", 0.94)
+        speed_max = self.settings.number("ball_speed_max", 3.0)
+        for name, client in self.clients.items():
+            init = client.connection.init
+            if self.full_state and (server.percepts == FULL_STATE or init.side == RIGHT):
+                continue
+            me = init.side, init.number
+            self.clients[name].sighting = Sighting(me, teams, decay, speed_max)
+            # Otherwise it would see in two cycles of three, half as far round again.
+            client.connection.send("(synch_see)", "(change_view narrow high)")
 
     @property
     def joined_late(self) -> bool:
@@ -157,7 +185,7 @@ class Link:
         if text.startswith("(fullstate "):  # all get the same: one of them is read, later
             self._state_text = text
             return
-        if text.startswith("(see "):
+        if text.startswith("(see ") and client.sighting is None:
             return
         message = client.connection.parse(text)
         if isinstance(message, Think):
@@ -167,16 +195,29 @@ class Link:
             client.told = True
             client.time = message.time
             self.time = max(self.time, message.time)
+            if client.sighting is not None:
+                client.sighting.feel(message)
+        elif isinstance(message, See):
+            if client.sighting is not None:
+                client.sighting.see(message)
         elif isinstance(message, Hear):
             if message.sender == REFEREE:
                 self.referee.add((message.time, message.text))
+                if message.text != EPISODE_OVER:
+                    self.mode = message.text
             elif message.team == OUR:
                 client.heard.append(message.text)
         elif isinstance(message, Parameters) and message.kind == "server_param":
             self.settings = message
 
     def state(self) -> FullState | None:
-        """Return the newest full state, None if none has arrived since `forget`."""
+        """Return the newest full state, None if none has arrived since `forget`.
+
+        Where the server tells none, it is what our players see together.
+        """
+        if not self.full_state:
+            eyes = (c.sighting for c in self.clients.values() if c.sighting is not None)
+            return together(eyes, self.mode)
         try:
             message = parse_message(self._state_text) if self._state_text else None
         except ProtocolError:
@@ -211,7 +252,14 @@ class Link:
     def complete(self) -> bool:
         """Whether all of our players were told of a cycle and can act in it."""
         clients = self.clients.values()
-        return all(c.told and c.time == self.time and c.thinking >= self.synch for c in clients)
+        if self.synch:  # (think) comes last
+            return all(c.told and c.time == self.time and c.thinking for c in clients)
+        if self.full_state and not self._state_text:
+            return False
+        return all(
+            c.told and c.time == self.time and (c.sighting is None or c.sighting.time == self.time)
+            for c in clients
+        )
 
     @property
     def _incomplete(self) -> bool:

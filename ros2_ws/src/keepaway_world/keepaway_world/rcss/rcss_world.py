@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from random import Random
 from typing import Any
 
@@ -30,9 +31,10 @@ from keepaway_world.rcss.commands import command_of_order, commands_of
 from keepaway_world.rcss.connection import ServerError
 from keepaway_world.rcss.episode_watch import EpisodeWatch
 from keepaway_world.rcss.field import Field, Place, parameters_of, placed
+from keepaway_world.rcss.kick_off import kick_off
 from keepaway_world.rcss.link import Link
 from keepaway_world.rcss.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
-from keepaway_world.rcss.server_settings import ServerSettings
+from keepaway_world.rcss.server_settings import SEE, ServerSettings
 from keepaway_world.rcss.trainer import Trainer
 from keepaway_world.takers import TakerTeam
 
@@ -86,6 +88,7 @@ class RcssWorld:
         """Know nothing of the field."""
         self.size = self.parameters.width, self.parameters.height
         self._field = Field(self.parameters)
+        self._seen: dict[str, Field] = {}  # by those who perceive what they see
         self._watch = EpisodeWatch(referee.Referee(self.parameters), self._field.physics)
         self._takers = TakerTeam(self.parameters)
         self._said: dict[str, str] = {}
@@ -184,8 +187,8 @@ class RcssWorld:
         """
         if agent not in self.agents:
             raise WorldError(f'no keeper "{agent}" (has: {", ".join(self.agents)})')
-        keeper = self._field.movers[agent]
-        return perceive(self._field.physics, keeper), list(self._heard.get(agent, ()))
+        field = self._seen.get(agent, self._field)
+        return perceive(field.physics, field.movers[agent]), list(self._heard.get(agent, ()))
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Play one cycle; return "out" or "taken" if the episode ended with it, else None.
@@ -250,6 +253,10 @@ class RcssWorld:
                 self._watch.saw(kickers)
         if began:
             self._watch.begin(self._time)
+        for name in self._seen:
+            sighting = link.clients[name].sighting
+            if sighting is not None and (seen := sighting.state(mode)) is not None:
+                self._seen[name].take(seen)
         self._heard = {name: list(link.clients[name].heard) for name in self.agents}
         self._mode = mode
         self._see_to_waiting(state, began)
@@ -259,7 +266,10 @@ class RcssWorld:
     def _see_to_waiting(self, state: FullState | None, began: bool) -> None:
         """Decide whether there is an episode to be played."""
         if self._mode == BEFORE_KICK_OFF:
-            self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
+            missing = "" if state is None else self._field.missing(state)
+            self.waiting = missing or sentences.BEFORE_PLAY.format(self.server.where)
+            if self.server.kick_off and state is not None and not missing:
+                self._kick_off()
         elif self._mode != PLAYING:
             self.waiting = sentences.STOPPED.format(self.server.where, self._mode)
         elif state is not None and (missing := self._field.missing(state)):
@@ -268,6 +278,12 @@ class RcssWorld:
             self.waiting = ""
         elif self.waiting:
             self.waiting = sentences.PLAYING_ON.format(self.server.where)
+
+    def _kick_off(self) -> None:
+        now = time.monotonic()
+        if now >= self._next_try:
+            self._next_try = now + RETRY_SECONDS
+            kick_off(self.server.host, self.server.port)
 
     # -- a server does not wait -------------------------------------------------------------
 
@@ -319,6 +335,9 @@ class RcssWorld:
             self._link = Link(self.server, len(self.agents), self._ours.takers)
             self.parameters = parameters_of(self._link.settings, self._ours)
             self._forget()
+            if self.server.percepts == SEE:  # the server rounds what is seen already
+                exact = replace(self.parameters, sight="full")
+                self._seen = {name: Field(exact) for name in self.agents}
             if self.server.trainer_port:
                 self._trainer = Trainer(self.server)
             self.waiting = sentences.BEFORE_PLAY.format(self.server.where)

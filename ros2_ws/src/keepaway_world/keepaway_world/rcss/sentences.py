@@ -2,13 +2,13 @@
 
 CONNECTING = "connecting to the rcssserver at {}"
 BEFORE_PLAY = (
-    "the rcssserver at {} has not begun to play; it does so server::keepaway_start seconds after "
-    "its own start"
+    "the rcssserver at {} has not begun to play; it does so when all players are there, or "
+    "server::keepaway_start seconds after its own start"
 )
 PLAYING_ON = "waiting for the end of the episode that the rcssserver at {} is playing"
 JOINED_LATE = (
-    "{}; it had begun to play before our players were connected, which it does not survive unless "
-    "there were as many before: give it a later server::keepaway_start"
+    "{}; it had begun to play before our players were there, which it does not survive: start it "
+    "with server::keepaway_start=-1, so that it waits for them"
 )
 STOPPED = 'the rcssserver at {} has stopped play ("{}"); start it with server::half_time=-1'
 NO_TRAINER = (

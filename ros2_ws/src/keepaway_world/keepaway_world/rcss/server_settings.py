@@ -25,6 +25,7 @@ class ServerSettings:
         team, taker_team: names of the teams.
         our_takers: whether the takers are played by this world; else they are someone else's
             clients, which connect after the keepers.
+        kick_off: whether this world has the server begin to play once all players are there.
         percepts: what the keepers perceive by: "fullstate", the server's exact account, quantised
             as `KeepawayParameters.sight` says; or "see", what the server lets each of them see.
     """
@@ -35,6 +36,7 @@ class ServerSettings:
     team: str = "keepers"
     taker_team: str = "takers"
     our_takers: bool = True
+    kick_off: bool = True
     percepts: str = FULL_STATE
 
     def __post_init__(self) -> None:
