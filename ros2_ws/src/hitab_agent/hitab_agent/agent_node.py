@@ -8,29 +8,24 @@ from pathlib import Path
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
 from hitab_agent.recent_commands import RecentCommands
-from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.settings import AgentSettings
+from hitab_agent.shared import Shared
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.telling import Telling
-from hitab_agent.ticker import Ticker
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core.agent import Agent
 from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.domain import Domain, load_domain
+from hitab_core.domain import Domain
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import use_of
-
-STATUS_PERIOD_S = 0.05
-"""The path of active states may change every cycle; it is published no more often than this."""
 
 _NO_ACTION: tuple[Sequence[float], str] = ((), "")
 
@@ -42,16 +37,15 @@ class AgentNode(Node):
         self,
         node_name: str = "agent",
         *,
-        ticker: Ticker | None = None,
-        outbox: ReportOutbox | None = None,
+        shared: Shared | None = None,
         **options: Any,
     ) -> None:
         """Make the node, load the library and take up an interrupted training.
 
         Args:
             node_name: name of the node in the agent's namespace.
-            ticker: what calls it at fixed rates; the agents of a host share one.
-            outbox: through which it reports to its commander; shared likewise.
+            shared: what it has in common with the other agents of its process; None: it is
+                alone.
             options: of every node.
 
         Raises:
@@ -60,8 +54,9 @@ class AgentNode(Node):
         super().__init__(node_name, enable_rosout=False, start_parameter_services=False, **options)
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
-        self.ticker = ticker or Ticker(self)
-        self.outbox = outbox or ReportOutbox(self)
+        self.shared = shared or Shared.on(self)
+        self.ticker = self.shared.ticker
+        self.outbox = self.shared.outbox
         domain = self.load_domain(settings.domain)
         self.transition_log = TransitionLog(self)
         state = Path(settings.state_dir).expanduser() / self.agent_name
@@ -81,11 +76,8 @@ class AgentNode(Node):
         self._percept_stamp = msg.AgentStatus().stamp
         self._status = msg.AgentStatus(agent=self.agent_name, domain=domain.name)
         self._status_publisher = self.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
-        self._status_timer = self.create_timer(
-            STATUS_PERIOD_S, self._status_due, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
-        self._status_timer.cancel()
-        self._waiting_for_timer = False
+        self._status_is_due = False
+        self._sensed = False
         self._link: Any = None
         self.superior: SuperiorLink | None = None
         if settings.behavior and self.agent.session is None:
@@ -97,17 +89,23 @@ class AgentNode(Node):
         Raises:
             HitabError: if there is none.
         """
-        return load_domain(name)
+        return self.shared.domain(name)
 
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
         self._commands = self.create_subscription(
             msg.Command, names.COMMAND, self._on_command, qos.EVENTS
         )
-        self._agent_services = AgentServices(self)
-        self._telling = Telling(self)
-        self._distributor = Distributor(self)
-        self._link = _link_class(self.agent.domain)(self, self.settings.world, self._on_percept)
+        self._distributor = Distributor(self, self.shared.distributions)
+        if self.shared.on_demand is None:
+            self._offer_services()
+        else:
+            self.shared.on_demand.add(self, self._offer_services)
+        if self.shared.link is None or self.agent.domain.link:
+            link = _link_class(self.agent.domain)
+            self._link = link(self, self.settings.world, self._on_percept)
+        else:
+            self.shared.link.add(self)
         if self.settings.commander:
             self.superior = SuperiorLink(
                 self, self.settings.commander, self.settings.role, self.outbox
@@ -122,6 +120,11 @@ class AgentNode(Node):
         else:
             self.publish_status()
 
+    def _offer_services(self) -> None:
+        self._agent_services = AgentServices(self)
+        self._telling = Telling(self)
+        self._distributor.offer()
+
     def destroy_node(self) -> None:
         """Have the link leave the robot at rest, then take the node down."""
         if self._link is not None:
@@ -132,41 +135,52 @@ class AgentNode(Node):
     # -- percepts ---------------------------------------------------------------------------
 
     def _on_percept(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
-        log = self.transition_log
+        self.take_in(percept)
+        return self.answer(percept)
+
+    def take_in(self, percept: msg.Percept) -> None:
+        """Perceive."""
+        log, agent = self.transition_log, self.agent
         log.cycle = percept.cycle
         log.stamp = self._percept_stamp = percept.stamp
-        answer = self._perceive(percept)
+        self._sensed = False
+        try:
+            agent.sense(percept.values, percept.heard, percept.cycle)
+            if percept.restart:
+                agent.restart(percept.seed, percept.episode)
+            self._sensed = True
+        except Exception as error:
+            self._tick_failed(what_went_wrong(error))
+
+    def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+        """Act on the percept that was taken in, unless it is only to be looked at."""
+        action = self._act(percept) if self._sensed else _NO_ACTION
         if self.superior is not None:
             self.superior.perceived(percept, self.seconds_of(percept))
-        return answer
+        return action
 
     def seconds_of(self, percept: msg.Percept) -> float:
         """Return the agent's own time, s, by which it reports; that of the world or the robot."""
         return float(percept.stamp.sec + percept.stamp.nanosec * 1e-9)
 
-    def _perceive(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+    def _act(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
         agent = self.agent
+        if percept.look:
+            if agent.active_path != self._last_path or percept.restart:
+                self.publish_status()
+            return _NO_ACTION
         try:
-            agent.sense(percept.values, percept.heard, percept.cycle)
-            if percept.restart:
-                agent.restart(percept.seed, percept.episode)
-            if percept.look:
-                answer = _NO_ACTION
-            else:
-                agent.tick()
-                answer = agent.act()
+            agent.tick()
+            action = agent.act()
         except Exception as error:
             self._tick_failed(what_went_wrong(error))
             return _NO_ACTION
-        if self._tick_error and not percept.look:
+        if self._tick_error:
             self._tick_error = ""
             self.report_error("")
-        elif percept.look:
-            if agent.active_path != self._last_path or percept.restart:
-                self.publish_status()
         elif agent.active_path != self._last_path:
             self._publish_status_soon()
-        return answer
+        return action
 
     def _tick_failed(self, why: str) -> None:
         if why != self._tick_error:
@@ -247,13 +261,12 @@ class AgentNode(Node):
         self._status_publisher.publish(status)
 
     def _publish_status_soon(self) -> None:
-        if not self._waiting_for_timer:
-            self._waiting_for_timer = True
-            self._status_timer.reset()
+        if not self._status_is_due:
+            self._status_is_due = True
+            self.shared.statuses.call(self._status_due)
 
     def _status_due(self) -> None:
-        self._status_timer.cancel()
-        self._waiting_for_timer = False
+        self._status_is_due = False
         self.transition_log.look()
         self.publish_status()
 

@@ -6,9 +6,11 @@ takes all files or none, and answers on another topic.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from hitab_msgs import msg, srv
+from rclpy.node import Node
 
 from hitab_core.bundle import Bundle, make_bundle
 from hitab_core.errors import VocabularyError
@@ -21,19 +23,45 @@ if TYPE_CHECKING:
     from hitab_agent.agent_node import AgentNode
 
 
+class DistributionDesk:
+    """The topics of distribution; the agents of a process share one."""
+
+    def __init__(self, node: Node) -> None:
+        distribution = names.in_swarm(node, names.DISTRIBUTION)
+        acknowledgement = names.in_swarm(node, names.DISTRIBUTION_ACK)
+        self.outgoing = node.create_publisher(msg.Distribution, distribution, qos.EVENTS)
+        self.acknowledge = node.create_publisher(msg.DistributionAck, acknowledgement, qos.EVENTS)
+        self._receivers: list[Callable[[msg.Distribution], None]] = []
+        self._node = node
+        self._topic = distribution
+
+    def add(self, receive: Callable[[msg.Distribution], None]) -> None:
+        """Have an agent receive what is distributed from now on."""
+        if not self._receivers:
+            self._node.create_subscription(
+                msg.Distribution, self._topic, self._on_distribution, qos.EVENTS
+            )
+        self._receivers.append(receive)
+
+    def _on_distribution(self, sent: msg.Distribution) -> None:
+        for receive in self._receivers:
+            receive(sent)
+
+
 class Distributor:
     """Sends and receives behaviors for one agent."""
 
-    def __init__(self, node: AgentNode) -> None:
+    def __init__(self, node: AgentNode, desk: DistributionDesk) -> None:
         self._node = node
         self._agent = node.agent
-        distribution = names.in_swarm(node, names.DISTRIBUTION)
-        acknowledgement = names.in_swarm(node, names.DISTRIBUTION_ACK)
-        self._outgoing = node.create_publisher(msg.Distribution, distribution, qos.EVENTS)
-        self._acknowledge = node.create_publisher(msg.DistributionAck, acknowledgement, qos.EVENTS)
-        node.create_subscription(msg.Distribution, distribution, self._receive, qos.EVENTS)
-        node.create_service(
-            srv.Distribute, names.DISTRIBUTE, answering(self._distribute, node.report_error)
+        self._outgoing = desk.outgoing
+        self._acknowledge = desk.acknowledge
+        desk.add(self._receive)
+
+    def offer(self) -> None:
+        """Offer the service that distributes."""
+        self._node.create_service(
+            srv.Distribute, names.DISTRIBUTE, answering(self._distribute, self._node.report_error)
         )
 
     def _distribute(

@@ -1,0 +1,119 @@
+"""Joins all agents of a process to a world: one message of percepts in, one of actions out."""
+
+from __future__ import annotations
+
+import time
+from array import array
+from collections.abc import Sequence
+from typing import Protocol
+
+from hitab_msgs import msg
+from rclpy.node import Node
+
+from hitab_agent.report_outbox import ReportOutbox
+from hitab_ros import names, qos
+
+
+class Perceiver(Protocol):
+    """What a host needs of an agent's node."""
+
+    agent_name: str
+
+    def take_in(self, percept: msg.Percept) -> None:
+        """Perceive; an agent takes values and messages out of the percept, which is used again."""
+
+    def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+        """Act on what was perceived, unless the percept is only to be looked at."""
+
+
+class HostLink:
+    """Answers the percepts of all agents of a host.
+
+    All perceive first, then all act, so that those that perform the same automaton can be decided
+    for together in between; see `decide`.
+    """
+
+    def __init__(self, host: Node, name: str, world: str, outbox: ReportOutbox) -> None:
+        """Make ready; nothing comes before `announce`.
+
+        Args:
+            host: a node of the process, in the swarm's namespace or in one of its own in it.
+            name: of the host, unique in the swarm.
+            world: name of the world.
+            outbox: of the process, held while all act.
+        """
+        self._host = host
+        self._name = name
+        self._outbox = outbox
+        self._perceivers: list[Perceiver] = []
+        self._percept = msg.Percept()
+        self._actions = host.create_publisher(
+            msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
+        )
+        self._rosters = host.create_publisher(
+            msg.HostRoster, names.in_swarm(host, names.HOSTS), qos.LATCHED
+        )
+        self._answers = msg.ActionBatch(host=name)
+
+    def add(self, perceiver: Perceiver) -> None:
+        """Have an agent perceive and act from the next announcement on."""
+        self._perceivers.append(perceiver)
+
+    def announce(self) -> None:
+        """Tell the world who is here, and listen."""
+        self._host.create_subscription(
+            msg.PerceptBatch,
+            names.in_swarm(self._host, self._name, names.PERCEPTS),
+            self._on_percepts,
+            qos.CYCLE,
+        )
+        # The time of day, so that a host that is started again has a higher number.
+        self._answers.roster = time.time_ns()
+        self._rosters.publish(
+            msg.HostRoster(
+                host=self._name,
+                number=self._answers.roster,
+                agents=[perceiver.agent_name for perceiver in self._perceivers],
+            )
+        )
+
+    def decide(self, perceivers: Sequence[Perceiver], batch: msg.PerceptBatch) -> None:
+        """Decide for agents that have perceived, before they act; else each does it itself."""
+
+    def _on_percepts(self, batch: msg.PerceptBatch) -> None:
+        answers = self._answers
+        if batch.roster != answers.roster:
+            return  # meant for the process of this name that was here before
+        percept = self._percept
+        for field in ("stamp", "sequence", "cycle", "episode", "seed", "look", "restart"):
+            setattr(percept, field, getattr(batch, field))
+        acting = [self._perceivers[index] for index in batch.agents]
+        heard_counts = batch.heard_counts or (0,) * len(acting)
+        values, end, heard_end = batch.values, 0, 0
+        with self._outbox.held():
+            for perceiver, count, n_heard in zip(
+                acting, batch.value_counts, heard_counts, strict=True
+            ):
+                begin, end = end, end + count
+                heard, heard_end = heard_end, heard_end + n_heard
+                percept.values = values[begin:end]
+                percept.heard = batch.heard[heard:heard_end]
+                perceiver.take_in(percept)
+            if not batch.look:
+                self.decide(acting, batch)
+            done, counts = array("d"), array("I")
+            speakers, said = array("I"), []
+            for index, perceiver in zip(batch.agents, acting, strict=True):
+                action, say = perceiver.answer(percept)
+                done.extend(action)
+                counts.append(len(action))
+                if say:
+                    speakers.append(index)
+                    said.append(say)
+        answers.sequence = batch.sequence
+        answers.agents = batch.agents
+        answers.value_counts = counts
+        answers.values = done
+        answers.speakers = speakers
+        answers.said = said
+        self._actions.publish(answers)

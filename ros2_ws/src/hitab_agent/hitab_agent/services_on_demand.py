@@ -1,0 +1,34 @@
+"""Services that are made when somebody asks for them.
+
+An agent has a dozen services, each of which is two endpoints that every process of the swarm is
+told about: a thousand agents would take minutes to start and gigabytes to run. Hardly any of
+them is ever asked for anything. A host therefore looks for clients, whose requests wait until a
+service is there, as any client's do that is started before its service.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+LOOK_PERIOD_S = 0.25
+
+
+class ServicesOnDemand:
+    """Has the nodes of a process offer their services when the first client comes."""
+
+    def __init__(self, host: Node) -> None:
+        self._host = host
+        self._offers: dict[str, Callable[[], None]] = {}
+
+    def add(self, node: Node, offer: Callable[[], None]) -> None:
+        """Call ``offer`` once when somebody asks for a service in a node's namespace."""
+        self._offers[node.get_namespace()] = offer
+
+    def look(self) -> None:
+        """Look for clients; to be called a few times a second."""
+        for service, _ in self._host.get_service_names_and_types():
+            offer = self._offers.pop(service.rpartition("/")[0], None)
+            if offer is not None:
+                offer()
