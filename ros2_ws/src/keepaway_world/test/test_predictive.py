@@ -186,7 +186,7 @@ def test_a_keeper_offers_itself_where_no_taker_is_in_the_lane():
     play(world, behaviors.offer_pass, 20)
     after = features.lane_clearance(body_of(world, "keeper_2"), place)
     assert before < 0.5
-    assert after > 3.0
+    assert after > 1.5  # m: what the lessons call clear
     assert math.hypot(entity(world, "keeper_1").x, entity(world, "keeper_1").y) < 8.0
 
 
