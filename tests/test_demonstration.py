@@ -179,3 +179,14 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
     assert "2 examples" in listed.stdout
     shown = hitab("library", "show", "ByHand", "-l", str(keepers.folder.path / f"libraries/{ONE}"))
     assert "Stop" in shown.stdout
+
+
+def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab):
+    put(begun, 8.0)
+    begun.agents.command(ONE, "GoFast")
+    put(begun, 2.0)
+    begun.agents.command(ONE, "Stop")
+    done = hitab("save", ONE, "--name", "NearIt", "--bind", "ball=closest_takr")
+    assert 'saved "NearIt(closest_takr)" with 4 examples' in done.stdout, done.stderr
+    assert '"closest_takr" is a parameter now' in done.stdout
+    assert 'Did you mean "closest_taker"?' in done.stdout

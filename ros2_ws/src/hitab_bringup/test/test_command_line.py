@@ -84,6 +84,8 @@ def test_help_imports_nothing_that_takes_long():
         (["status", "--swarm", "red"], 1, 'no swarm "red" is up (has none)'),
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
         (["train", "keeper_1", "-f", "DistanceTo(ball)"], 2, "name the automaton to train"),
+        (["examples", "keeper_1", "--swarm", "red"], 1, 'no swarm "red" is up'),
+        (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
         (["world", "place", "x=1"], 2, "write NAME x=1"),
         (["lesson", "check", "no_such"], 1, 'no lesson "no_such"'),
         (["library", "list", "-l", "nowhere"], 1, "there is no such library folder"),
@@ -127,6 +129,13 @@ def test_what_was_meant_is_guessed_from_what_there_is(capsys):
 
     console.error('keeper_1: unknown behavior "GoFats" (has: GetOpen, GoFast, Stop)')
     assert in_one_line(capsys.readouterr().err).strip().endswith('Did you mean "GoFast"?')
+
+
+def test_an_error_is_printed_as_it_is(capsys):
+    from hitab_bringup import console
+
+    console.error("a:x:0: [bold]no[/bold] such thing")
+    assert capsys.readouterr().err == "error: a:x:0: [bold]no[/bold] such thing\n"
 
 
 def test_json_goes_where_it_is_asked_to(tmp_path, capsys):

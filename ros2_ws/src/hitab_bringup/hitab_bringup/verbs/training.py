@@ -2,18 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from difflib import get_close_matches
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from hitab_bringup import console
+from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.options import AgentName, JsonPath, SwarmName
 
-examples_app = typer.Typer(
-    help="Look at and correct the examples of a training.", no_args_is_help=True
-)
 PANEL = "Train"
+
+
+class ExamplesGroup(TyperGroup):
+    """Takes the name of an agent alone as wishing to see its examples."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return what to do, and the arguments of that."""
+        if not (args[0] in self.commands or get_close_matches(args[0], self.commands)):
+            args = ["list", *args]
+        return super().resolve_command(ctx, args)
+
+
+examples_app = typer.Typer(
+    cls=ExamplesGroup,
+    help="Look at and correct the examples of a training: `hitab examples keeper_1` lists them.",
+    no_args_is_help=True,
+)
 
 
 def register(app: typer.Typer) -> None:
@@ -175,7 +192,14 @@ def save(
             description=description,
             keep_unused=keep_unused,
         )
+        targets = swarm_up.agents.vocabulary(agent).targets if bound else []
     console.say(f"{answer.message}: {answer.path}")
+    for parameter in bound.values():
+        if parameter not in targets:
+            console.say(
+                f'"{parameter}" is a parameter now, since no target is called so'
+                f"{did_you_mean(parameter, targets)}"
+            )
     if answer.trimmed:
         console.say(f"left out, since nothing uses it: {', '.join(answer.trimmed)}")
 
@@ -189,7 +213,14 @@ def examples_list(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """List the examples of the training under way, or of a trained behavior."""
+    """List the examples of the training under way, or of a trained behavior.
+
+    Examples:
+
+      hitab examples keeper_1
+
+      hitab examples list keeper_1 ApproachBall --json examples.json
+    """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.list_examples(agent, automaton)
     if json != "-":
