@@ -1,0 +1,81 @@
+"""Keepers that look ahead: what their lessons teach, and that it is what is shipped."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.keepaway.evaluation import trained_keepers
+from hitab_bringup.lesson_file import read_lesson
+from hitab_bringup.lesson_player import LessonPlayer
+from hitab_bringup.opened_library import open_library
+from hitab_bringup.shipped import find_file, shipped
+
+LESSONS = ("take_ball", "pass_ball", "play_ball", "keepaway")
+MOST_EXAMPLES = 60
+UT_HAND_S = 53.5
+"""Mean hold time of UT Austin's hand-coded keepers against quarter-speed takers, s."""
+
+LIBRARY = shipped("libraries") / "keepaway_predictive"
+
+
+def examples_of(library: Path) -> dict[str, list[tuple]]:
+    """Return what was taught, but for the numbers of the world's cycles."""
+    return {
+        name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
+        for name, automaton in open_library(library).load().items()
+    }
+
+
+@pytest.fixture(scope="module")
+def learned(home, tmp_path_factory):
+    """Return the reports of the lessons, and what keeper_1 has learned."""
+    folder = tmp_path_factory.mktemp("predictive")
+    swarm = trained_keepers(None, "", {"taker_speed": 0.25}, domain="keepaway_predictive")
+    reports = []
+    with temporary_swarm(swarm, folder) as running:
+        for name in LESSONS:
+            lesson = read_lesson(find_file(f"predictive/{name}", "lessons", "lesson"))
+            reports.append(LessonPlayer(lesson, running.agents, running.world).play())
+        return reports, examples_of(Path(reports[-1].path).parent)
+
+
+def evaluate(hitab, path, *options):
+    done = hitab(
+        "keepaway", "evaluate", "-l", str(LIBRARY), "--json", str(path), *options, timeout=100
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(path.read_text())
+
+
+def test_the_lessons_take_at_most_sixty_examples_default_ones_counted(learned):
+    reports, examples = learned
+    assert sum(report.examples for report in reports) <= MOST_EXAMPLES
+    assert sum(len(of_one) for of_one in examples.values()) <= MOST_EXAMPLES
+
+
+def test_what_is_shipped_is_what_the_lessons_teach(learned):
+    assert learned[1] == examples_of(LIBRARY)
+
+
+def test_what_is_shipped_uses_no_hand_written_automaton():
+    opened = open_library(LIBRARY)
+    names = {name for a in opened.load().values() for name in (s.name for s in a.states)}
+    assert not names & set(opened.domain.automata)
+
+
+def test_they_last_longer_than_hand_coded_keepers_against_slow_takers(hitab, tmp_path):
+    figures = evaluate(
+        hitab, tmp_path / "f.json", "--episodes", "5", "--seed", "11", "--pace", "inprocess"
+    )
+    assert figures["hold_time_s"]["mean"] >= UT_HAND_S
+
+
+def test_they_play_the_same_in_three_processes_as_in_one(hitab, tmp_path):
+    options = ("--episodes", "10", "--seed", "3", "--taker-speed", "1.0")
+    lockstep = evaluate(hitab, tmp_path / "l.json", *options)
+    inprocess = evaluate(hitab, tmp_path / "i.json", *options, "--pace", "inprocess")
+    assert lockstep["missed_deadlines"] == 0
+    for key in ("seconds_of_episodes", "passes", "ended", "library_digest"):
+        assert lockstep[key] == inprocess[key]
