@@ -20,7 +20,6 @@ from hitab_agent.telling import Telling
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core.agent import Agent
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
@@ -64,7 +63,7 @@ class AgentNode(Node):
         self.agent = Agent(
             self.agent_name,
             domain,
-            BehaviorLibrary(library, domain),
+            self.shared.library(library, domain),
             state,
             seed=settings.seed,
             most_probable=settings.most_probable,
@@ -101,11 +100,12 @@ class AgentNode(Node):
             self._offer_services()
         else:
             self.shared.on_demand.add(self, self._offer_services)
-        if self.shared.link is None or self.agent.domain.link:
+        shared_link = None if self.agent.domain.link else self.shared.link(self.settings.world)
+        if shared_link is None:
             link = _link_class(self.agent.domain)
             self._link = link(self, self.settings.world, self._on_percept)
         else:
-            self.shared.link.add(self)
+            shared_link.add(self)
         if self.settings.commander:
             self.superior = SuperiorLink(
                 self, self.settings.commander, self.settings.role, self.outbox

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from rclpy.node import Node
 
@@ -10,12 +11,17 @@ from hitab_agent.distribution import DistributionDesk
 from hitab_agent.host_link import HostLink
 from hitab_agent.later import Later
 from hitab_agent.report_outbox import ReportOutbox
-from hitab_agent.services_on_demand import ServicesOnDemand
+from hitab_agent.services_on_demand import LOOK_PERIOD_S, ServicesOnDemand
 from hitab_agent.ticker import Ticker
+from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
+from hitab_ros import names
 
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published no more often than this."""
+
+STATUSES_PER_S = 500.0
+"""A host publishes no more of them: watching must not cost more than what is watched."""
 
 
 @dataclass(slots=True)
@@ -27,18 +33,22 @@ class Shared:
         statuses: publishes, a little later, the statuses that have changed.
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
-        link: to the world, where it is shared; None: each agent has its own.
+        host: the node of the host, if it is one.
+        links: to worlds, where they are shared, by the world's name.
         on_demand: offers services when somebody asks; None: each agent offers its own at once.
         domains: the domains that were loaded, by name.
+        libraries: those that were opened, by folder and domain.
     """
 
     ticker: Ticker
     statuses: Later
     outbox: ReportOutbox
     distributions: DistributionDesk
-    link: HostLink | None = None
+    host: Node | None = None
+    links: dict[str, HostLink] = field(default_factory=dict)
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
+    libraries: dict[tuple[Path, str], BehaviorLibrary] = field(default_factory=dict)
 
     @classmethod
     def on(cls, node: Node) -> Shared:
@@ -46,6 +56,30 @@ class Shared:
         return cls(
             Ticker(node), Later(node, STATUS_PERIOD_S), ReportOutbox(node), DistributionDesk(node)
         )
+
+    @classmethod
+    def of_host(cls, node: Node, agents: int) -> Shared:
+        """Return what the agents of a host share, on a node in a namespace of its own."""
+        shared = cls.on(node)
+        shared.host = node
+        shared.statuses.slow_down(max(STATUS_PERIOD_S, agents / STATUSES_PER_S))
+        shared.on_demand = ServicesOnDemand(node)
+        shared.ticker.every(LOOK_PERIOD_S, shared.on_demand.look)
+        return shared
+
+    def link(self, world: str) -> HostLink | None:
+        """Return the shared link to a world; None if this process is not a host."""
+        if self.host is not None and world not in self.links:
+            name = names.own_name(self.host)
+            self.links[world] = HostLink(self.host, name, world, self.outbox)
+        return self.links.get(world)
+
+    def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:
+        """Return the library in a folder; agents that have the same one share what was read."""
+        key = (folder, domain.signature)
+        if key not in self.libraries:
+            self.libraries[key] = BehaviorLibrary(folder, domain)
+        return self.libraries[key]
 
     def domain(self, name: str) -> Domain:
         """Return the installed domain of a name; see `load_domain`.
