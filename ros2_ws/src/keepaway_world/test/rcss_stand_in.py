@@ -48,12 +48,21 @@ class StandIn:
         lose: called with the message and the client's number; whether it is lost on the way.
         edit: changes the text of a message.
         synch: whether it waits for answers, else it goes on by itself, ten times as fast as life.
+        begun: whether it begins to play by itself; else a monitor has to tell it to.
     """
 
     def __init__(
-        self, port=0, players=5, version=15, lose=None, edit=lambda text: text, synch=True
+        self,
+        port=0,
+        players=5,
+        version=15,
+        lose=None,
+        edit=lambda text: text,
+        synch=True,
+        begun=True,
     ):
         self.players, self.version, self.edit, self.synch = players, version, edit, synch
+        self.begun = begun
         self.lose = lose or (lambda text, number: False)
         self.received = []
         self.errors = []
@@ -65,6 +74,8 @@ class StandIn:
         self._init = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._init.bind(("127.0.0.1", port))
         self.port = self._init.getsockname()[1]
+        self._monitor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._monitor.bind(("127.0.0.1", 0))
         self._clients = []  # [socket, address, side, number, done]
         self._round = 0
         self._due = 0.0
@@ -83,7 +94,7 @@ class StandIn:
         """Go away, as when the process ends."""
         self._stop.set()
         self._thread.join(5.0)
-        for sock in (self._init, *(client[0] for client in self._clients)):
+        for sock in (self._init, self._monitor, *(client[0] for client in self._clients)):
             sock.close()
 
     def commands(self, number=None):
@@ -95,7 +106,7 @@ class StandIn:
     def _run(self):
         try:
             while not self._stop.is_set():
-                socks = [self._init, *(client[0] for client in self._clients)]
+                socks = [self._init, self._monitor, *(client[0] for client in self._clients)]
                 for sock in select.select(socks, [], [], 0.01)[0]:
                     with contextlib.suppress(OSError):
                         data, address = sock.recvfrom(8192)
@@ -111,6 +122,9 @@ class StandIn:
         if sock is self._init:
             self._take_in(text, address)
             return
+        if sock is self._monitor:
+            self.begun = self.begun or text == "(dispstart)"
+            return
         number = next(i for i, client in enumerate(self._clients) if client[0] is sock)
         if self.lose(text, number):
             return
@@ -119,6 +133,9 @@ class StandIn:
             self._clients[number][4] = True
 
     def _take_in(self, text, address):
+        if text.startswith("(dispinit"):
+            self._monitor.sendto(b"(server_param (keepaway 1))\0", address)
+            return
         if not text.endswith(f"(version {self.version}))"):
             self._init.sendto(
                 b"(error no_more_player_or_goalie_or_illegal_client_version)\0", address
@@ -146,7 +163,7 @@ class StandIn:
             self._due = now + 0.01
         elif not all(client[4] for client in self._clients) and now - self._told_at < 1.25:
             return
-        self._round += 1
+        self._round += self.begun or self._round == 0  # before that, the first one again
         self._told_at = now
         for number, client in enumerate(self._clients):
             told = self._told[client[2]]

@@ -5,6 +5,7 @@ import importlib.util
 import math
 import random
 import socket
+import statistics
 import time
 from pathlib import Path
 
@@ -185,6 +186,51 @@ def test_takers_may_be_someone_elses():
     assert {number for number, _ in server.received} == {0, 1, 2}
 
 
+def test_the_server_is_told_to_begin_once_all_players_are_there():
+    with StandIn(begun=False) as server, world_on(server) as world:
+        assert [(r.cycles, r.ended) for r in play(world, 1)] == EPISODES[:1]
+        assert server.begun
+
+
+def test_a_server_that_somebody_else_is_to_begin_is_left_alone():
+    with StandIn(begun=False) as server, world_on(server, kick_off=False, patience=1.0) as world:
+        with pytest.raises(WorldError, match="has not begun to play"):
+            world.reset(0)
+        assert not server.begun
+
+
+def test_keepers_may_perceive_what_they_see_while_viewers_see_the_truth():
+    with StandIn() as server, world_on(server, percepts="see") as world:
+        world.reset(0)
+        off, ball = [], []
+        while not world.ended:
+            world.step({})
+            truth = {entity.name: entity for entity in world.entities()}
+            me, values = truth["keeper_1"], world.percept("keeper_1")[0]
+            off.append(math.hypot(values[percept.X] - me.x, values[percept.Y] - me.y))
+            distance = math.hypot(truth["ball"].x - me.x, truth["ball"].y - me.y)
+            ball.append(abs(values[percept.BALL] - distance))
+        assert (world.result().cycles, world.ended) == EPISODES[0]
+    # This server lets its players see a quarter of what is around them, in two cycles of three.
+    assert 0.0 < statistics.median(off) < 0.3
+    assert 0.0 < statistics.median(ball) < 1.0
+    assert "(synch_see)" in server.commands(0)
+    assert "(synch_see)" not in server.commands(3)
+
+
+def test_a_server_that_tells_no_full_state_is_played_on_by_what_the_players_see():
+    def blind(text):
+        return text.replace("(fullstate_l 1)", "(fullstate_l 0)")
+
+    with (
+        StandIn(edit=blind, lose=lambda text, _: text.startswith("(fullstate")) as server,
+        world_on(server, percepts="see") as world,
+    ):
+        results = play(world)
+        assert {entity.kind for entity in world.entities()} == {"ball", "keeper", "taker"}
+    assert [r.cycles for r in results] == [cycles for cycles, _ in EPISODES]
+
+
 def test_without_synch_mode_the_server_goes_on_by_itself():
     def realtime(text):
         return text.replace("(synch_mode 1)", "(synch_mode 0)")
@@ -293,6 +339,11 @@ def test_a_server_that_hangs_is_reported():
         ),
         ({"edit": lambda t: t.replace("(keepaway_width 20)", "(keepaway_width 2)")}, {}, "12 m"),
         ({"lose": lambda t, n: t.startswith("(server_param")}, {}, "does not tell its settings"),
+        (
+            {"edit": lambda t: t.replace("(fullstate_l 1)", "(fullstate_l 0)")},
+            {},
+            "set the parameter percepts to see",
+        ),
         ({"lose": lambda t, n: t.startswith("(init")}, {}, "was lost"),
         ({"players": 3}, {"our_takers": False}, ""),
     ],
@@ -328,6 +379,7 @@ def test_a_host_that_does_not_exist_is_told():
         ({"trainer_port": 70000}, "trainer_port is 70000"),
         ({"team": "too long a team's name"}, "a team has a name of"),
         ({"taker_team": "keepers"}, "both teams"),
+        ({"percepts": "heard"}, "must be one of: fullstate, see"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(settings, told):
