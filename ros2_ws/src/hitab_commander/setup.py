@@ -20,4 +20,7 @@ setup(
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
+    entry_points={
+        "console_scripts": ["hitab_commander = hitab_commander.commander_main:main"],
+    },
 )

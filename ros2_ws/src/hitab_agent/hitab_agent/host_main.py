@@ -4,55 +4,66 @@ For example::
 
     python -m hitab_agent.host_main --ros-args -p agents:="[ant_1, ant_2]" -p domain:=keepaway
 
-All parameters of an agent (see `hitab_agent.settings`) are given once, for all.
+All parameters of an agent (see `hitab_agent.settings`) are given once, for all. Where agents
+differ, a file tells whom to run and how, in JSON::
+
+    python -m hitab_agent.host_main --ros-args -p roster:=host_1.json
+
+    [{"name": "ant_1", "parameters": {"domain": "foraging", "commander": "chief"}},
+     {"name": "chief", "node": "hitab_commander.commander_node:CommanderNode",
+      "parameters": {"domain": "squad.yaml", "subordinates": ["ant_1", "ant_2"]}}]
 """
 
 from __future__ import annotations
 
 import sys
+import uuid
 
 from hitab_msgs.msg import AgentStatus
-from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.parameter import Parameter
 
-from hitab_agent.agent_node import AgentNode
-from hitab_agent.settings import AgentSettings
+from hitab_agent.roster import read_roster
+from hitab_agent.shared import Shared
 from hitab_core.errors import HitabError
 from hitab_ros.name_guard import refuse_second_of_name
 from hitab_ros.spinning import Spinner, make_node, run
+
+NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
+"""A service that every node has, and nobody uses."""
 
 
 def start(spinning: Spinner) -> None:
     """Make all agents that the command line describes."""
     host = make_node("host")
     spinning.executor.add_node(host)
-    names = host.declare_parameter(
-        "agents",
-        Parameter.Type.STRING_ARRAY,
-        ParameterDescriptor(description="names of the agents to run here"),
-    ).value
-    if not names:
-        raise HitabError('the host was given no agents; give it -p agents:="[a, b]"')
+    entries = read_roster(host)
+    names = [entry.name for entry in entries]
     doubles = sorted({name for name in names if names.count(name) > 1})
     if doubles:
         raise HitabError(f"the host was given {', '.join(doubles)} twice")
-    settings = AgentSettings.declare(host)
-    overrides = [
-        Parameter(name, value=getattr(settings, name)) for name in AgentSettings.__slots__
-    ]
     swarm = host.get_namespace().rstrip("/")
+    # A node that has the topics of the host, in a namespace of its own.
+    desk = make_node("host", namespace=f"{swarm}/host_{uuid.uuid4().hex[:8]}")
+    spinning.executor.add_node(desk)
+    shared = Shared.of_host(desk, len(entries))
     nodes = []
-    for name in names:
-        node = AgentNode(
-            namespace=f"{swarm}/{name}",
-            parameter_overrides=overrides,
+    for entry in entries:
+        node = entry.node(
+            namespace=f"{swarm}/{entry.name}",
+            parameter_overrides=[
+                NO_TYPE_DESCRIPTIONS,
+                *(Parameter(name, value=value) for name, value in entry.parameters.items()),
+            ],
             use_global_arguments=False,
+            shared=shared,
         )
         spinning.executor.add_node(node)
         nodes.append(node)
     refuse_second_of_name(spinning, nodes, AgentStatus)
     for node in nodes:
         node.join()
+    for link in shared.links.values():
+        link.announce()
 
 
 def main() -> None:

@@ -6,16 +6,36 @@ import shutil
 from pathlib import Path
 
 from hitab_bringup.swarm_description import SwarmDescription
-from hitab_bringup.swarm_processes import library_of
+from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
+from hitab_commander.kind_reader import FILE_NAME as KIND_FILE
+from hitab_commander.kind_writer import kind_text
+from hitab_commander.order_memory import FILE_NAME as ORDERS_FILE
 
 
 def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
     """Make every agent's library folder; copy what it starts from into those that are new."""
-    for agent in swarm.agents:
+    for agent in swarm.members:
         library = library_of(agent, folder)
         library.mkdir(parents=True, exist_ok=True)
         if agent.start_from is not None and not any(library.iterdir()):
             copy_library(agent.start_from, library)
+
+
+def prepare(swarm: SwarmDescription, folder: Path) -> None:
+    """Put everything into a run folder that the swarm's processes need.
+
+    Libraries; whom each host runs; what commanders can order and perceive, which also goes into
+    their libraries, for whoever looks at these. What was ordered when the swarm was up the last
+    time is forgotten: only a process that is started again goes on with it.
+    """
+    fill_libraries(swarm, folder)
+    write_rosters(swarm, folder)
+    for commander in swarm.commanders:
+        text = kind_text(commander.kind)
+        for file in (kind_file(commander, folder), library_of(commander, folder) / KIND_FILE):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        (folder / "state" / commander.name / ORDERS_FILE).unlink(missing_ok=True)
 
 
 def copy_library(source: Path, destination: Path) -> None:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hitab_commander.commander_domain import commander_domain
+from hitab_commander.kind_reader import FILE_NAME as KIND_FILE
+from hitab_commander.kind_reader import read_kind
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.behavior_schema import SUFFIX
 from hitab_core.domain import load_domain
@@ -14,6 +17,8 @@ from hitab_core.yaml_places import read_yaml
 def open_library(folder: Path) -> BehaviorLibrary:
     """Return the library in a folder; nothing but one file's domain has been read yet.
 
+    A library of commanders has a file that describes their kind.
+
     Raises:
         LibraryError: if there is no folder, or no behavior in it.
         VocabularyError: if its domain is not installed.
@@ -23,6 +28,9 @@ def open_library(folder: Path) -> BehaviorLibrary:
     name = None
     for path in sorted(folder.glob(f"*{SUFFIX}")):
         name = name or _domain_of(path)
+    kind = folder / KIND_FILE
+    if kind.exists():
+        return BehaviorLibrary(folder, commander_domain(read_kind(kind)))
     if name is None:
         raise LibraryError(f"{folder}: has no behaviors (files whose names end in {SUFFIX})")
     return BehaviorLibrary(folder, load_domain(name))

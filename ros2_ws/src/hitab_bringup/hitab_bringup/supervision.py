@@ -24,7 +24,7 @@ import psutil  # type: ignore[import-untyped]
 from hitab_bringup.dds_profile import choose_profile
 from hitab_bringup.domain_ids import LOCALHOST
 from hitab_bringup.errors import SwarmError
-from hitab_bringup.libraries import fill_libraries
+from hitab_bringup.libraries import prepare
 from hitab_bringup.run_folder import MARK, RunFolder, RunRecord
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
@@ -81,7 +81,7 @@ def launch(
     """
     stop(folder)
     folder.prepare()
-    fill_libraries(swarm, folder.path)
+    prepare(swarm, folder.path)
     socket = folder.socket_path()
     started = processes(swarm, folder.path)
     for process in started:

@@ -11,9 +11,16 @@
       keeper_1: {}
       keeper_2: {behavior: ""}     # anything above may be set for one agent alone
       scout: {count: 100, per_process: 50}   # scout_1 ... scout_100 in two processes
+    hosts: 4                       # processes for all whose process is not named
+    kinds:
+      Squad: {orders: {Attack: Search, Rest: nothing}, features: {AnyDone: {any: Done}}}
+    commanders:
+      corporal: {kind: Squad, commands: {scout: 5}}    # corporal_1 ... corporal_20
+      captain: {kind: Squad, commands: corporal}       # one over all of them
 
 What stands above ``agents`` holds for all of them, so that a team of likes is short to write and
-an unlike one just says where it differs.
+an unlike one just says where it differs. `hitab_commander.kind_reader` tells what a kind of
+commander is; without orders, its orders are the behaviors that all its subordinates share.
 """
 
 from __future__ import annotations
@@ -24,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_bringup.errors import DescriptionError
+from hitab_commander.kind import CommanderKind
 
 PACES = ("lockstep", "realtime")
 
@@ -57,6 +65,9 @@ class AgentDescription:
         start_from: a library that is copied into its own when that is empty.
         behavior: what it performs at first, such as ``Keepaway``; empty: nothing.
         process: name of the process in which it runs; its own name unless it shares one.
+        library_name: of its library's folder in the run folder; empty: that of the process.
+        superior: name of its commander; empty: none.
+        role: in its commander's group.
     """
 
     name: str
@@ -66,6 +77,24 @@ class AgentDescription:
     behavior: str = ""
     seed: int = 1
     process: str = ""
+    library_name: str = ""
+    superior: str = ""
+    role: str = ""
+
+
+@dataclass(frozen=True)
+class CommanderDescription(AgentDescription):
+    """One commander; its domain is its kind.
+
+    Attributes:
+        kind: what it can order and perceive.
+        subordinates: the roles of those that it commands, by name.
+        asks_position: whether it needs to know where they are, for itself or its superiors.
+    """
+
+    kind: CommanderKind = field(default_factory=lambda: CommanderKind("", ()))
+    subordinates: Mapping[str, str] = field(default_factory=dict)
+    asks_position: bool = False
 
 
 @dataclass(frozen=True)
@@ -76,11 +105,17 @@ class SwarmDescription:
     file: Path
     agents: tuple[AgentDescription, ...]
     world: WorldDescription | None = None
+    commanders: tuple[CommanderDescription, ...] = ()
+
+    @property
+    def members(self) -> tuple[AgentDescription, ...]:
+        """All agents and commanders."""
+        return (*self.agents, *self.commanders)
 
     @property
     def agent_names(self) -> tuple[str, ...]:
-        """The names of all agents."""
-        return tuple(agent.name for agent in self.agents)
+        """The names of all agents and commanders."""
+        return tuple(member.name for member in self.members)
 
     def with_world(self, **changes: Any) -> SwarmDescription:
         """Return the same swarm in a world that differs."""

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import importlib.util
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+from hitab_bringup.command_tree import in_hosts, with_positions_asked, with_superiors
+from hitab_bringup.commander_section import CommanderSection, Line, read_kinds
 from hitab_bringup.errors import DescriptionError
 from hitab_bringup.names import WORLD
+from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.swarm_description import (
     PACES,
     AgentDescription,
+    CommanderDescription,
     SwarmDescription,
     WorldDescription,
 )
 from hitab_bringup.swarm_words import Words
 from hitab_bringup.yaml_fields import Fields
+from hitab_commander.kind import CommanderKind
+from hitab_core.errors import has
 from hitab_core.use import NAME
 from hitab_core.yaml_places import Complaints, read_yaml
 
@@ -49,10 +56,18 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     _check_name(top, name, "a swarm")
     world = _world(top) if "world" in top else None
     common = _Common.of(top, path.parent)
-    agents = _agents(top, common, path.parent)
+    words = Words(top)
+    hosts = top.integer("hosts", None, least=1)
+    groups = _agents(top, common, path.parent, words, hosts is not None)
+    commanders = _commanders(top, common, path.parent, words, groups, hosts is not None)
+    agents = [agent for group in groups.values() for agent in group]
     top.done()
     complaints.raise_any()
-    return SwarmDescription(name, path, tuple(agents), world)
+    if hosts is not None:
+        agents, commanders = in_hosts(agents, commanders, hosts)
+    return SwarmDescription(
+        name, path, tuple(_with_libraries(agents, groups)), world, tuple(commanders)
+    )
 
 
 def _world(top: Fields) -> WorldDescription:
@@ -147,33 +162,40 @@ class _Common:
         return [base / text for text in named]
 
 
-def _agents(top: Fields, common: _Common, base: Path) -> list[AgentDescription]:
-    group = top.inner("agents")
-    agents: list[AgentDescription] = []
+Groups = dict[str, list[AgentDescription]]
+"""Agents by the key of their line."""
+
+
+def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool) -> Groups:
+    section = top.inner("agents")
+    groups: Groups = {}
     owners: dict[str, str] = {}
-    if "agents" not in top or not group.names():
+    if "agents" not in top or not section.names():
         top.complain("a swarm needs `agents:`, a line with a name each")
-    words = Words(top)
-    for key in group.names():
-        fields = group.inner(key)
-        _check_name(group, key, "an agent", key)
+    for key in section.names():
+        fields = section.inner(key)
+        _check_name(section, key, "an agent", key)
         own = _Common.of(fields, base, common)
         count = fields.integer("count", None, least=1)
-        per_process = fields.integer("per_process", 1, least=1)
+        per_process = fields.integer("per_process", None, least=1)
         host = fields.text("host", "")
+        role = fields.text("role", key)
         fields.done()
         words.check_domain(fields, own.domain)
         if own.behavior:
             words.check_behavior(fields, own.domain, own.behavior, own.libraries(base))
         names = [key] if count is None else [f"{key}_{i + 1}" for i in range(count)]
+        groups[key] = []
         for index, name in enumerate(names):
             if name in owners:
                 fields.complain(f'a second agent "{name}" (see `{owners[name]}`); rename one')
             owners[name] = key
-            process = host or (
-                name if per_process == 1 else f"{key}_host_{index // per_process + 1}"
-            )
-            agents.append(
+            process = host
+            if not host and per_process not in (None, 1):
+                process = f"{key}_host_{index // per_process + 1}"
+            elif not host and not (hosted and per_process is None):
+                process = name
+            groups[key].append(
                 AgentDescription(
                     name,
                     own.domain,
@@ -182,9 +204,104 @@ def _agents(top: Fields, common: _Common, base: Path) -> list[AgentDescription]:
                     own.behavior,
                     own.seed,
                     process,
+                    role=role,
                 )
             )
-    return agents
+    return groups
+
+
+def _commanders(
+    top: Fields, common: _Common, base: Path, words: Words, groups: Groups, hosted: bool
+) -> list[CommanderDescription]:
+    """Read the commanders; their subordinates in ``groups`` are told who commands them."""
+    kinds = read_kinds(top, base)
+    section = top.inner("commanders")
+    tree = CommanderSection(groups, words)
+    lines: dict[str, Line] = {}
+    agents = {agent.name: key for key, group in groups.items() for agent in group}
+    # What is said for all agents is not said for commanders, but for the seed.
+    above = _Common(seed=common.seed)
+    for key in section.names():
+        fields = section.inner(key)
+        _check_name(section, key, "an agent", key)
+        if key in groups or key in agents:
+            fields.complain(f'a second "{key}" (see `agents:`); rename one')
+        own = _Common.of(fields, base, above)
+        if own.domain:
+            fields.complain("a commander's domain is its kind; write `kind:`", "domain")
+        counts, names = tree.read_commands(fields)
+        host, role = fields.text("host", ""), fields.text("role", key)
+        lines[key] = Line(
+            fields,
+            _commander_maker(own, base, "" if hosted else None, host, role),
+            _kind(fields, kinds),
+            counts,
+            names,
+        )
+        fields.done()
+    commanders, superiors = tree.resolve(lines)
+    names_taken = set(agents)
+    for commander in commanders:
+        if commander.name in names_taken:
+            section.complain(f'a second "{commander.name}"; rename one')
+        names_taken.add(commander.name)
+        line = next(k for k in lines if k == commander.name or _is_one_of(commander.name, k))
+        words.check_commander(lines[line].fields, commander)
+    for key, group in groups.items():
+        groups[key] = with_superiors(group, superiors)
+    commanders = with_superiors(commanders, superiors)
+    return [
+        replace(c, domain=c.kind.name, library_name=c.kind.name)
+        for c in with_positions_asked(commanders)
+    ]
+
+
+def _commander_maker(
+    own: _Common, base: Path, shared: str | None, host: str, role: str
+) -> Callable[[str], CommanderDescription]:
+    """Return what makes the commanders of a line; ``shared``: their process, if not their own."""
+
+    def make(name: str) -> CommanderDescription:
+        return CommanderDescription(
+            name,
+            "",
+            base / own.library.replace(AGENT, name) if own.library else None,
+            base / own.start_from if own.start_from else None,
+            own.behavior,
+            own.seed,
+            host or (name if shared is None else shared),
+            role=role,
+        )
+
+    return make
+
+
+def _is_one_of(name: str, key: str) -> bool:
+    return name.startswith(f"{key}_") and name[len(key) + 1 :].isdigit()
+
+
+def _kind(fields: Fields, kinds: Mapping[str, CommanderKind]) -> CommanderKind | None:
+    name = fields.text("kind")
+    if name is not None and name not in kinds:
+        fields.complain(
+            f'there is no kind "{name}" under `kinds:` {has(kinds)}{did_you_mean(name, kinds)}',
+            "kind",
+        )
+    return kinds.get(name)
+
+
+def _with_libraries(
+    agents: Sequence[AgentDescription], groups: Groups
+) -> Iterator[AgentDescription]:
+    """Name library folders: likes that share a process share one, unlike ones do not."""
+    keys = {agent.name: key for key, group in groups.items() for agent in group}
+    inside: dict[str, set[str]] = {}
+    for agent in agents:
+        inside.setdefault(agent.process, set()).add(keys[agent.name])
+    for agent in agents:
+        alone = len(inside[agent.process]) == 1
+        name = "" if alone else f"{agent.process}_{keys[agent.name]}"
+        yield replace(agent, library_name=name)
 
 
 def _check_name(fields: Fields, name: Any, what: str, *inner: str) -> None:

@@ -9,12 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.errors import DescriptionError
 from hitab_bringup.names import WORLD
-from hitab_bringup.swarm_description import AgentDescription, SwarmDescription, WorldDescription
+from hitab_bringup.swarm_description import (
+    AgentDescription,
+    CommanderDescription,
+    SwarmDescription,
+    WorldDescription,
+)
 
 AGENT_MODULE = "hitab_agent.agent_main"
+COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
+COMMANDER_NODE = "hitab_commander.commander_node:CommanderNode"
 
 
 @dataclass(frozen=True)
@@ -59,22 +65,46 @@ def processes(swarm: SwarmDescription, folder: Path) -> list[Process]:
     Args:
         swarm: the description.
         folder: the run folder, for libraries and journals.
-
-    Raises:
-        DescriptionError: if agents that are to share a process differ.
     """
     found = []
     if swarm.world is not None:
         found.append(_world(swarm.world))
-    shared: dict[str, list[AgentDescription]] = {}
-    for agent in swarm.agents:
-        shared.setdefault(agent.process, []).append(agent)
-    for name, agents in shared.items():
-        if len(agents) == 1 and name == agents[0].name:
-            found.append(_agent(agents[0], folder))
+    for name, members in _shared(swarm).items():
+        if len(members) == 1 and name == members[0].name:
+            found.append(_alone(members[0], folder))
         else:
-            found.append(_host(swarm, name, agents, folder))
+            names = tuple(member.name for member in members)
+            parameters = {"roster": str(_roster_file(folder, name))}
+            found.append(Process(name, HOST_MODULE, "", parameters, names))
     return found
+
+
+def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
+    """Return who runs in which process."""
+    shared: dict[str, list[AgentDescription]] = {}
+    for member in swarm.members:
+        shared.setdefault(member.process, []).append(member)
+    return shared
+
+
+def write_rosters(swarm: SwarmDescription, folder: Path) -> None:
+    """Write a file for each host that tells whom it is to run, and how."""
+    for name, members in _shared(swarm).items():
+        roster = [
+            {"name": member.name, **_node_of(member), "parameters": _settings(member, folder)}
+            for member in members
+        ]
+        file = _roster_file(folder, name)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(roster, indent=1) + "\n", encoding="utf-8")
+
+
+def _roster_file(folder: Path, process: str) -> Path:
+    return (folder / "rosters" / f"{process}.json").resolve()
+
+
+def _node_of(member: AgentDescription) -> dict[str, str]:
+    return {"node": COMMANDER_NODE} if isinstance(member, CommanderDescription) else {}
 
 
 def _world(world: WorldDescription) -> Process:
@@ -88,37 +118,42 @@ def _world(world: WorldDescription) -> Process:
     return Process(WORLD, world.module, f"/{WORLD}", parameters)
 
 
-def library_of(agent: AgentDescription, folder: Path) -> Path:
-    """Return the library folder of an agent; those that share a process share it."""
-    return (agent.library or folder / "libraries" / agent.process).resolve()
+def library_of(member: AgentDescription, folder: Path) -> Path:
+    """Return the library folder of an agent; likes that share a process share it.
+
+    All commanders of a kind share one.
+    """
+    name = member.library_name or member.process
+    return (member.library or folder / "libraries" / name).resolve()
 
 
-def _settings(agent: AgentDescription, folder: Path) -> dict[str, Any]:
-    """Return the parameters of an agent's node."""
-    return {
-        "domain": agent.domain,
-        "library": str(library_of(agent, folder)),
+def kind_file(member: CommanderDescription, folder: Path) -> Path:
+    """Return the file that describes the kind of a commander."""
+    return (folder / "kinds" / f"{member.kind.name}.yaml").resolve()
+
+
+def _settings(member: AgentDescription, folder: Path) -> dict[str, Any]:
+    """Return the parameters of a node; those that are as by default are left out."""
+    settings: dict[str, Any] = {
+        "domain": member.domain,
+        "library": str(library_of(member, folder)),
         "state_dir": str((folder / "state").resolve()),
-        "behavior": agent.behavior,
-        "seed": agent.seed,
+        "behavior": member.behavior,
+        "seed": member.seed,
     }
+    if member.superior:
+        settings |= {"commander": member.superior, "role": member.role}
+    if isinstance(member, CommanderDescription):
+        settings |= {
+            "domain": str(kind_file(member, folder)),
+            "subordinates": tuple(member.subordinates),
+            "roles": tuple(member.subordinates.values()),
+            "asks_position": member.asks_position,
+        }
+    return settings
 
 
-def _agent(agent: AgentDescription, folder: Path) -> Process:
-    name = agent.name
-    return Process(name, AGENT_MODULE, f"/{name}", _settings(agent, folder), (name,))
-
-
-def _host(
-    swarm: SwarmDescription, name: str, agents: list[AgentDescription], folder: Path
-) -> Process:
-    first, *others = agents
-    for agent in others:
-        for what in ("domain", "behavior", "seed", "library", "start_from"):
-            if getattr(agent, what) != getattr(first, what):
-                raise DescriptionError(
-                    f'{swarm.file}: agents "{first.name}" and "{agent.name}" share the process '
-                    f'"{name}" but differ in `{what}`; put them into different processes'
-                )
-    names = tuple(agent.name for agent in agents)
-    return Process(name, HOST_MODULE, "", {"agents": names, **_settings(first, folder)}, names)
+def _alone(member: AgentDescription, folder: Path) -> Process:
+    name = member.name
+    module = COMMANDER_MODULE if isinstance(member, CommanderDescription) else AGENT_MODULE
+    return Process(name, module, f"/{name}", _settings(member, folder), (name,))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
 
 from hitab_bringup.suggest import did_you_mean
+from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_bringup.yaml_fields import Fields
+from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.behavior_schema import SUFFIX
 from hitab_core.domain import ENTRY_POINT_GROUP, load_domain
 from hitab_core.errors import HitabError, has
@@ -25,6 +27,7 @@ class Words:
         self._top = top
         self._domains = [point.name for point in entry_points(group=ENTRY_POINT_GROUP)]
         self._said: set[str] = set()
+        self._repertoires: dict[tuple[str, ...], Mapping[str, tuple[str, ...]]] = {}
 
     def _complain(self, fields: Fields, key: str, text: str) -> None:
         """Complain where the word stands: at the agent, or above."""
@@ -71,3 +74,64 @@ class Words:
                 "behavior",
                 f'unknown behavior "{use.name}" {has(names)}{did_you_mean(use.name, names)}',
             )
+
+    def check_commander(self, fields: Fields, commander: CommanderDescription) -> None:
+        """Complain if a commander cannot perform the behavior that it is to begin with."""
+        if not commander.behavior:
+            return
+        try:
+            use = Use.parse(commander.behavior)
+        except HitabError as error:
+            fields.complain(str(error), "behavior")
+            return
+        known = self.repertoire(commander)
+        if self.is_complete(commander) and use.name not in known:
+            fields.complain(
+                f'unknown behavior "{use.name}" {has(known)}{did_you_mean(use.name, known)}',
+                "behavior",
+            )
+
+    def repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
+        """Return the behaviors that a member is known to have, with their parameters."""
+        if isinstance(member, CommanderDescription):
+            known = {
+                order.name: (order.parameter,) if order.parameter else ()
+                for order in member.kind.orders
+            }
+            return {**known, **{name: () for folder in _folders(member) for name in _in(folder)}}
+        key = (member.domain, *(str(folder) for folder in _folders(member)))
+        if key not in self._repertoires:
+            self._repertoires[key] = self._read_repertoire(member)
+        return self._repertoires[key]
+
+    def is_complete(self, member: AgentDescription) -> bool:
+        """Whether a member has nothing but its `repertoire`.
+
+        A library in the run folder is not known yet, and may hold more.
+        """
+        if not isinstance(member, CommanderDescription) and member.domain not in self._domains:
+            return False
+        return bool(_folders(member))
+
+    def _read_repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
+        if member.domain not in self._domains:
+            return {}
+        domain = load_domain(member.domain)
+        known = {name: behavior.parameters for name, behavior in domain.behaviors.items()}
+        known |= {name: automaton.parameters for name, automaton in domain.automata.items()}
+        for folder in _folders(member):
+            # What is wrong with a library is told by the agent itself.
+            trained = BehaviorLibrary(folder, domain).load(strict=False)
+            known |= {name: automaton.parameters for name, automaton in trained.items()}
+        return known
+
+
+def _folders(member: AgentDescription) -> list[Path]:
+    """Return the folders that hold trained behaviors of a member already."""
+    named = (member.library, member.start_from)
+    return [folder for folder in named if folder is not None and folder.is_dir()]
+
+
+def _in(folder: Path) -> list[str]:
+    """Return the names of the behaviors in a folder."""
+    return [path.name.removesuffix(SUFFIX) for path in folder.glob(f"*{SUFFIX}")]

@@ -12,7 +12,7 @@ from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 
 from hitab_bringup.dds_profile import choose_profile
-from hitab_bringup.libraries import fill_libraries
+from hitab_bringup.libraries import prepare
 from hitab_bringup.run_folder import RunFolder
 from hitab_bringup.shipped import find_file
 from hitab_bringup.swarm_file import read_swarm
@@ -27,7 +27,7 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
     swarm = read_swarm(find_file(given, "swarms", "swarm"))
     folder = RunFolder.of_swarm(swarm.name, Path(run_dir) if run_dir else None)
     folder.prepare()
-    fill_libraries(swarm, folder.path)
+    prepare(swarm, folder.path)
     profile: dict[str, str] = {}
     choose_profile(profile)
     return [

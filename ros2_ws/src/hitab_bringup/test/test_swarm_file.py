@@ -7,7 +7,7 @@ import pytest
 from hitab_bringup.errors import DescriptionError
 from hitab_bringup.shipped import find_file
 from hitab_bringup.swarm_file import parse_swarm, read_swarm
-from hitab_bringup.swarm_processes import processes
+from hitab_bringup.swarm_processes import library_of, processes
 from hitab_core.errors import HitabError
 
 HERE = Path("/somewhere/team.yaml")
@@ -55,12 +55,13 @@ def test_many_likes_take_one_line_and_few_processes():
     }
 
 
-def test_agents_that_differ_cannot_share_a_process():
+def test_agents_that_differ_can_share_a_process_but_no_library():
     swarm = parse_swarm(
         "domain: keepaway\nagents:\n  a: {host: one}\n  b: {host: one, behavior: Stop}\n", HERE
     )
-    with pytest.raises(DescriptionError, match="differ in `behavior`; put them into different"):
-        processes(swarm, Path("/run"))
+    (process,) = processes(swarm, Path("/run"))
+    assert process.agents == ("a", "b")
+    assert [library_of(agent, Path("/run")).name for agent in swarm.agents] == ["one_a", "one_b"]
 
 
 def test_an_agent_twice_is_refused_with_both_places():

@@ -34,7 +34,10 @@ class CommanderNode(AgentNode):
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain of the kind of commander in the file ``name``."""
-        return commander_domain(read_kind(Path(name)))
+        domains = self.shared.domains
+        if name not in domains:
+            domains[name] = commander_domain(read_kind(Path(name)))
+        return domains[name]
 
     def seconds_of(self, percept: msg.Percept) -> float:
         """Return its subordinates' time, s: how often all have reported, times the period."""

@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 import rclpy
 from builtin_interfaces.msg import Time
+from domain_coordinator import domain_id
 from hitab_msgs import msg, srv
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
-from hitab_bringup.domain_ids import reserved
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
@@ -243,7 +243,7 @@ def troop(tmp_path: Path) -> Iterator[Troop]:
         context = Context()
         rclpy.init(
             context=context,
-            domain_id=stack.enter_context(reserved()),
+            domain_id=stack.enter_context(domain_id()),
             signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
         )
         stack.callback(context.try_shutdown)

@@ -52,7 +52,7 @@ def _folder(library: Path | None, agent: str | None) -> Path:
     if found is None:
         raise SwarmError("no swarm is up; name a library folder with --library")
     folder, record = found
-    for described in read_swarm(Path(record.description)).agents:
+    for described in read_swarm(Path(record.description)).members:
         if described.name == agent:
             return library_of(described, folder.path)
     raise SwarmError(

@@ -1,0 +1,72 @@
+"""Whom a host is to run: all alike by its parameters, or each as a file tells."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from hitab_agent.agent_node import AgentNode
+from hitab_agent.settings import AgentSettings
+from hitab_core.errors import HitabError
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Somebody to run: his name, the class of his node, its parameters."""
+
+    name: str
+    node: type[AgentNode]
+    parameters: Mapping[str, Any]
+
+
+def read_roster(host: Node) -> list[Entry]:
+    """Return whom the host's parameters tell it to run.
+
+    Raises:
+        HitabError: if they name nobody, or the file cannot be read.
+    """
+    names = host.declare_parameter(
+        "agents",
+        Parameter.Type.STRING_ARRAY,
+        ParameterDescriptor(description="names of the agents to run here, all alike"),
+    ).value
+    file = host.declare_parameter(
+        "roster", "", ParameterDescriptor(description="file that tells whom to run, and how")
+    ).value
+    settings = AgentSettings.declare(host)
+    common = {name: getattr(settings, name) for name in AgentSettings.__slots__}
+    entries = [Entry(name, AgentNode, common) for name in names or ()]
+    if file:
+        entries += _read_file(Path(file))
+    if not entries:
+        raise HitabError('the host was given no agents; give it -p agents:="[a, b]"')
+    return entries
+
+
+def _read_file(path: Path) -> list[Entry]:
+    try:
+        return [
+            Entry(entry["name"], _node_class(entry.get("node", "")), entry.get("parameters", {}))
+            for entry in json.loads(path.read_text(encoding="utf-8"))
+        ]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, ImportError) as error:
+        raise HitabError(
+            f"{path}: is not a roster of agents: {type(error).__name__}: {error}; see "
+            "`python -m pydoc hitab_agent.host_main` for what it looks like"
+        ) from None
+
+
+def _node_class(name: str) -> type[AgentNode]:
+    if not name:
+        return AgentNode
+    module, _, attribute = name.partition(":")
+    found: type[AgentNode] = getattr(import_module(module), attribute)
+    return found
