@@ -14,7 +14,7 @@ def distance_to(body: ForagerBody, place: int) -> float:
 
 
 def direction_to(body: ForagerBody, place: int) -> float:
-    """Return the direction of X relative to the body, rad; 0 if it is not seen."""
+    """Return the direction of X relative to the body, rad; 0 (an obstacle: pi) if not seen."""
     return body.values[place + 1]
 
 
@@ -24,8 +24,13 @@ def sees(body: ForagerBody, place: int) -> float:
 
 
 def can_grip(body: ForagerBody, place: int) -> float:
-    """Whether X is a box in reach."""
-    return float(body.values[place + 2] > 0.0 and body.values[place] <= body.values[percept.REACH])
+    """Whether X is a box in reach, and no box is held."""
+    values = body.values
+    return float(
+        values[place + 2] > 0.0
+        and values[place] <= values[percept.REACH]
+        and values[percept.HELD] == 0.0
+    )
 
 
 def holds(body: ForagerBody, place: int) -> float:
@@ -69,7 +74,13 @@ FEATURES = (
         description="direction to X relative to the body, counter-clockwise",
     ),
     Feature("Sees", sees, FeatureKind.BOOLEAN, ("X",), description="X is seen, or known by radio"),
-    Feature("CanGrip", can_grip, FeatureKind.BOOLEAN, ("X",), description="box X is in reach"),
+    Feature(
+        "CanGrip",
+        can_grip,
+        FeatureKind.BOOLEAN,
+        ("X",),
+        description="box X is in reach, none is held",
+    ),
     Feature("Holds", holds, FeatureKind.BOOLEAN, ("X",), description="box X is held"),
     Feature("HoldsABox", holds_a_box, FeatureKind.BOOLEAN, description="some box is held"),
     Feature(

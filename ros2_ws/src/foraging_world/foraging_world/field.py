@@ -133,7 +133,8 @@ class Field:
         self._count_hands()
 
     def let_go(self, foragers: NDArray[np.bool_]) -> None:
-        """Have some robots, of a mask over all, hold nothing, as if they had never held a box."""
+        """Have some robots, of a mask over all, lose what they hold: it was not given up."""
+        foragers = foragers & (self.held != NOTHING)
         self.held[foragers] = NOTHING
         self.waited[foragers] = 0.0
         self.rested[foragers] = FAR

@@ -18,7 +18,8 @@ The places are, in this order: home (its centre), the closest box, the closest s
 closest large one, the closest one that other robots hold, the box that the own squad holds (with
 most hands), the large box that the own company holds, the middle of the own squad, and the
 closest obstacle or wall. Distances to boxes, obstacles and walls are from edge to edge and never
-negative. What is not seen, or is not there, is FAR away, straight ahead.
+negative. What is not seen, or is not there, is FAR away, straight ahead; but an obstacle that is
+not seen is straight behind, where it is in nobody's way.
 
 Boxes and obstacles are seen within a range; what a squad or company knows is told by radio and
 known everywhere. The direction is counter-clockwise, on [-pi, pi].
@@ -83,6 +84,7 @@ def perceive_all(field: Field) -> Floats:
     middle = squad_means(xy, p.squad_size) - xy
     put(SQUAD_CENTRE, middle, np.hypot(middle[:, 0], middle[:, 1]), None, everyone)
     put(OBSTACLE, *_closest_obstacle(field))
+    senses[senses[:, OBSTACLE] == FAR, OBSTACLE + 1] = np.pi
     if len(field.box_xy):
         _put_boxes(field, senses, put)
     return senses
