@@ -41,6 +41,11 @@ class Words:
         """Complain if there is no such domain."""
         if not name:
             self._complain(fields, "domain", f"`domain:` is missing {has(self._domains)}")
+        elif ":" in name:  # one that is not installed: "module:ATTRIBUTE"
+            try:
+                load_domain(name)
+            except HitabError as error:
+                self._complain(fields, "domain", str(error))
         elif name not in self._domains:
             self._complain(
                 fields,
