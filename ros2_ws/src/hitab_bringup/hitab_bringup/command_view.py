@@ -1,0 +1,160 @@
+"""Who commands whom in a swarm, and who obeys, as the commanders tell it on their topics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from hitab_msgs.msg import CommanderStatus
+
+from hitab_bringup import names
+from hitab_bringup.ros_link import RosLink
+from hitab_ros import qos
+from hitab_ros.names import GROUP
+
+GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"
+
+
+class CommandView:
+    """Listens to all commanders of a swarm.
+
+    Attributes:
+        groups: what each commander tells of its group, by its name.
+    """
+
+    def __init__(self, link: RosLink, prefix: str = "") -> None:
+        self.groups: dict[str, CommanderStatus] = {}
+        self._link = link
+        self._prefix = prefix
+        self._watched: set[str] = set()
+
+    def discover(self) -> None:
+        """Look for commanders that have appeared since."""
+        ending = f"/{GROUP}"
+        for topic in self._link.topics_of_type(GROUP_TYPE):
+            if not topic.startswith(self._prefix + "/") or not topic.endswith(ending):
+                continue
+            name = topic[len(self._prefix) + 1 : -len(ending)]
+            if "/" not in name and name not in self._watched:
+                self._watched.add(name)
+                self._link.subscribe(
+                    CommanderStatus,
+                    names.of_agent(name, GROUP, self._prefix),
+                    lambda group: self.groups.__setitem__(group.commander, group),
+                    qos.LATCHED,
+                )
+
+    def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
+        """Wait until all commanders that are there, or are expected, have told."""
+        wanted = set(expected)
+
+        def complete() -> bool:
+            self.discover()
+            known = wanted or self._watched
+            return bool(known) and known <= self.groups.keys()
+
+        self._link.spin_until(complete, seconds)
+        # Whoever is discovered a little later has its place in the tree, too.
+        self._link.spin_until(lambda: self.discover() is not None, 0.3)
+
+    def tree(self) -> list[Branch]:
+        """Return the commanders that nobody commands, with all below them."""
+        return tree_of(self.groups)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A commander or an agent, and those that it commands.
+
+    Attributes:
+        behavior: the top-level behavior that it performs; empty: none.
+        path: a commander's active states.
+        order: that a commander gives; empty: none yet.
+        obeys: whether it performs what its own commander orders; None: it has none.
+        silent: whether its commander has not heard of it for too long.
+        counts: of a commander's subordinates: how many obey, how many there are.
+        leaves: the same for all agents below it: all above such an agent obey, and so does it.
+    """
+
+    name: str
+    behavior: str = ""
+    path: tuple[str, ...] = ()
+    order: str = ""
+    mode: str = ""
+    obeys: bool | None = None
+    silent: bool = False
+    below: tuple[Branch, ...] = ()
+    counts: tuple[int, int] = (0, 0)
+    leaves: tuple[int, int] = field(default=(0, 0))
+
+    @property
+    def is_commander(self) -> bool:
+        """Whether it commands anybody."""
+        return bool(self.below)
+
+    def commanders(self) -> Iterator[Branch]:
+        """Go through the commanders of this branch, from the top."""
+        if self.is_commander:
+            yield self
+        for branch in self.below:
+            yield from branch.commanders()
+
+    def data(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        told: dict[str, Any] = {
+            "name": self.name,
+            "behavior": self.behavior,
+            "obeys": self.obeys,
+            "silent": self.silent,
+        }
+        if self.is_commander:
+            told |= {
+                "mode": self.mode,
+                "active_path": list(self.path),
+                "order": self.order,
+                "performing": self.counts[0],
+                "of": self.counts[1],
+                "agents_performing": self.leaves[0],
+                "agents": self.leaves[1],
+                "subordinates": [branch.data() for branch in self.below],
+            }
+        return told
+
+
+def tree_of(groups: Mapping[str, CommanderStatus]) -> list[Branch]:
+    """Return the tree of some commanders' groups."""
+    commanded = {name for group in groups.values() for name in group.subordinates}
+    return [_branch(name, groups, ()) for name in sorted(groups) if name not in commanded]
+
+
+def _branch(
+    name: str, groups: Mapping[str, CommanderStatus], above: tuple[str, ...], **seen: Any
+) -> Branch:
+    group = groups.get(name)
+    if group is None or name in above:
+        obeys = bool(seen.get("obeys"))
+        return Branch(name, **seen, leaves=(int(obeys and not seen.get("silent")), 1))
+    below = tuple(
+        _branch(member, groups, (*above, name), behavior=behavior, obeys=obeying, silent=silent)
+        for member, behavior, obeying, silent in zip(
+            group.subordinates, group.behaviors, group.obeying, group.silent, strict=False
+        )
+    )
+    obeying = [b.obeys and not b.silent for b in below]
+    leaves = [
+        branch.leaves if obeys else (0, branch.leaves[1])
+        for branch, obeys in zip(below, obeying, strict=True)
+    ]
+    return Branch(
+        name,
+        group.behavior,
+        tuple(group.active_path),
+        group.order,
+        group.mode,
+        seen.get("obeys"),
+        bool(seen.get("silent")),
+        below,
+        (sum(map(bool, obeying)), len(below)),
+        (sum(performing for performing, _ in leaves), sum(count for _, count in leaves)),
+    )

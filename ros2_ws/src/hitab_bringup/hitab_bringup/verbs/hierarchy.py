@@ -1,0 +1,202 @@
+"""Verbs for command hierarchies: tree, order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from hitab_bringup import console
+from hitab_bringup.verbs.connection import Connection, connection
+from hitab_bringup.verbs.options import JsonPath, SwarmName
+
+if TYPE_CHECKING:
+    from rich.tree import Tree
+
+    from hitab_bringup.command_view import Branch
+
+PANEL = "Command"
+WAIT_SECONDS = 8.0
+REFRESH_SECONDS = 0.2
+SHOWN = 12
+"""Subordinates that are no commanders are shown one by one up to so many."""
+
+
+def register(app: typer.Typer) -> None:
+    """Add these verbs to the command."""
+    app.command(rich_help_panel=PANEL)(tree)
+    app.command(rich_help_panel=PANEL)(order)
+
+
+def tree(
+    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep showing it.")] = False,
+    agents: Annotated[
+        bool, typer.Option("--agents/--commanders", help="Show every agent, or commanders only.")
+    ] = True,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Show who commands whom: each commander's order, and how many perform it.
+
+    Examples:
+
+      hitab tree
+
+      hitab tree --watch --commanders
+    """
+    from hitab_bringup.command_view import CommandView
+
+    with connection(swarm) as swarm_up:
+        view = CommandView(swarm_up.link, swarm_up.agents.prefix)
+        view.await_groups(WAIT_SECONDS)
+        branches = view.tree()
+        if not branches:
+            raise _nobody(swarm_up)
+        if watch:
+            _watch(swarm_up, view, agents)
+            return
+        if json != "-":
+            for branch in branches:
+                console.out().print(_drawn(branch, agents))
+        console.write_json(json, {"commanders": [branch.data() for branch in branches]})
+
+
+def _nobody(swarm_up: Connection) -> Exception:
+    from hitab_bringup.errors import SwarmError
+
+    if not swarm_up.agents.await_agents(seconds=0.5):
+        return SwarmError("no commander answers, and no agent; start a swarm with `hitab up`")
+    return SwarmError(
+        "no commander answers; a swarm has some if its description has `commanders:`"
+    )
+
+
+def _watch(swarm_up: Connection, view: Any, agents: bool) -> None:
+    from rich.console import Group
+    from rich.live import Live
+
+    def drawn() -> Group:
+        return Group(*(_drawn(branch, agents) for branch in view.tree()))
+
+    with Live(drawn(), console=console.out(), screen=False) as live:
+        while True:
+            swarm_up.link.spin_until(lambda: False, REFRESH_SECONDS)
+            view.discover()
+            live.update(drawn())
+
+
+def _drawn(branch: Branch, agents: bool, onto: Tree | None = None) -> Tree:
+    """Return a branch as a tree of lines."""
+    from rich.text import Text
+    from rich.tree import Tree
+
+    drawn = Tree(Text(_line(branch), style=_style(branch)))
+    if onto is not None:
+        onto.children.append(drawn)
+    leaves = [member for member in branch.below if not member.is_commander]
+    for member in branch.below:
+        if member.is_commander:
+            _drawn(member, agents, drawn)
+    if agents:
+        for text in _leaf_lines(leaves):
+            drawn.add(text)
+    return drawn
+
+
+def _line(branch: Branch) -> str:
+    doing = " > ".join((branch.behavior or "nothing", *branch.path))
+    if not branch.is_commander:
+        return f"{branch.name}: {doing}{_why_not(branch)}"
+    told = branch.order or "nothing yet"
+    does = "" if doing == branch.order else f"{doing}, "
+    share = f"{branch.counts[0]} of {branch.counts[1]}"
+    of_agents = f"{branch.leaves[0]} of {branch.leaves[1]} agents"
+    below = "" if branch.leaves == branch.counts else f", {of_agents}"
+    mode = "" if branch.mode in ("performing", "idle", "") else f" ({branch.mode})"
+    return (
+        f"{branch.name}{mode}: {does}orders {told}: {share} perform it{below}{_why_not(branch)}"
+    )
+
+
+def _why_not(branch: Branch) -> str:
+    if branch.silent:
+        return "  silent"
+    return "  does not perform what is ordered" if branch.obeys is False else ""
+
+
+def _style(branch: Branch) -> str:
+    if branch.silent:
+        return "red"
+    return "yellow" if branch.obeys is False else ""
+
+
+def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
+    """Return a line for each agent, or for each behavior where there are many."""
+    from rich.text import Text
+
+    if len(leaves) <= SHOWN:
+        return [Text(_line(leaf), style=_style(leaf)) for leaf in leaves]
+    alike: dict[tuple[str, str], list[Branch]] = {}
+    for leaf in leaves:
+        alike.setdefault((leaf.behavior or "nothing", _why_not(leaf)), []).append(leaf)
+    return [
+        Text(f"{len(same)} agents, {same[0].name} ...: {doing}{why}", style=_style(same[0]))
+        for (doing, why), same in alike.items()
+    ]
+
+
+def order(
+    commander: Annotated[str, typer.Argument(help="Name of the commander, such as captain.")],
+    behavior: Annotated[
+        str, typer.Argument(help="One of its orders, or a behavior that it has learned.")
+    ],
+    targets: Annotated[
+        list[str] | None,
+        typer.Argument(help="What its parameters are bound to.", show_default=False),
+    ] = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Have a commander give an order, or perform what it has learned; its group obeys at once.
+
+    Its own commander's next order takes the place of this one.
+
+    Examples:
+
+      hitab order captain Regroup
+
+      hitab order captain Captain
+    """
+    from hitab_bringup.command_view import CommandView
+    from hitab_bringup.errors import SwarmError
+    from hitab_core.errors import has
+    from hitab_core.use import Use
+
+    use = Use.parse(behavior)
+    with connection(swarm) as swarm_up:
+        view = CommandView(swarm_up.link, swarm_up.agents.prefix)
+        status = swarm_up.agents.await_agent(commander)
+        view.await_groups(WAIT_SECONDS, (commander,))
+        if commander not in view.groups:
+            raise SwarmError(
+                f"{commander} is no commander {has(view.groups)}; `hitab perform {commander} "
+                f"{behavior}` has an agent perform something"
+            )
+        swarm_up.agents.perform(commander, use.name, [*use.arguments, *(targets or [])])
+        name = Use(use.name, (*use.arguments, *(targets or [])))
+        swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(name)), 2.0)
+        group = view.groups[commander]
+    obeying = sum(group.obeying)
+    console.say(
+        f"{commander} performs {name} and orders {group.order or 'nothing yet'}: "
+        f"{obeying} of {len(group.subordinates)} perform it"
+    )
+    if status.superior:
+        console.note(f"{status.superior} commands {commander}; its next order replaces this one")
+
+
+def _obeyed(group: Any, behavior: str) -> bool:
+    """Whether a commander performs a behavior, and those of its group that are there obey."""
+    if group.behavior != behavior or not group.order:
+        return False
+    return all(o or s for o, s in zip(group.obeying, group.silent, strict=True))
