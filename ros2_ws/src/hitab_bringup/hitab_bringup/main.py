@@ -18,7 +18,16 @@ from typer.core import TyperGroup
 
 from hitab_bringup import console
 from hitab_bringup.keepaway.commands import demo
-from hitab_bringup.verbs import commanding, hierarchy, lesson, library, swarm, training, world
+from hitab_bringup.verbs import (
+    commanding,
+    hierarchy,
+    lesson,
+    library,
+    studio,
+    swarm,
+    training,
+    world,
+)
 from hitab_core.errors import HitabError
 
 ENTRY_POINT_GROUP = "hitab.commands"
@@ -57,7 +66,7 @@ def make_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.command(rich_help_panel="Begin here")(demo)
-    for verbs in (swarm, commanding, hierarchy, training):
+    for verbs in (studio, swarm, commanding, hierarchy, training):
         verbs.register(app)
     app.add_typer(world.app, name="world")
     app.add_typer(lesson.app, name="lesson")

@@ -1,0 +1,58 @@
+"""The verb that opens the demonstrator's console in the browser."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hitab_bringup import console
+
+
+def register(app: typer.Typer) -> None:
+    """Add the verb to the command."""
+    app.command(rich_help_panel="Begin here")(studio)
+
+
+def studio(
+    swarm: Annotated[
+        str | None,
+        typer.Argument(help="Which swarm, if several are up.", envvar="HITAB_SWARM"),
+    ] = None,
+    port: Annotated[int, typer.Option(help="Where to serve the page.", min=1, max=65535)] = 8080,
+    host: Annotated[
+        str, typer.Option(help="Address to serve it at; only this machine reaches 127.0.0.1.")
+    ] = "127.0.0.1",
+    token: Annotated[
+        str,
+        typer.Option(
+            help="Who opens the page from elsewhere must have it; made up if none is given.",
+            show_default=False,
+        ),
+    ] = "",
+    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+) -> None:
+    """Open the console in a browser: the field live, training by clicking, what was learned.
+
+    The swarm may be up already or be started later; the page finds it, and finds it again when
+    it is restarted.
+
+    Examples:
+
+      hitab studio
+
+      hitab studio keepaway --port 9000 --no-browser
+
+      hitab studio --host 0.0.0.0     for other machines, with a token
+    """
+    from hitab_studio.finding import find_target
+    from hitab_studio.guard import new_token
+    from hitab_studio.server import Address, serve
+
+    address = Address(host, port, new_token(host, token))
+    address.check()
+
+    def ready() -> None:
+        console.note(f"The studio is at {address.url}\nCtrl-C ends it.")
+
+    serve(lambda: find_target(swarm), address, show=browser, ready=ready)

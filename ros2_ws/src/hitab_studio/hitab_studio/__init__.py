@@ -1,0 +1,1 @@
+"""The demonstrator's console in the browser, over the public topics and services of a swarm."""

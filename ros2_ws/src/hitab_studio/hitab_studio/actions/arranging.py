@@ -1,0 +1,143 @@
+"""Driving the world and arranging what is in it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hitab_bringup.errors import SwarmError
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.session import Session
+from hitab_studio.swarm_link import Connected
+
+MOST_UNDO = 100
+
+
+@action("pause")
+async def pause(session: Session, data: Data) -> None:
+    """Pause the world, or let it go on."""
+    world = session.studio.store.world
+    wanted = "resume" if world is not None and world.mode == "paused" else "pause"
+    await session.ask(lambda swarm: swarm.world.control(wanted))
+
+
+@action("step")
+async def step(session: Session, data: Data) -> None:
+    """Let some cycles pass, then pause."""
+    cycles = int(data.get("cycles", 1))
+    await session.ask(lambda swarm: swarm.world.step(cycles, 5.0))
+
+
+@action("reset")
+async def reset(session: Session, data: Data) -> None:
+    """Begin a new episode."""
+    _remember(session)
+    await session.ask(lambda swarm: swarm.world.control("reset"))
+
+
+@action("pace")
+async def pace(session: Session, data: Data) -> None:
+    """Set how fast the world runs: a factor of real time, or lockstep."""
+    value = str(data["value"])
+    if value == "lockstep":
+        await session.ask(lambda swarm: swarm.world.control("pace", pace="lockstep"))
+    else:
+        factor = float(value)
+        await session.ask(
+            lambda swarm: swarm.world.control("pace", pace="realtime", factor=factor)
+        )
+
+
+def _remember(session: Session) -> None:
+    """Remember where everything is, to be able to go back."""
+    store = session.studio.store
+    if store.scene is not None:
+        store.placements.append(store.scene.everything())
+        del store.placements[:-MOST_UNDO]
+
+
+@action("place")
+async def place(session: Session, data: Data) -> None:
+    """Put things where they were dragged to."""
+    things = {
+        str(name): {key: float(value) for key, value in where.items()}
+        for name, where in data["things"].items()
+    }
+    _remember(session)
+    try:
+        await session.ask(lambda swarm: _placed(swarm, things))
+    except SwarmError:
+        session.studio.store.placements.pop()
+        session.studio.show_again(session)
+        raise
+
+
+def _placed(swarm: Connected, things: Any) -> None:
+    status = swarm.world.status
+    if status is not None and status.mode == "paused":
+        # Commands that follow must find that the agents have seen it.
+        swarm.world.changed(lambda: swarm.world.place(things), 3.0)
+    else:
+        swarm.world.place(things)
+
+
+@action("unplace")
+async def unplace(session: Session, data: Data) -> None:
+    """Undo the last placement."""
+    placements = session.studio.store.placements
+    if not placements:
+        raise SwarmError("Nothing was placed that could be undone.")
+    things = placements.pop()
+    await session.ask(lambda swarm: _placed(swarm, things))
+    session.tell("everything is where it was before")
+
+
+@action("snapshots")
+async def snapshots(session: Session, data: Data) -> None:
+    """Show the snapshots of the world."""
+    await _snapshot(session, "list")
+    session.dialog = {"kind": "snapshots"}
+
+
+@action("snapshot-save")
+async def snapshot_save(session: Session, data: Data) -> None:
+    """Keep the world's state under a name."""
+    name = str(data["values"].get("name", "")).strip()
+    if not name:
+        raise SwarmError("Give the snapshot a name.")
+    await _snapshot(session, "save", name)
+    session.tell(f'kept as "{name}"')
+
+
+@action("snapshot-restore")
+async def snapshot_restore(session: Session, data: Data) -> None:
+    """Bring a snapshot back."""
+    name = str(data["name"])
+    _remember(session)
+    await _snapshot(session, "restore", name)
+    session.dialog = {}
+    session.tell(f'"{name}" is back')
+
+
+@action("snapshot-delete")
+async def snapshot_delete(session: Session, data: Data) -> None:
+    """Forget a snapshot."""
+    await _snapshot(session, "delete", str(data["name"]))
+
+
+async def _snapshot(session: Session, what: str, name: str = "") -> None:
+    answer = await session.ask(lambda swarm: swarm.world.snapshot(what, name))
+    session.studio.store.snapshots = tuple(answer.names)
+
+
+async def go_there(session: Session, things: Any) -> None:
+    """Pause, and put everything where it was at another time."""
+    _remember(session)
+
+    def job(swarm: Connected) -> None:
+        status = swarm.world.status
+        if status is not None and status.mode != "paused":
+            swarm.world.control("pause")
+            swarm.link.spin_until(lambda: swarm.world.wait().mode == "paused", 3.0)
+        _placed(swarm, things)
+
+    await session.ask(job)

@@ -1,0 +1,109 @@
+"""Correcting what was recorded."""
+
+from __future__ import annotations
+
+from hitab_bringup.errors import SwarmError
+from hitab_studio.actions.arranging import go_there
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.session import Session
+
+
+@action("undo")
+async def undo(session: Session, data: Data) -> None:
+    """Take back the last command or edit."""
+    await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "undo"))
+    session.tell("taken back")
+
+
+@action("mark")
+async def mark(session: Session, data: Data) -> None:
+    """Choose an example, or choose it no more."""
+    session.table.marked ^= {int(data["number"])}
+
+
+@action("mark-none")
+async def mark_none(session: Session, data: Data) -> None:
+    """Choose no example."""
+    session.table.marked.clear()
+
+
+@action("sort")
+async def sort(session: Session, data: Data) -> None:
+    """Sort by a column, or the other way round."""
+    table, column = session.table, str(data["column"])
+    table.descending = not table.descending if table.sort == column else False
+    table.sort = column
+
+
+@action("examples-text")
+async def examples_text(session: Session, data: Data) -> None:
+    """Show examples with this in their states."""
+    session.table.text = str(data["value"])
+
+
+@action("examples-kind")
+async def examples_kind(session: Session, data: Data) -> None:
+    """Show examples of one kind."""
+    session.table.kind = str(data["value"])
+
+
+def _numbers(session: Session, data: Data) -> list[int]:
+    if "number" in data:
+        return [int(data["number"])]
+    if not session.table.marked:
+        raise SwarmError("Choose examples first, by clicking on them.")
+    return sorted(session.table.marked)
+
+
+@action("delete")
+async def delete(session: Session, data: Data) -> None:
+    """Delete examples."""
+    numbers = _numbers(session, data)
+    await session.ask_agent(
+        lambda swarm, agent: swarm.agents.edit_examples(agent, "delete", numbers)
+    )
+    session.table.marked.clear()
+    session.tell(f"deleted {_named(numbers)}; Undo brings {_them(numbers)} back")
+
+
+@action("relabel")
+async def relabel(session: Session, data: Data) -> None:
+    """Change where examples lead to."""
+    numbers, state = _numbers(session, data), str(data["value"])
+    if not state:
+        return
+    await session.ask_agent(
+        lambda swarm, agent: swarm.agents.edit_examples(agent, "relabel", numbers, state)
+    )
+    session.table.marked.clear()
+    verb = "leads" if len(numbers) == 1 else "lead"
+    session.tell(f"{_named(numbers)} now {verb} to {state}")
+
+
+@action("situation")
+async def situation(session: Session, data: Data) -> None:
+    """Put everything where it was when an example was recorded."""
+    number = int(data["number"])
+    training = session.watched.training
+    found = [e for e in training.examples if e.number == number] if training else []
+    scene = (
+        session.studio.store.situations.of(session.agent, training.name, number, found[0].cycle)
+        if training is not None and found
+        else None
+    )
+    if scene is None:
+        raise SwarmError(
+            f"Where everything was when example {number} was recorded is not known: "
+            "the studio was not watching then."
+        )
+    await go_there(session, scene.everything())
+    session.tell(f"this is where example {number} was recorded; the world is paused")
+
+
+def _named(numbers: list[int]) -> str:
+    listed = ", ".join(map(str, numbers))
+    return f"example {listed}" if len(numbers) == 1 else f"examples {listed}"
+
+
+def _them(numbers: list[int]) -> str:
+    return "it" if len(numbers) == 1 else "them"

@@ -1,0 +1,204 @@
+"""Saving, the library, and giving behaviors to others."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hitab_msgs.srv import GetBehavior
+
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.swarm_client import DistributionReport
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.learned import learned_of
+from hitab_studio.session import Session
+from hitab_studio.swarm_link import Connected
+
+
+def _bindings(values: Any) -> dict[str, str]:
+    """Return what is bound to something else, as ``bind:ball`` says."""
+    return {
+        key.removeprefix("bind:"): str(value).strip()
+        for key, value in values.items()
+        if key.startswith("bind:") and str(value).strip()
+    }
+
+
+@action("save-dialog")
+async def save_dialog(session: Session, data: Data) -> None:
+    """Show what would be saved."""
+    training = session.watched.training
+    if training is None:
+        raise SwarmError(f"{session.agent or 'no agent'} is not training anything.")
+    session.dialog = {"kind": "save", "agent": session.agent, "training": training, "values": {}}
+    await _preview(session, {})
+
+
+@action("save-preview")
+async def save_preview(session: Session, data: Data) -> None:
+    """Show it again with other choices."""
+    await _preview(session, data["values"])
+
+
+async def _preview(session: Session, values: Any) -> None:
+    bound = _bindings(values)
+    session.dialog["values"] = dict(values)
+    try:
+        answer = await session.ask_agent(
+            lambda swarm, agent: swarm.agents.ask(
+                agent,
+                GetBehavior,
+                "get_behavior",
+                trim=True,
+                bind_from=list(bound),
+                bind_to=list(bound.values()),
+                keep_unused=values.get("keep") == "on",
+            )
+        )
+    except SwarmError as error:
+        session.dialog |= {"preview": None, "problem": str(error)}
+    else:
+        session.dialog |= {"preview": learned_of(answer), "problem": ""}
+
+
+@action("save")
+async def save(session: Session, data: Data) -> None:
+    """Save what was trained."""
+    values = data["values"]
+    bound = _bindings(values)
+    answer = await session.ask_agent(
+        lambda swarm, agent: swarm.agents.save(
+            agent,
+            name=str(values.get("name", "")).strip(),
+            bind_from=list(bound),
+            bind_to=list(bound.values()),
+            description=str(values.get("description", "")).strip(),
+            keep_unused=values.get("keep") == "on",
+        )
+    )
+    left_out = f"; left out: {', '.join(answer.trimmed)}" if answer.trimmed else ""
+    session.dialog = {}
+    session.tab = "library"
+    session.behavior = str(values.get("name", "")).strip()
+    session.tell(f"{answer.message}{left_out}")
+
+
+@action("library")
+async def library(session: Session, data: Data) -> None:
+    """Look at a behavior of the library."""
+    session.behavior = str(data["name"]) if session.behavior != data["name"] else ""
+    session.compare = None
+    session.studio.link.want(session.agent, str(data["name"]))
+
+
+@action("versions")
+async def versions(session: Session, data: Data) -> None:
+    """Tell what has changed between two versions."""
+    name = session.behavior
+    newer = int(data.get("newer") or data["values"]["newer"])
+    older = int(data.get("older") or data["values"]["older"])
+    answer = await session.ask(
+        lambda swarm: swarm.agents.ask(
+            session.agent,
+            GetBehavior,
+            "get_behavior",
+            name=name,
+            version=newer,
+            compare_with=older,
+        )
+    )
+    session.compare = (f"{name}: version {older} → {newer}", learned_of(answer))
+
+
+@action("distribute-dialog")
+async def distribute_dialog(session: Session, data: Data) -> None:
+    """Ask who is to get a behavior."""
+    session.dialog = {
+        "kind": "distribute",
+        "agent": session.agent,
+        "behavior": str(data["name"]),
+        "receivers": [a for a in session.studio.agents(session) if a != session.agent],
+        "report": None,
+    }
+
+
+def _distributed(
+    swarm: Connected, agent: str, behavior: str, receivers: list[str], start: bool
+) -> DistributionReport:
+    return swarm.agents.distribute(agent, behavior, receivers=receivers, start=start)
+
+
+@action("distribute")
+async def distribute(session: Session, data: Data) -> None:
+    """Give a behavior to others and show what each of them says."""
+    values = data["values"]
+    behavior = session.dialog["behavior"]
+    receivers = [str(r) for r in values.get("receivers", [])]
+    if not receivers:
+        raise SwarmError("Choose at least one receiver.")
+    start = values.get("start") == "on"
+    report = await session.ask_agent(
+        lambda swarm, agent: _distributed(swarm, agent, behavior, receivers, start)
+    )
+    session.dialog["report"] = report
+    session.tell(
+        f"{behavior}: {len(report.accepted)} of {len(receivers)} have it",
+        "good" if report.complete else "bad",
+    )
+
+
+@action("round-dialog")
+async def round_dialog(session: Session, data: Data) -> None:
+    """Explain a round of behavior bootstrapping before it is done."""
+    training = session.watched.training
+    if training is None:
+        raise SwarmError("A round begins with a training: train the first version.")
+    others = [a for a in session.studio.agents(session) if a != session.agent]
+    session.dialog = {
+        "kind": "round",
+        "agent": session.agent,
+        "training": training,
+        "receivers": others,
+        "done": [],
+    }
+
+
+@action("round")
+async def bootstrap(session: Session, data: Data) -> None:
+    """Save, distribute and start, begin a new episode, train further: one round."""
+    training = session.dialog["training"]
+    name, done = training.name, session.dialog["done"]
+    receivers = list(session.dialog["receivers"])
+    arguments = dict(zip(training.parameters, training.arguments, strict=False))
+
+    def say(text: str) -> None:
+        done.append(text)
+        session.touch()
+
+    def kept(swarm: Connected, agent: str) -> Any:
+        return swarm.agents.save(agent, keep_unused=True)
+
+    say((await session.ask_agent(kept)).message)
+    report = await session.ask_agent(
+        lambda swarm, agent: swarm.agents.distribute(
+            agent, name, arguments=list(arguments.values()), receivers=receivers, start=True
+        )
+    )
+    say(f"{len(report.accepted)} of {len(receivers)} team mates have it and perform it")
+    if not report.complete:
+        lacking = ", ".join([*report.refused, *report.silent])
+        raise SwarmError(f"The round stops here, since {lacking} did not take {name} in.")
+    answer = await session.ask_agent(
+        lambda swarm, agent: swarm.agents.begin(
+            agent,
+            name,
+            features=list(training.features),
+            states=[],
+            parameters=list(arguments),
+            arguments=list(arguments.values()),
+            resume=name,
+        )
+    )
+    say(answer.message)
+    await session.ask(lambda swarm: swarm.world.control("reset"))
+    say("A new episode begins: train further among team mates that can do this much.")
+    session.tab = "teach"

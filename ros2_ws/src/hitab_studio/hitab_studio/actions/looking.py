@@ -1,0 +1,107 @@
+"""Choosing what to look at."""
+
+from __future__ import annotations
+
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.actions.teaching import give_target, targets_meant
+from hitab_studio.session import TABS, Session
+
+
+@action("choose")
+async def choose(session: Session, data: Data) -> None:
+    """Choose something in the field: an agent to look at, or a target that was asked for."""
+    name = str(data["name"])
+    if session.asked is not None:
+        meant = targets_meant(session, name)
+        if len(meant) == 1:
+            await give_target(session, meant[0])
+        elif meant:
+            session.tell(f"{name} may be {' or '.join(meant)}: choose below")
+        else:
+            session.tell(f"{name} is not a target that {session.agent} knows", "bad")
+        return
+    if data.get("more"):
+        names = [n for n in session.chosen if n != name]
+        names += [] if name in session.chosen else [name]
+        session.choose(names)
+    else:
+        session.choose([name])
+    if name in session.studio.agents(session):
+        session.look_at(name)
+
+
+@action("agent")
+async def agent(session: Session, data: Data) -> None:
+    """Look at an agent of the list."""
+    name = str(data["name"])
+    session.choose([name])
+    session.look_at(name)
+
+
+@action("neighbor")
+async def neighbor(session: Session, data: Data) -> None:
+    """Look at the next agent of the list, or the one before."""
+    agents = session.studio.agents(session)
+    if agents:
+        step = int(data["step"])
+        here = agents.index(session.agent) if session.agent in agents else (-1 if step > 0 else 0)
+        await agent(session, {"name": agents[(here + step) % len(agents)]})
+
+
+@action("deselect")
+async def deselect(session: Session, data: Data) -> None:
+    """Choose nothing in the field; the agent that is looked at stays."""
+    if session.asked is None:
+        session.choose([session.agent] if session.agent else [])
+
+
+@action("filter")
+async def filter_agents(session: Session, data: Data) -> None:
+    """Show agents with this in their names."""
+    session.filter = str(data["value"])
+
+
+@action("tab")
+async def tab(session: Session, data: Data) -> None:
+    """Show a tab."""
+    if data["name"] in TABS:
+        session.tab = str(data["name"])
+
+
+@action("level")
+async def level(session: Session, data: Data) -> None:
+    """Look into one automaton of the hierarchy."""
+    session.level, session.state = str(data.get("name", "")), ""
+
+
+@action("state")
+async def state(session: Session, data: Data) -> None:
+    """Look at the tree of a state; of the active one again if it is that already."""
+    name = str(data.get("name", ""))
+    session.state = "" if session.state == name else name
+
+
+@action("help")
+async def show_help(session: Session, data: Data) -> None:
+    """Tell the keys."""
+    session.dialog = {"kind": "help"}
+
+
+@action("close")
+async def close(session: Session, data: Data) -> None:
+    """Close what is asked for."""
+    session.dialog = {}
+
+
+@action("escape")
+async def escape(session: Session, data: Data) -> None:
+    """Close what is in front."""
+    if session.dialog:
+        session.dialog = {}
+    elif session.asked is not None:
+        session.asked = None
+    elif session.player is not None:
+        session.player = None
+        session.studio.show_again(session)
+    else:
+        session.table.marked.clear()

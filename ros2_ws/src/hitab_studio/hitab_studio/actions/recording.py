@@ -1,0 +1,75 @@
+"""Recording runs, and replaying them."""
+
+from __future__ import annotations
+
+import asyncio
+
+from hitab_bringup.errors import SwarmError
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.recording import new_recording, recordings_folder
+from hitab_studio.replay import Player, Recording
+from hitab_studio.session import Session
+
+
+@action("record")
+async def record(session: Session, data: Data) -> None:
+    """Record the run, or stop recording."""
+    link, store = session.studio.link, session.studio.store
+    if store.recording:
+        path = await session.ask(lambda _: link.stop_recording())
+        session.tell(f"recorded to {path}")
+    else:
+        path = str(new_recording(store.target.swarm if store.target else ""))
+        await session.ask(lambda swarm: link.start_recording(swarm, path))
+    session.tab = "record"
+
+
+@action("replay")
+async def replay(session: Session, data: Data) -> None:
+    """Open a recording."""
+    name = str(data["name"])
+    path = recordings_folder() / name
+    if path.parent != recordings_folder() or not path.is_file():
+        raise SwarmError(f'There is no recording "{name}".')
+    session.busy += 1
+    session.touch()
+    try:
+        session.player = Player(await asyncio.to_thread(Recording, path))
+    finally:
+        session.busy -= 1
+    session.studio.show_again(session)
+
+
+@action("replay-play")
+async def replay_play(session: Session, data: Data) -> None:
+    """Play, or pause; from the beginning again at the end."""
+    player = _player(session)
+    if not player.playing and player.at >= player.recording.seconds:
+        player.seek(0.0)
+    player.playing = not player.playing
+
+
+@action("replay-seek")
+async def replay_seek(session: Session, data: Data) -> None:
+    """Go to a moment."""
+    _player(session).seek(float(data["value"]))
+    session.studio.show_moment(session)
+
+
+@action("replay-speed")
+async def replay_speed(session: Session, data: Data) -> None:
+    """Set how fast it plays."""
+    _player(session).speed = float(data["value"])
+
+
+@action("replay-close")
+async def replay_close(session: Session, data: Data) -> None:
+    """Go back to the swarm."""
+    session.player = None
+    session.studio.show_again(session)
+
+
+def _player(session: Session) -> Player:
+    if session.player is None:
+        raise SwarmError("No recording is open.")
+    return session.player

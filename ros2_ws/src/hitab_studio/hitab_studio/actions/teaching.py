@@ -1,0 +1,168 @@
+"""Demonstrating: commands, taking over and handing back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from hitab_bringup.errors import SwarmError
+from hitab_core.use import Use
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.session import Asked, Session, parameters_of
+
+
+@action("command")
+async def command(session: Session, data: Data) -> None:
+    """Command a behavior; if it has parameters, ask for their targets first."""
+    behavior = str(data["behavior"])
+    parameters = parameters_of(behavior)
+    status = session.status
+    open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
+    training = session.watched.training
+    if training is not None:
+        open_ = [p for p in open_ if p not in training.parameters]
+    if open_:
+        session.asked = Asked(Use.parse(behavior).name, tuple(parameters))
+        return
+    if status is not None and status.mode in ("idle", "performing"):
+        await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, behavior))
+        session.tell(f"{session.agent} performs {behavior}")
+        return
+    if status is not None and status.mode == "testing":
+        # One keystroke: whoever commands has taken over.
+        await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, "training"))
+    await _commanded(session, behavior)
+
+
+async def _commanded(session: Session, behavior: str) -> None:
+    await session.ask_agent(lambda swarm, agent: swarm.agents.command(agent, behavior))
+
+
+def targets_meant(session: Session, name: str) -> list[str]:
+    """Return the targets that a person may mean who clicks a thing: itself, or its kind."""
+    targets = session.watched.vocabulary.targets
+    if name in targets:
+        return [name]
+    scene = session.studio.store.scene
+    kinds = dict(zip(scene.names, scene.kinds, strict=True)) if scene is not None else {}
+    kind = kinds.get(name, "")
+    return [t for t in targets if kind and kind in t.split("_")]
+
+
+async def give_target(session: Session, target: str) -> None:
+    """Take a target that was asked for; command when it was the last."""
+    asked = session.asked
+    if asked is None:
+        return
+    asked.targets = (*asked.targets, target)
+    if len(asked.targets) == len(asked.parameters):
+        session.asked = None
+        await command(session, {"behavior": str(Use(asked.behavior, asked.targets))})
+
+
+@action("target")
+async def target(session: Session, data: Data) -> None:
+    """Take a target that was asked for."""
+    await give_target(session, str(data["name"]))
+
+
+@action("toggle")
+async def toggle(session: Session, data: Data) -> None:
+    """Hand the agent back to what it has learned, or take it over, without a reset."""
+    status = session.status
+    if (
+        status is None
+        or status.mode == "idle"
+        or (status.mode == "performing" and session.watched.training is None)
+    ):
+        raise SwarmError(f"{session.agent or 'no agent'} is not being trained: begin a training.")
+    mode = "testing" if status.mode == "training" else "training"
+    await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
+
+
+@action("restart")
+async def restart(session: Session, data: Data) -> None:
+    """Test from Start."""
+    await session.ask_agent(
+        lambda swarm, agent: swarm.agents.set_mode(agent, "testing", restart=True)
+    )
+
+
+@action("idle")
+async def idle(session: Session, data: Data) -> None:
+    """Have the agent perform nothing; a training is kept."""
+    await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, ""))
+
+
+@action("perform")
+async def perform_behavior(session: Session, data: Data) -> None:
+    """Perform a behavior of the library from its beginning."""
+    behavior = str(data["behavior"])
+    await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, behavior))
+    session.tell(f"{session.agent} performs {behavior}")
+
+
+@action("take")
+async def take(session: Session, data: Data) -> None:
+    """Take an agent from another demonstrator, who is told."""
+    before = session.studio.locks.take(session.agent, session.holder)
+    if before is not None:
+        session.studio.tell(before.session, f"{session.holder.name} has taken {session.agent}")
+    session.tell(f"{session.agent} is yours")
+    session.studio.store.touch()
+
+
+@action("release")
+async def release(session: Session, data: Data) -> None:
+    """Let go of an agent."""
+    session.studio.locks.release(session.agent, session.id)
+    session.studio.store.touch()
+
+
+@action("new")
+async def new(session: Session, data: Data) -> None:
+    """Ask what is to be trained."""
+    if not session.agent:
+        raise SwarmError("Choose an agent first, in the list or in the field.")
+    vocabulary = session.watched.vocabulary
+    session.dialog = {
+        "kind": "new",
+        "agent": session.agent,
+        "resume": str(data.get("resume", "")),
+        "parameter": "",
+        "vocabulary": vocabulary,
+    }
+
+
+@action("new-parameter")
+async def new_parameter(session: Session, data: Data) -> None:
+    """Offer features and behaviors of a parameter too."""
+    session.dialog["parameter"] = str(data["value"]).strip()
+
+
+@action("begin")
+async def begin(session: Session, data: Data) -> None:
+    """Begin a training."""
+    values: Mapping[str, Any] = data["values"]
+    name = str(values.get("name", "")).strip()
+    if not name:
+        raise SwarmError("Give the behavior a name.")
+    parameter = str(values.get("parameter", "")).strip()
+    resume = str(values.get("resume", ""))
+    fields: dict[str, Any] = {
+        "features": [str(f) for f in values.get("features", [])],
+        "states": [str(s) for s in values.get("states", [])],
+        "parameters": [parameter] if parameter else [],
+        "arguments": [str(values.get("target", ""))] if parameter else [],
+        "resume": resume,
+        "discard": values.get("discard") == "on",
+    }
+    if not fields["features"] and not resume:
+        raise SwarmError("Choose at least one feature: what the decisions may look at.")
+    answer = await session.ask_agent(
+        lambda swarm, agent: swarm.agents.begin(agent, name, **fields)
+    )
+    session.dialog = {}
+    session.tab = "teach"
+    session.level = session.state = ""
+    session.tell(answer.message)

@@ -1,0 +1,224 @@
+"""What an agent's behaviors have learned, rebuilt from what the agent tells over its services."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from hitab_core.automaton import START, Automaton
+from hitab_core.classifier_spec import ClassifierSpec
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.errors import HitabError
+from hitab_core.example import Example, ExampleKind
+from hitab_core.learning import TREE, learn_transitions
+from hitab_core.transition_tree import TransitionTree
+from hitab_core.use import Use
+
+
+@dataclass(frozen=True)
+class Learned:
+    """One automaton of an agent, as `GetBehavior` tells it.
+
+    Attributes:
+        origin: basic, hand-written, trained or training.
+        parameters, arguments: what is open, and what it is bound to while it is being trained.
+        states, features: labels; in the order of the examples' values.
+        units, scales: of the features.
+        examples: all of them.
+    """
+
+    name: str
+    origin: str
+    description: str
+    classifier: str
+    parameters: tuple[str, ...]
+    arguments: tuple[str, ...]
+    states: tuple[str, ...]
+    features: tuple[str, ...]
+    units: tuple[str, ...]
+    scales: tuple[Scale, ...]
+    examples: tuple[Example, ...]
+    version: int = 0
+    versions: tuple[int, ...] = ()
+    created: str = ""
+    note: str = ""
+    difference: str = ""
+    trimmed: tuple[str, ...] = ()
+
+    @property
+    def is_automaton(self) -> bool:
+        """Whether it is more than a basic behavior."""
+        return self.origin != "basic"
+
+    @cached_property
+    def automaton(self) -> Automaton | None:
+        """The automaton with its trees; None while it has none, or where they cannot be told."""
+        known = ClassifierSpec.parse(self.classifier or TREE).name == TREE
+        if not self.examples or not known:
+            return None
+        try:
+            learned = learn_transitions(self.examples, self.scales, self.classifier or TREE)
+            labels = dict.fromkeys(
+                s for e in self.examples for s in (e.state, e.next_state) if s != START
+            )
+            return Automaton(
+                self.name,
+                tuple(map(Use.parse, labels)),
+                tuple(map(Use.parse, self.features)),
+                learned,
+                self.parameters,
+                self.examples,
+                self.description,
+            )
+        except HitabError:
+            return None
+
+    def tree(self, state: str) -> TransitionTree | None:
+        """Return the tree of a state, if it has one."""
+        automaton = self.automaton
+        function = automaton.transitions.get(state) if automaton else None
+        return function if isinstance(function, TransitionTree) else None
+
+    def decides(self, state: str, values: Sequence[float]) -> Mapping[str, float]:
+        """Return the probability of each next state; nothing where that cannot be told."""
+        tree = self.tree(state)
+        if tree is None or any(math.isnan(v) for v in values):
+            return {}
+        return tree.explain(values, self.features).distribution
+
+
+def learned_of(answer: Any) -> Learned:
+    """Return what an answer of `GetBehavior` tells."""
+    scales = [
+        Scale(FeatureKind(kind), period, tuple(c for c in categories.split("|") if c))
+        for kind, period, categories in zip(
+            answer.feature_kinds, answer.feature_periods, answer.feature_categories, strict=True
+        )
+    ]
+    return Learned(
+        name=answer.name,
+        origin=answer.origin,
+        description=answer.description,
+        classifier=answer.classifier,
+        parameters=tuple(answer.parameters),
+        arguments=tuple(answer.arguments),
+        states=tuple(answer.states),
+        features=tuple(answer.features),
+        units=tuple(answer.feature_units),
+        scales=tuple(scales),
+        examples=tuple(example_of(e) for e in answer.examples),
+        version=answer.version,
+        versions=tuple(answer.versions),
+        created=answer.created,
+        note=answer.note,
+        difference=answer.difference,
+        trimmed=tuple(answer.trimmed),
+    )
+
+
+def example_of(message: Any) -> Example:
+    """Return an example of a message."""
+    return Example(
+        message.state,
+        tuple(message.values),
+        message.next_state,
+        ExampleKind(message.kind),
+        message.number,
+        message.command,
+        message.cycle,
+    )
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """What can be commanded, perceived and targeted, as `GetVocabulary` tells it."""
+
+    domain: str = ""
+    behaviors: tuple[str, ...] = ()
+    trained: frozenset[str] = frozenset()
+    one_shot: frozenset[str] = frozenset()
+    features: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    targets: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, answer: Any) -> Vocabulary:
+        """Read an answer."""
+        return cls(
+            domain=answer.domain,
+            behaviors=tuple(answer.behaviors),
+            trained=frozenset(answer.trained),
+            one_shot=frozenset(answer.one_shot),
+            features=tuple(answer.features),
+            units={
+                Use.parse(f).name: unit
+                for f, unit in zip(answer.features, answer.feature_units, strict=True)
+            },
+            targets=tuple(answer.targets),
+        )
+
+
+def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
+    """Return, for each example that others contradict, the numbers of those.
+
+    Two contradict each other if in the same state, seeing the same, they lead elsewhere.
+    """
+    alike: dict[tuple[str, tuple[float, ...]], list[Example]] = {}
+    for example in examples:
+        alike.setdefault((example.state, example.features), []).append(example)
+    found = {}
+    for group in alike.values():
+        if len({e.next_state for e in group}) > 1:
+            for example in group:
+                found[example.number] = [
+                    e.number for e in group if e.next_state != example.next_state
+                ]
+    return found
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What a change of examples did.
+
+    Attributes:
+        rules_gone, rules_new: what trees said, and say, in words.
+        decisions: for examples on which the decision changed: state, values, before, after.
+    """
+
+    rules_gone: tuple[str, ...]
+    rules_new: tuple[str, ...]
+    decisions: tuple[tuple[Example, str, str], ...]
+
+
+def effect(before: Learned, after: Learned) -> Effect:
+    """Compare what was learned before and after a change of examples."""
+    old, new = _rules(before), _rules(after)
+    decisions = []
+    for example in after.examples:
+        was = most_probable(before.decides(example.state, example.features))
+        now = most_probable(after.decides(example.state, example.features))
+        if was and was != now:
+            decisions.append((example, was, now))
+    return Effect(
+        tuple(r for r in old if r not in new),
+        tuple(r for r in new if r not in old),
+        tuple(decisions),
+    )
+
+
+def most_probable(distribution: Mapping[str, float]) -> str:
+    """Return the most probable state, or ""."""
+    return max(distribution, key=lambda s: distribution[s]) if distribution else ""
+
+
+def _rules(learned: Learned) -> list[str]:
+    rules = []
+    for state in (START, *(learned.automaton.labels if learned.automaton else ())):
+        tree = learned.tree(state)
+        for rule in tree.rules(learned.features) if tree else ():
+            words, _, _ = str(rule).rpartition(" (")  # without how many examples there are
+            rules.append(f"{state}: {words}")
+    return rules

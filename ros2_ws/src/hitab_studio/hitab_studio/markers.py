@@ -1,0 +1,137 @@
+"""The field as standard markers, so that RViz and Foxglove show the same."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from builtin_interfaces.msg import Duration
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker, MarkerArray
+
+from hitab_bringup.ros_link import RosLink
+from hitab_ros import qos
+from hitab_ros.conversions import time_of
+from hitab_studio.scene import NO_COLOR, Scene
+from hitab_studio.store import Store
+
+TOPIC = "/studio/markers"
+FRAME = "field"
+EVERY_SECONDS = 0.1  # simulated or not: no viewer shows more
+
+STATE_COLORS = (
+    "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
+    "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
+)  # fmt: skip
+"""As in static/field.js."""
+
+KIND_COLORS = {"ball": "#f2c94c", "taker": "#c94f4f", "box": "#b98b4e", "obstacle": "#7d8590"}
+OTHERS = "#5c7ea8"
+
+
+class Markers:
+    """Publishes the field while anybody listens."""
+
+    def __init__(self, link: RosLink) -> None:
+        self._publisher = link.node.create_publisher(MarkerArray, TOPIC, qos.LATCHED)
+        self._heard = False
+        self._last = -math.inf
+        self._count = 0
+
+    def look(self) -> None:
+        """Find out whether anybody listens."""
+        self._heard = self._publisher.get_subscription_count() > 0
+
+    def show(self, scene: Scene, store: Store) -> None:
+        """Publish a moment, if it is time."""
+        if self._heard and abs(scene.seconds - self._last) >= EVERY_SECONDS:
+            self._last = scene.seconds
+            self._publisher.publish(self._array(scene, store))
+
+    def _array(self, scene: Scene, store: Store) -> MarkerArray:
+        header = Header(frame_id=FRAME, stamp=time_of(scene.seconds))
+        doing = store.doing()
+        markers = [_outline(header, scene)]
+        for i, name in enumerate(scene.names):
+            state = doing.get(name, ("", ""))[1]
+            color = store.palette.index(state)
+            kind = scene.kinds[i]
+            chosen = KIND_COLORS.get(kind, OTHERS) if color == NO_COLOR else STATE_COLORS[color]
+            x, y, heading = scene.places[i, :3].tolist()
+            markers += _thing(header, i, name, kind, (x, y, heading), scene.radii[i], chosen)
+        gone = [
+            Marker(header=header, ns=ns, id=i, action=Marker.DELETE)
+            for i in range(len(scene.names), self._count)
+            for ns in ("things", "headings", "names")
+        ]
+        self._count = len(scene.names)
+        return MarkerArray(markers=[*markers, *gone])
+
+
+def _color(text: str, alpha: float = 1.0) -> ColorRGBA:
+    r, g, b = (int(text[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    return ColorRGBA(r=r, g=g, b=b, a=alpha)
+
+
+def _outline(header: Header, scene: Scene) -> Any:
+    w, h = scene.size[0] / 2, scene.size[1] / 2
+    corners = [(-w, -h), (w, -h), (w, h), (-w, h), (-w, -h)]
+    return Marker(
+        header=header,
+        ns="field",
+        type=Marker.LINE_STRIP,
+        pose=Pose(orientation=Quaternion(w=1.0)),
+        scale=Vector3(x=0.08),
+        color=_color("#8a93a3"),
+        points=[Point(x=x, y=y) for x, y in corners],
+        lifetime=Duration(),
+    )
+
+
+def _thing(
+    header: Header,
+    number: int,
+    name: str,
+    kind: str,
+    place: tuple[float, float, float],
+    radius: float,
+    color: str,
+) -> list[Any]:
+    x, y, heading = place
+    pose = Pose(
+        position=Point(x=x, y=y),
+        orientation=Quaternion(z=math.sin(heading / 2), w=math.cos(heading / 2)),
+    )
+    size = 2 * max(radius, 0.1)
+    body = Marker(
+        header=header,
+        ns="things",
+        id=number,
+        type=Marker.SPHERE if kind == "ball" else Marker.CYLINDER,
+        pose=pose,
+        scale=Vector3(x=size, y=size, z=size if kind == "ball" else 0.4),
+        color=_color(color),
+    )
+    if kind in ("ball", "box", "obstacle"):
+        return [body]
+    arrow = Marker(
+        header=header,
+        ns="headings",
+        id=number,
+        type=Marker.ARROW,
+        pose=pose,
+        scale=Vector3(x=2.2 * size, y=0.2 * size, z=0.2 * size),
+        color=_color("#20262e"),
+    )
+    label = Marker(
+        header=header,
+        ns="names",
+        id=number,
+        type=Marker.TEXT_VIEW_FACING,
+        pose=Pose(position=Point(x=x, y=y, z=1.0), orientation=Quaternion(w=1.0)),
+        scale=Vector3(z=0.5),
+        color=_color("#20262e"),
+        text=name,
+    )
+    return [body, arrow, label]

@@ -1,0 +1,91 @@
+"""The page: a canvas for the field, and panels that the server describes."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+from nicegui import Client, ui
+from nicegui.element import Element
+
+from hitab_studio.actions import perform
+from hitab_studio.session import Session
+from hitab_studio.studio import Studio
+from hitab_studio.views import PANELS, render
+
+STATIC = Path(__file__).parent / "static"
+REFRESH_SECONDS = 0.15
+ALSO_EVERY = 2
+"""Refreshes until what changes all the time, such as curves, is drawn again."""
+
+
+class Panel(Element, component="static/panel.js"):
+    """A part of the page whose HTML the server gives."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.props["html"] = ""
+        self.props["id"] = f"panel-{name}"
+        self.name = name
+
+    def show(self, html: str) -> None:
+        """Show this from now on."""
+        if html != self.props["html"]:
+            self.props["html"] = html
+            self.update()
+
+
+class Page:
+    """One page: shows a session, and tells it what the person does."""
+
+    def __init__(self, studio: Studio, session: Session, client: Client) -> None:
+        self._studio = studio
+        self._session = session
+        self._client = client
+        self._seen: tuple[int, int] = (-1, -1)
+        self._count = 0
+        self._queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        self._build()
+
+    def _build(self) -> None:
+        session = self._session
+        ui.add_head_html(
+            f'<script>window.STUDIO_SESSION = "{session.id}";</script>'
+            '<link rel="stylesheet" href="/studio/studio.css">'
+            '<script type="module" src="/studio/studio.js"></script>'
+            '<script type="module" src="/studio/field.js"></script>'
+        )
+        ui.query(".nicegui-content").classes(remove="nicegui-content")
+        with ui.element("div").props('id="studio"'):
+            self._panels = [Panel(name) for name in PANELS if name != "stage"]
+            with ui.element("main"):
+                ui.element("canvas").props('id="field" aria-label="The field"')
+                self._panels.append(Panel("stage"))
+        ui.on("studio", lambda event: self._queue.put_nowait(event.args))
+        self._refresh()
+        ui.timer(REFRESH_SECONDS, self._refresh)
+        self._performing = asyncio.create_task(self._perform())
+        self._client.on_delete(self._close)
+
+    async def _perform(self) -> None:
+        """Do what the person does, one thing after the other."""
+        while True:
+            data = await self._queue.get()
+            await perform(self._session, data)
+            self._refresh()
+
+    def _refresh(self) -> None:
+        session = self._session
+        session.drop_old_toasts()
+        self._count += 1
+        seen = (self._studio.store.version, session.version)
+        if seen == self._seen and self._count % ALSO_EVERY:
+            return
+        self._seen = seen
+        for panel in self._panels:
+            panel.show(render(panel.name, session))
+
+    def _close(self) -> None:
+        self._performing.cancel()
+        self._studio.close(self._session)

@@ -1,0 +1,117 @@
+"""Records what is said in a swarm as MCAP, which Foxglove and ``ros2 bag play`` read too."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+from hitab_msgs.msg import (
+    AgentStatus,
+    Command,
+    CommanderStatus,
+    Distribution,
+    DistributionAck,
+    Episode,
+    Order,
+    TransitionEvent,
+    WorldState,
+    WorldStatus,
+)
+from mcap.writer import Writer
+from rclpy.qos import QoSProfile
+from visualization_msgs.msg import MarkerArray
+
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.ros_link import RosLink
+from hitab_bringup.run_folder import state_home
+from hitab_ros import qos
+from hitab_studio.message_text import definition, type_name
+
+KINDS: tuple[tuple[Any, QoSProfile], ...] = (
+    (WorldState, qos.LATCHED),
+    (WorldStatus, qos.LATCHED),
+    (Episode, qos.EVENTS),
+    (AgentStatus, qos.LATCHED),
+    (TransitionEvent, qos.EVENTS),
+    (Command, qos.EVENTS),
+    (CommanderStatus, qos.LATCHED),
+    (Order, qos.LATCHED),
+    (Distribution, qos.EVENTS),
+    (DistributionAck, qos.EVENTS),
+    (MarkerArray, qos.LATCHED),
+)
+
+
+def recordings_folder() -> Path:
+    """Return where recordings are kept."""
+    return state_home() / "recordings"
+
+
+def new_recording(swarm: str) -> Path:
+    """Return where the next recording goes."""
+    stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
+    return recordings_folder() / f"{swarm or 'swarm'}_{stamp}.mcap"
+
+
+class Recorder:
+    """Records every topic of the swarm's, those that appear later too, as it comes.
+
+    Messages are not unpacked: they are written as they were received.
+    """
+
+    def __init__(self, link: RosLink, path: str | Path) -> None:
+        """Begin.
+
+        Raises:
+            SwarmError: if the file cannot be written.
+        """
+        self.path = Path(path)
+        self.count = 0
+        self._link = link
+        self._subscriptions: dict[str, Any] = {}
+        self._schemas: dict[str, int] = {}
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = self.path.open("xb")
+        except OSError as error:
+            raise SwarmError(f"cannot record to {self.path}: {error.strerror}") from None
+        self._writer = Writer(self._file)
+        self._writer.start(profile="ros2", library="hitab_studio")
+        self.look()
+
+    def look(self) -> None:
+        """Find topics that have appeared since."""
+        for topic, kinds in self._link.node.get_topic_names_and_types():
+            if topic in self._subscriptions:
+                continue
+            for kind, profile in KINDS:
+                if type_name(kind) in kinds:
+                    self._subscribe(topic, kind, profile)
+
+    def _subscribe(self, topic: str, kind: Any, profile: QoSProfile) -> None:
+        name = type_name(kind)
+        if name not in self._schemas:
+            self._schemas[name] = self._writer.register_schema(
+                name=name, encoding="ros2msg", data=definition(name).encode()
+            )
+        channel = self._writer.register_channel(
+            topic=topic, message_encoding="cdr", schema_id=self._schemas[name]
+        )
+
+        def take(data: bytes) -> None:
+            now = time.time_ns()
+            self._writer.add_message(channel, log_time=now, data=data, publish_time=now)
+            self.count += 1
+
+        self._subscriptions[topic] = self._link.node.create_subscription(
+            kind, topic, take, profile, raw=True
+        )
+
+    def close(self) -> None:
+        """End: write the index."""
+        for subscription in self._subscriptions.values():
+            self._link.node.destroy_subscription(subscription)
+        self._subscriptions.clear()
+        self._writer.finish()
+        self._file.close()

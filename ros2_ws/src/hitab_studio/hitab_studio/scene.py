@@ -1,0 +1,155 @@
+"""What is to be seen in a world, as compact as a browser needs it ten times a second.
+
+Names, kinds and sizes are sent when they change (the roster); where things are goes into a binary
+frame, little-endian:
+
+    uint32  1, uint32 n, float64 cycle
+    float32 x, y, heading of each thing, n times
+    uint8   color of the active state of each, 255 none
+    uint8   mode of each, 0 none, else 1 + index in MODES
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MODES = ("idle", "performing", "training", "testing")
+NO_COLOR = 255
+COLORS = 12
+"""How many colors the page has for states; more states share them."""
+
+KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A moment of a world.
+
+    Attributes:
+        cycle, episode, episode_cycle, mode, note: as in `WorldState`.
+        seconds: simulated time, s.
+        size: width and height of the field, m.
+        names, kinds: of everything in it.
+        radii: m, shape (n,).
+        places: x, y, heading, vx, vy, shape (n, 5).
+        said: what things say, by index.
+    """
+
+    world: str
+    cycle: int
+    episode: int
+    episode_cycle: int
+    mode: str
+    note: str
+    seconds: float
+    size: tuple[float, float]
+    names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    radii: tuple[float, ...]
+    places: NDArray[np.float64]
+    said: Mapping[int, str]
+
+    def place_of(self, name: str) -> dict[str, float]:
+        """Return where something is and how it moves."""
+        row = self.places[self.names.index(name)].tolist()
+        return dict(zip(KNOWN_FIELDS, row, strict=True))
+
+    def everything(self) -> dict[str, dict[str, float]]:
+        """Return the places of everything, by name, as `WorldClient.place` takes them."""
+        rows = self.places.tolist()
+        return {
+            name: dict(zip(KNOWN_FIELDS, row, strict=True))
+            for name, row in zip(self.names, rows, strict=True)
+        }
+
+
+def scene_of(state: Any) -> Scene:
+    """Return what a `WorldState` message shows."""
+    entities = state.entities
+    places = np.array(
+        [(e.x, e.y, e.heading, e.vx, e.vy) for e in entities], dtype=np.float64
+    ).reshape(len(entities), 5)
+    return Scene(
+        world=state.world,
+        cycle=state.cycle,
+        episode=state.episode,
+        episode_cycle=state.episode_cycle,
+        mode=state.mode,
+        note=state.note,
+        seconds=state.stamp.sec + state.stamp.nanosec * 1e-9,
+        size=(state.width, state.height),
+        names=tuple([e.name for e in entities]),
+        kinds=tuple([e.kind for e in entities]),
+        radii=tuple([e.radius for e in entities]),
+        places=places,
+        said={i: e.say for i, e in enumerate(entities) if e.say},
+    )
+
+
+class Palette:
+    """A color for each state that was ever active, in the order in which they appeared."""
+
+    def __init__(self) -> None:
+        self.states: list[str] = []
+        self._index: dict[str, int] = {}
+
+    def index(self, state: str) -> int:
+        """Return the color of a state."""
+        if not state:
+            return NO_COLOR
+        found = self._index.get(state)
+        if found is None:
+            found = self._index[state] = len(self.states) % COLORS
+            self.states.append(state)
+        return found
+
+
+def roster(scene: Scene, palette: Palette) -> str:
+    """Return the message that names what frames show."""
+    return json.dumps(
+        {
+            "t": "roster",
+            "world": scene.world,
+            "size": scene.size,
+            "names": scene.names,
+            "kinds": scene.kinds,
+            "radii": scene.radii,
+            "legend": palette.states[:COLORS],
+        }
+    )
+
+
+def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) -> bytes:
+    """Return the frame of a moment.
+
+    Args:
+        scene: to show.
+        doing: mode and active state of each agent, by name.
+        palette: gives states their colors.
+    """
+    n = len(scene.names)
+    colors = bytearray(n)
+    modes = bytearray(n)
+    for i, name in enumerate(scene.names):
+        mode, state = doing.get(name, ("", ""))
+        colors[i] = palette.index(state)
+        modes[i] = MODES.index(mode) + 1 if mode in MODES else 0
+    places = np.ascontiguousarray(scene.places[:, :3], dtype="<f4").tobytes()
+    return struct.pack("<IId", 1, n, float(scene.cycle)) + places + bytes(colors) + bytes(modes)
+
+
+def said_message(scene: Scene) -> str:
+    """Return the message that tells what is said."""
+    return json.dumps({"t": "say", "said": [[i, text] for i, text in scene.said.items()]})
+
+
+def state_shown(path: Sequence[str]) -> str:
+    """Return the state by which an agent is colored: the outermost, without its targets."""
+    return path[0].partition("(")[0] if path else ""

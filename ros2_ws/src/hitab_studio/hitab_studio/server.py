@@ -1,0 +1,125 @@
+"""The web server: NiceGUI, with the stream of moments beside it, behind the guard."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from fastapi import WebSocket
+
+from hitab_bringup.errors import SwarmError
+from hitab_studio.finding import Target
+from hitab_studio.guard import Guard, is_loopback
+
+TITLE = "HiTAB studio"
+ICON = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
+    '<rect width="32" height="32" rx="8" fill="#2458c5"/>'
+    '<circle cx="11" cy="12" r="4.2" fill="#fff"/><circle cx="21" cy="21" r="4.2"'
+    ' fill="none" stroke="#fff" stroke-width="2.4"/><path d="M14 14.6 18 18.4" stroke="#fff"'
+    ' stroke-width="2.4" stroke-linecap="round"/></svg>'
+)
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where the page is served.
+
+    Attributes:
+        host, port: to listen on.
+        token: to be shown by whoever opens the page; "" where only this machine can.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    token: str = ""
+
+    @property
+    def url(self) -> str:
+        """What to open."""
+        name = "127.0.0.1" if self.host in ("0.0.0.0", "::", "") else self.host
+        shown = f"[{name}]" if ":" in name else name
+        suffix = f"/?token={self.token}" if self.token else "/"
+        return f"http://{shown}:{self.port}{suffix}"
+
+    def check(self) -> None:
+        """Refuse an address that cannot be served safely.
+
+        Raises:
+            SwarmError: if it is reached from elsewhere and there is no token, or is in use.
+        """
+        if not is_loopback(self.host) and not self.token:
+            raise SwarmError(
+                f"{self.host} can be reached from other machines: a token is needed; give --token"
+            )
+        family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
+        with socket.socket(family) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((self.host, self.port))
+            except OSError as error:
+                raise SwarmError(
+                    f"{self.host}:{self.port} cannot be used ({error.strerror}); "
+                    "choose another with --port"
+                ) from None
+
+
+def serve(
+    find: Callable[[], Target],
+    address: Address,
+    *,
+    show: bool = False,
+    ready: Callable[[], None] | None = None,
+) -> None:
+    """Serve the page until the process is told to end.
+
+    Args:
+        find: tells which swarm is meant.
+        address: where.
+        show: whether to open a browser.
+        ready: called once the page can be opened.
+
+    Raises:
+        SwarmError: if the address cannot be used.
+    """
+    address.check()
+    from nicegui import Client, app, ui
+
+    from hitab_studio.page import STATIC, Page
+    from hitab_studio.stream import stream
+    from hitab_studio.studio import Studio
+
+    logging.getLogger("nicegui").setLevel(logging.ERROR)
+    studio = Studio(find)
+    app.add_static_files("/studio", STATIC, max_cache_age=0)
+    app.add_middleware(Guard, host=address.host, token=address.token)
+
+    @app.websocket("/field")
+    async def field(socket: WebSocket, session: str = "") -> None:
+        await stream(studio, socket, session)
+
+    @ui.page("/", title=TITLE, response_timeout=10.0)
+    def index(client: Client) -> None:
+        Page(studio, studio.open(), client)
+
+    app.on_startup(studio.start)
+    app.on_shutdown(studio.stop)
+    if ready is not None:
+        app.on_startup(ready)
+    ui.run(
+        host=address.host,
+        port=address.port,
+        title=TITLE,
+        favicon=ICON,
+        dark=None,
+        reload=False,
+        show=address.url if show else False,
+        show_welcome_message=False,
+        tailwind=False,
+        reconnect_timeout=10.0,
+        uvicorn_logging_level="error",
+        gzip_middleware_factory=None,
+        binding_refresh_interval=None,
+    )

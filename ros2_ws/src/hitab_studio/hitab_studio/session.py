@@ -1,0 +1,195 @@
+"""What one browser shows and does."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from hitab_bringup.errors import SwarmError
+from hitab_core.use import Use
+from hitab_studio.learned import Learned
+from hitab_studio.locks import Holder
+from hitab_studio.replay import Player
+from hitab_studio.swarm_link import Connected
+from hitab_studio.watching import Watched
+
+if TYPE_CHECKING:
+    from hitab_studio.studio import Studio
+
+T = TypeVar("T")
+
+TOAST_SECONDS = {"good": 4.0, "bad": 9.0}
+TABS = ("teach", "learned", "examples", "library", "swarm", "record")
+NOTHING = Watched()
+
+
+@dataclass
+class Toast:
+    """A short message that goes away by itself."""
+
+    number: int
+    kind: str
+    text: str
+    until: float
+
+
+@dataclass
+class Asked:
+    """A behavior that was commanded and still needs targets, to be clicked in the field."""
+
+    behavior: str
+    parameters: tuple[str, ...]
+    targets: tuple[str, ...] = ()
+
+
+@dataclass
+class Table:
+    """How the table of examples is looked at."""
+
+    automaton: str = ""
+    sort: str = "number"
+    descending: bool = False
+    text: str = ""
+    kind: str = ""
+    marked: set[int] = field(default_factory=set)
+
+
+class Session:
+    """One page in one browser.
+
+    Attributes:
+        chosen: names of the things that are chosen in the field.
+        agent: the one among them, or in the list, that is looked at and commanded.
+        level: the automaton that is looked at, if not the outermost one.
+        state: the state whose tree is looked at, if not the active one.
+        dialog: what is asked for, with all that is needed to show it.
+        player: the recording that is played, if one is.
+    """
+
+    def __init__(self, studio: Studio, number: int, key: str) -> None:
+        self.studio = studio
+        self.id = key
+        self.holder = Holder(key, f"demonstrator {number}")
+        self.chosen: list[str] = []
+        self.agent = ""
+        self.tab = "teach"
+        self.level = ""
+        self.state = ""
+        self.filter = ""
+        self.asked: Asked | None = None
+        self.table = Table()
+        self.dialog: dict[str, Any] = {}
+        self.behavior = ""
+        self.compare: tuple[str, Learned] | None = None
+        self.player: Player | None = None
+        self.toasts: list[Toast] = []
+        self.version = 0
+        self.busy = 0
+        self.outgoing: deque[str] = deque(maxlen=50)
+        self.news = asyncio.Event()
+        self._toasts = 0
+
+    # -- what it looks at -------------------------------------------------------------------
+
+    @property
+    def status(self) -> Any:
+        """The last status of the agent; in a replay, of that moment."""
+        if self.player is not None:
+            return self.player.recording.statuses(self.player.at).get(self.agent)
+        return self.studio.store.statuses.get(self.agent)
+
+    @property
+    def watched(self) -> Watched:
+        """What else is known of the agent."""
+        return self.studio.store.watched.get(self.agent, NOTHING)
+
+    @property
+    def is_training(self) -> bool:
+        """Whether the agent is being trained or tested."""
+        return self.status is not None and self.status.mode in ("training", "testing")
+
+    def look_at(self, agent: str) -> None:
+        """Look at an agent; at none if empty."""
+        if agent != self.agent:
+            self.agent = agent
+            self.level = self.state = self.behavior = ""
+            self.asked = None
+            self.compare = None
+            self.table = Table()
+        self.studio.link.focus(self.id, {agent} if agent else set())
+        self.touch()
+
+    def choose(self, names: list[str]) -> None:
+        """Choose things in the field; the first agent among them is looked at."""
+        self.chosen = names
+        self.send({"t": "chosen", "names": names})
+        self.touch()
+
+    # -- doing ------------------------------------------------------------------------------
+
+    async def ask(self, job: Callable[[Connected], T]) -> T:
+        """Have the link do something; meanwhile the page says that it is busy.
+
+        Raises:
+            SwarmError: if it cannot be done.
+        """
+        if self.player is not None:
+            raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
+        self.busy += 1
+        try:
+            return await self.studio.link.do(job)
+        finally:
+            self.busy -= 1
+            self.touch()
+
+    async def ask_agent(self, job: Callable[[Connected, str], T]) -> T:
+        """Have something done with the agent, which this session holds from then on.
+
+        Raises:
+            SwarmError: if there is none, it does not answer, or somebody else holds it.
+        """
+        agent = self.agent
+        if not agent:
+            raise SwarmError("Choose an agent first, in the list or in the field.")
+        if not self.studio.store.answers(agent):
+            raise SwarmError(f"{agent} does not answer at the moment.")
+        self.studio.locks.claim(agent, self.holder)
+        answer = await self.ask(lambda swarm: job(swarm, agent))
+        self.studio.link.refresh(agent)
+        return answer
+
+    # -- telling ----------------------------------------------------------------------------
+
+    def touch(self) -> None:
+        """Say that what the page shows has changed."""
+        self.version += 1
+
+    def tell(self, text: str, kind: str = "good") -> None:
+        """Show a short message."""
+        self._toasts += 1
+        text = text[:1].upper() + text[1:]
+        self.toasts = [t for t in self.toasts if t.text != text][-3:]
+        until = time.monotonic() + TOAST_SECONDS[kind]
+        self.toasts.append(Toast(self._toasts, kind, text, until))
+        self.touch()
+
+    def drop_old_toasts(self) -> None:
+        """Take away messages that have been there long enough."""
+        now = time.monotonic()
+        if any(toast.until < now for toast in self.toasts):
+            self.toasts = [toast for toast in self.toasts if toast.until >= now]
+            self.touch()
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send a message to the field."""
+        self.outgoing.append(self.studio.json(message))
+        self.news.set()
+
+
+def parameters_of(behavior: str) -> tuple[str, ...]:
+    """Return the parameters of a behavior of the vocabulary, such as ``GoTo(A)``."""
+    return Use.parse(behavior).arguments

@@ -1,0 +1,72 @@
+// A part of the page that the server describes as HTML. What is there is changed into what should
+// be there piece by piece, so that focus, scrolling and what was typed stay.
+export default {
+  template: "<div></div>",
+  props: { html: String },
+  mounted() {
+    this.patch();
+  },
+  watch: {
+    html() {
+      this.patch();
+    },
+  },
+  methods: {
+    patch() {
+      const wanted = document.createElement("template");
+      wanted.innerHTML = this.html || "";
+      patchChildren(this.$el, wanted.content);
+    },
+  },
+};
+
+function keyOf(node) {
+  return node.nodeType === 1 ? node.getAttribute("data-key") || node.id || "" : "";
+}
+
+function alike(a, b) {
+  return a.nodeType === b.nodeType && a.nodeName === b.nodeName && keyOf(a) === keyOf(b);
+}
+
+function patchChildren(there, wanted) {
+  let now = there.firstChild;
+  for (const next of [...wanted.childNodes]) {
+    let same = now;
+    if (now && !alike(now, next) && keyOf(next)) {
+      for (same = now.nextSibling; same && !alike(same, next); same = same.nextSibling);
+    }
+    if (same && alike(same, next)) {
+      if (same !== now) there.insertBefore(same, now);
+      else now = now.nextSibling;
+      patchNode(same, next);
+    } else {
+      there.insertBefore(next, now);
+    }
+  }
+  while (now) {
+    const after = now.nextSibling;
+    there.removeChild(now);
+    now = after;
+  }
+}
+
+function patchNode(there, wanted) {
+  if (there.nodeType !== 1) {
+    if (there.nodeValue !== wanted.nodeValue) there.nodeValue = wanted.nodeValue;
+    return;
+  }
+  if (there.isEqualNode(wanted)) return;
+  const mine = document.activeElement === there || there.dataset.kept !== undefined;
+  for (const { name, value } of [...wanted.attributes]) {
+    if (there.getAttribute(name) !== value) there.setAttribute(name, value);
+  }
+  for (const { name } of [...there.attributes]) {
+    // <details> that a person has opened stay open.
+    if (!wanted.hasAttribute(name) && name !== "open") there.removeAttribute(name);
+  }
+  if (there.tagName === "INPUT" && !mine) {
+    if (there.type === "checkbox") there.checked = wanted.hasAttribute("checked");
+    else there.value = wanted.getAttribute("value") || "";
+  }
+  if (there.tagName !== "TEXTAREA") patchChildren(there, wanted);
+}

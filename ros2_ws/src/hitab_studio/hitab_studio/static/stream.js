@@ -1,0 +1,32 @@
+// The stream of moments from the server: names and sizes as JSON, places as binary frames. It comes
+// back by itself when the server does.
+export function openStream(session, take) {
+  let socket;
+  let wait = 250;
+  function open() {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    socket = new WebSocket(`${scheme}://${location.host}/field?session=${session}`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => (wait = 250);
+    socket.onmessage = ({ data }) => take(typeof data === "string" ? JSON.parse(data) : frame(data));
+    socket.onclose = ({ code }) => {
+      if (code === 4404) return; // the server knows this page no more: it reloads
+      setTimeout(open, wait);
+      wait = Math.min(2 * wait, 4000);
+    };
+  }
+  open();
+}
+
+function frame(data) {
+  const view = new DataView(data);
+  const n = view.getUint32(4, true);
+  return {
+    t: "frame",
+    cycle: view.getFloat64(8, true),
+    n,
+    places: new Float32Array(data, 16, 3 * n),
+    colors: new Uint8Array(data, 16 + 12 * n, n),
+    modes: new Uint8Array(data, 16 + 13 * n, n),
+  };
+}

@@ -1,0 +1,105 @@
+// What a person does on the page, told to the server; keys, clicks and forms. The page says what is
+// meant in its attributes:
+//   data-do="name"     on a click, with all other data- attributes
+//   data-change="name" when a control changes, with its value
+//   data-submit="name" when a form is sent, with all its values
+//   data-hotkey="k"    pressing the key clicks the element
+const told = (what, more = {}) => window.emitEvent("studio", { do: what, ...more });
+window.studioTell = told;
+
+function dataOf(element) {
+  const data = { ...element.dataset };
+  for (const name of ["do", "change", "submit", "hotkey", "key", "kept"]) delete data[name];
+  return data;
+}
+
+function valuesOf(form) {
+  const values = {};
+  for (const [name, value] of new FormData(form)) {
+    if (name.endsWith("[]")) (values[name.slice(0, -2)] ||= []).push(value);
+    else values[name] = value;
+  }
+  return values;
+}
+
+document.addEventListener("click", (event) => {
+  const element = event.target.closest("[data-do]");
+  if (!element || element.disabled) return;
+  const form = element.closest("form");
+  if (element.type !== "submit" || !form) event.preventDefault();
+  else return;
+  told(element.dataset.do, {
+    ...dataOf(element),
+    ...(form && element.dataset.withForm !== undefined ? { values: valuesOf(form) } : {}),
+    shift: event.shiftKey || undefined,
+  });
+  element.blur?.();
+});
+
+document.addEventListener("change", (event) => {
+  const element = event.target.closest("[data-change]");
+  if (!element) return;
+  const value = element.type === "checkbox" ? element.checked : element.value;
+  told(element.dataset.change, { ...dataOf(element), value });
+});
+
+let typing;
+document.addEventListener("input", (event) => {
+  const element = event.target.closest("[data-input]");
+  if (!element) return;
+  clearTimeout(typing);
+  const data = { ...dataOf(element), value: element.value };
+  delete data.input;
+  typing = setTimeout(() => told(element.dataset.input, data), element.type === "range" ? 30 : 150);
+});
+
+document.addEventListener("submit", (event) => {
+  const form = event.target.closest("form[data-submit]");
+  if (!form) return;
+  event.preventDefault();
+  told(form.dataset.submit, { ...dataOf(form), values: valuesOf(form) });
+});
+
+const TEXT = new Set(["INPUT", "SELECT", "TEXTAREA"]);
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape") {
+    document.activeElement?.blur?.();
+    told("escape");
+    return;
+  }
+  const typed = TEXT.has(document.activeElement?.tagName) && document.activeElement.type !== "range";
+  if (typed || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+  const key = event.key === " " ? "space" : event.key.toLowerCase();
+  const open = document.querySelector("[data-modal]");
+  const element = (open || document).querySelector(`[data-hotkey="${CSS.escape(key)}"]`);
+  if (element && !element.disabled) {
+    event.preventDefault();
+    element.click();
+    element.classList.add("pressed");
+    setTimeout(() => element.classList.remove("pressed"), 160);
+  } else if (!open) {
+    window.studioField?.key(key);
+  }
+});
+
+// The theme is the browser's own unless the person chose one.
+export function applyTheme(choice) {
+  const dark = choice ? choice === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  window.studioField?.recolor();
+}
+window.studioTheme = () => {
+  const next = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
+  try {
+    localStorage.setItem("hitab-theme", next);
+  } catch {}
+  applyTheme(next);
+};
+let kept = null;
+try {
+  kept = localStorage.getItem("hitab-theme");
+} catch {}
+applyTheme(kept);
+document.addEventListener("click", (event) => {
+  if (event.target.closest("[data-theme-toggle]")) window.studioTheme();
+});

@@ -1,0 +1,48 @@
+"""The stream of moments to one page: always the newest one, however slow the page is."""
+
+from __future__ import annotations
+
+import asyncio
+
+from fastapi import WebSocket, WebSocketDisconnect
+
+from hitab_studio.session import Session
+from hitab_studio.studio import Studio
+
+UNKNOWN_PAGE = 4404
+IDLE_SECONDS = 5.0
+
+
+async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
+    """Send moments until the page goes."""
+    session = studio.sessions.get(key)
+    await socket.accept()
+    if session is None:
+        await socket.close(UNKNOWN_PAGE)
+        return
+    studio.show_again(session)
+    session.send({"t": "chosen", "names": session.chosen})
+    sending = asyncio.create_task(_send(studio, socket, session))
+    try:
+        while True:
+            await socket.receive_text()  # ends with the connection
+    except (WebSocketDisconnect, RuntimeError):
+        pass
+    finally:
+        sending.cancel()
+
+
+async def _send(studio: Studio, socket: WebSocket, session: Session) -> None:
+    sent = b""
+    while True:
+        try:
+            await asyncio.wait_for(session.news.wait(), IDLE_SECONDS)
+        except TimeoutError:
+            continue
+        session.news.clear()
+        while session.outgoing:
+            await socket.send_text(session.outgoing.popleft())
+        newest = studio.frame_for(session)
+        if newest and newest is not sent:
+            sent = newest
+            await socket.send_bytes(newest)

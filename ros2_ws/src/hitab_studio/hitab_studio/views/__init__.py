@@ -1,0 +1,67 @@
+"""What the page shows: for each panel a function that says what, and a template that says how."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from hitab_studio.session import Session
+from hitab_studio.views import agents, dialog, side, stage, top
+
+Context = dict[str, Any]
+PANELS: dict[str, Callable[[Session], Context]] = {
+    "top": top.context,
+    "agents": agents.context,
+    "stage": stage.context,
+    "side": side.context,
+    "dialog": dialog.context,
+    "toasts": lambda session: {"toasts": session.toasts},
+}
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return a number as short as people want it."""
+    if math.isnan(value):
+        return "-"
+    if value == int(value) and abs(value) < 1e6:
+        return str(int(value))
+    return f"{value:.{digits}g}"
+
+
+def curve(values: list[float], width: float = 88.0, height: float = 20.0) -> str:
+    """Return the points of a little curve."""
+    known = [v for v in values if not math.isnan(v)]
+    if len(known) < 2:
+        return ""
+    low, high = min(known), max(known)
+    span = (high - low) or 1.0
+    step = width / max(len(values) - 1, 1)
+    return " ".join(
+        f"{i * step:.1f},{height - 2 - (v - low) / span * (height - 4):.1f}"
+        for i, v in enumerate(values)
+        if not math.isnan(v)
+    )
+
+
+def clock(seconds: float) -> str:
+    """Return minutes and seconds."""
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02}"
+
+
+_environment = Environment(
+    loader=PackageLoader("hitab_studio"),
+    autoescape=True,
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+_environment.filters |= {"number": number, "curve": curve, "clock": clock}
+
+
+def render(panel: str, session: Session) -> str:
+    """Return the HTML of a panel."""
+    template = _environment.get_template(f"{panel}.html")
+    return template.render(session=session, store=session.studio.store, **PANELS[panel](session))

@@ -1,0 +1,105 @@
+"""The table of examples, what contradicts, and what the last change did."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from hitab_core.example import Example
+from hitab_studio.learned import Learned, is_contradicted, most_probable
+from hitab_studio.session import Session, Table
+
+
+@dataclass(frozen=True)
+class Line:
+    """One example.
+
+    Attributes:
+        decided: what is decided in its place now, where that is something else.
+        against: numbers of the examples that contradict it.
+        known: whether the situation in which it was recorded is known.
+    """
+
+    example: Example
+    decided: str
+    against: tuple[int, ...]
+    known: bool
+    marked: bool
+
+
+def context(session: Session) -> dict[str, Any]:
+    """Return what the tab shows."""
+    training = session.watched.training
+    if training is None:
+        return {"lines": [], "columns": [], "total": 0}
+    lines = [line for line in _lines(session, training) if _shown(line, session.table)]
+    _sort(lines, training, session.table)
+    parameters = set(training.parameters)
+    states = [
+        b
+        for b in (*training.states, *session.watched.vocabulary.behaviors)
+        if not (set(_arguments(b)) - parameters - set(session.watched.vocabulary.targets))
+    ]
+    return {
+        "lines": lines,
+        "columns": training.features,
+        "total": len(training.examples),
+        "table": session.table,
+        "contradictions": sum(bool(line.against) for line in lines),
+        "states": [s for s in dict.fromkeys([*states, "Done", "Failed"]) if s != training.name],
+        "change": session.watched.change,
+        "marked": len(session.table.marked),
+    }
+
+
+def _arguments(behavior: str) -> tuple[str, ...]:
+    inner = behavior.partition("(")[2].rstrip(")")
+    return tuple(part.strip() for part in inner.split(",")) if inner else ()
+
+
+def _lines(session: Session, training: Learned) -> list[Line]:
+    against = is_contradicted(training.examples)
+    situations = session.studio.store.situations
+    lines = []
+    for example in training.examples:
+        decided = most_probable(training.decides(example.state, example.features))
+        lines.append(
+            Line(
+                example,
+                decided if decided != example.next_state else "",
+                tuple(against.get(example.number, ())),
+                situations.of(session.agent, training.name, example.number, example.cycle)
+                is not None,
+                example.number in session.table.marked,
+            )
+        )
+    return lines
+
+
+def _shown(line: Line, table: Table) -> bool:
+    example = line.example
+    if table.kind == "contradicting":
+        if not line.against:
+            return False
+    elif table.kind and example.kind.value != table.kind:
+        return False
+    text = table.text.lower()
+    return text in f"{example.state} {example.next_state}".lower()
+
+
+def _sort(lines: list[Line], training: Learned, table: Table) -> None:
+    features = training.features
+
+    def key(line: Line) -> Any:
+        example = line.example
+        if table.sort in features:
+            return (example.features[features.index(table.sort)], example.number)
+        if table.sort == "state":
+            return (example.state, example.number)
+        if table.sort == "next":
+            return (example.next_state, example.number)
+        if table.sort == "kind":
+            return (example.kind.value, example.number)
+        return (example.number,)
+
+    lines.sort(key=key, reverse=table.descending)

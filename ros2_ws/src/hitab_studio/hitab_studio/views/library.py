@@ -1,0 +1,25 @@
+"""What the agent has learned so far, with its versions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hitab_core.automaton_text import automaton_as_text
+from hitab_studio.session import Session
+
+
+def context(session: Session) -> dict[str, Any]:
+    """Return what the tab shows."""
+    watched = session.watched
+    behavior = watched.behaviors.get(session.behavior)
+    text = ""
+    if behavior is not None and behavior.automaton is not None:
+        text = automaton_as_text(behavior.automaton, trees=False)
+    return {
+        "trained": sorted(watched.vocabulary.trained),
+        "known": watched.behaviors,
+        "open": session.behavior,
+        "behavior": behavior,
+        "text": text,
+        "compare": session.compare,
+    }

@@ -1,0 +1,31 @@
+"""The panel at the right, of which one tab is shown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hitab_studio.session import Session
+from hitab_studio.views import examples, learned, library, record, swarm, teach
+
+TABS = (
+    ("teach", "Teach", teach.context),
+    ("learned", "Learned", learned.context),
+    ("examples", "Examples", examples.context),
+    ("library", "Library", library.context),
+    ("swarm", "Swarm", swarm.context),
+    ("record", "Record", record.context),
+)
+
+
+def context(session: Session) -> dict[str, Any]:
+    """Return what the panel shows."""
+    training = session.watched.training
+    shown = next(t for t in TABS if t[0] == session.tab)
+    return {
+        "tabs": [(name, title) for name, title, _ in TABS],
+        "tab": session.tab,
+        "agent": session.agent,
+        "training": training,
+        "example_count": len(training.examples) if training is not None else 0,
+        **shown[2](session),
+    }

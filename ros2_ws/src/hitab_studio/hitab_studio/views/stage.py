@@ -1,0 +1,128 @@
+"""What lies over the field: what the agent does, who is in control, and what to command."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from hitab_core.automaton import FLAGS
+from hitab_core.use import Use
+from hitab_studio.actions.teaching import targets_meant
+from hitab_studio.markers import STATE_COLORS
+from hitab_studio.session import Session
+
+KEYS = "1234567890qweyiopasdghjkzxcvbm"
+"""Keys of behaviors; the others have meanings of their own."""
+
+MODE_WORDS = {
+    "idle": ("Idle", "nobody decides"),
+    "performing": ("Performing", "a saved behavior decides"),
+    "training": ("Training", "you decide: each command teaches"),
+    "testing": ("Testing", "what was learned decides"),
+}
+
+
+@dataclass(frozen=True)
+class Button:
+    """A behavior to be commanded."""
+
+    behavior: str
+    key: str
+    kind: str
+    active: bool
+    one_shot: bool
+
+
+def context(session: Session) -> dict[str, Any]:
+    """Return what lies over the field."""
+    status = session.status
+    holder = session.studio.locks.holder(session.agent) if session.agent else None
+    store = session.studio.store
+    mode = status.mode if status is not None else ""
+    return {
+        "agent": session.agent,
+        "status": status,
+        "mode": mode,
+        "mode_words": MODE_WORDS.get(mode, ("", "")),
+        "gone": bool(session.agent) and not store.answers(session.agent),
+        "path": list(status.active_path) if status is not None else [],
+        "lock": None if holder is None or holder.session == session.id else holder.name,
+        "buttons": _buttons(session),
+        "asked": session.asked,
+        "targets": _targets(session),
+        "legend": list(zip(store.palette.states[:8], STATE_COLORS, strict=False)),
+        "player": session.player,
+        "empty": _empty(session),
+        "busy": session.busy > 0,
+        "kept": session.watched.training is not None and mode in ("idle", "performing"),
+    }
+
+
+def _empty(session: Session) -> tuple[str, str, str]:
+    """Return a title, what it means and what to type, where there is no field to be seen."""
+    store = session.studio.store
+    if session.player is not None or store.scene is not None:
+        return ("", "", "")
+    target = store.target
+    if target is not None and target.problem:
+        return ("Which swarm?", target.problem, "hitab studio NAME")
+    if store.statuses:
+        return ("No world", "There are agents, but no world shows them.", "")
+    if target is not None and target.swarm:
+        return (f"Waiting for {target.swarm}", "It is up but does not answer yet.", "")
+    return (
+        "No swarm is up",
+        "Start one in a terminal. This page finds it by itself.",
+        "hitab up keepaway",
+    )
+
+
+def _buttons(session: Session) -> list[Button]:
+    """Return the behaviors that may be commanded: those chosen for the training, else all."""
+    status, watched = session.status, session.watched
+    vocabulary, training = watched.vocabulary, watched.training
+    if status is None or session.player is not None or not vocabulary.behaviors:
+        return []
+    names = list(vocabulary.behaviors)
+    names.sort(key=lambda b: (Use.parse(b).name in vocabulary.trained, b))
+    if session.is_training and training is not None:
+        parameters = set(training.parameters)
+        used = [s for s in training.states if Use.parse(s).name not in FLAGS]
+        others = [
+            b
+            for b in names
+            if Use.parse(b).name != training.name
+            and b not in used
+            and not (set(Use.parse(b).arguments) & parameters)
+        ]
+        names = [*used, *others, *FLAGS]
+    active = status.active_path[0] if status.active_path else ""
+    if status.mode == "performing":
+        active = status.behavior
+    return [
+        Button(
+            behavior=name,
+            key=KEYS[i] if i < len(KEYS) else "",
+            kind=_kind(name, vocabulary.trained),
+            active=name == active,
+            one_shot=Use.parse(name).name in vocabulary.one_shot,
+        )
+        for i, name in enumerate(names)
+    ]
+
+
+def _kind(name: str, trained: frozenset[str]) -> str:
+    bare = Use.parse(name).name
+    if bare in FLAGS:
+        return "flag"
+    return "trained" if bare in trained else "basic"
+
+
+def _targets(session: Session) -> list[tuple[str, bool]]:
+    """Return the targets that may be given, with whether what is chosen in the field means it."""
+    if session.asked is None:
+        return []
+    training = session.watched.training
+    parameters = training.parameters if training is not None and session.is_training else ()
+    meant = {t for name in session.chosen for t in targets_meant(session, name)}
+    return [(t, t in meant) for t in (*session.watched.vocabulary.targets, *parameters)]

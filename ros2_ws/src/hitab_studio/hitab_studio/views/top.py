@@ -1,0 +1,31 @@
+"""The bar at the top: which swarm, and driving its world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hitab_studio.session import Session
+
+SPEEDS = ("0.25", "0.5", "1", "2", "4")
+
+
+def context(session: Session) -> dict[str, Any]:
+    """Return what the bar shows."""
+    store = session.studio.store
+    world, scene = store.world, store.scene
+    pace = ""
+    if world is not None:
+        pace = "lockstep" if world.pace == "lockstep" else f"{world.factor:g}"
+    return {
+        "swarm": store.target.swarm if store.target else "",
+        "there": len(store.statuses) - len(store.gone & store.statuses.keys()),
+        "world": world,
+        "paused": world is not None and world.mode == "paused",
+        "scene": scene,
+        "pace": pace,
+        "speeds": SPEEDS,
+        "missing": list(world.missing) if world is not None else [],
+        "pages": len(session.studio.sessions),
+        "undoable": len(store.placements),
+        "replaying": session.player is not None,
+    }

@@ -1,0 +1,222 @@
+"""What is known of agents that somebody looks at: what they perceive, decide and have learned.
+
+Looking costs an agent a little, so only those that are looked at are asked, and told apart by
+name. Everything here runs in the thread of the link.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from hitab_msgs.msg import AgentStatus, TransitionEvent
+from hitab_msgs.srv import GetBehavior, GetVocabulary, ReadFeatures
+
+from hitab_bringup import names
+from hitab_bringup.ros_link import RosLink
+from hitab_core.automaton import FLAGS, START
+from hitab_core.use import Use
+from hitab_ros import qos
+from hitab_studio.learned import Effect, Learned, Vocabulary, effect, learned_of
+
+HISTORY = 120
+"""Values of a feature that are kept for its curve."""
+
+READ_SECONDS = 0.15
+REFRESH_SECONDS = 2.0
+PATIENCE_SECONDS = 5.0
+
+
+@dataclass
+class Watched:
+    """One agent that is looked at.
+
+    Attributes:
+        vocabulary: what it can be told.
+        training: what is being trained, if anything.
+        behaviors: what is in its library and was needed, by name.
+        readings: automaton, feature and its last values, oldest first.
+        transitions: the last changes of state, newest last.
+        change: what the last change of examples did, and the number of examples before it.
+    """
+
+    vocabulary: Vocabulary = field(default_factory=Vocabulary)
+    training: Learned | None = None
+    behaviors: dict[str, Learned] = field(default_factory=dict)
+    readings: dict[tuple[str, str], deque[float]] = field(default_factory=dict)
+    transitions: deque[TransitionEvent] = field(default_factory=lambda: deque(maxlen=60))
+    change: Effect | None = None
+    silent: bool = False
+
+
+class Watch:
+    """Asks one agent, without ever waiting for an answer.
+
+    Args:
+        link: the node to use.
+        agent: whom.
+        status: returns its last status.
+        changed: called when something new is known.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        agent: str,
+        status: Callable[[], AgentStatus | None],
+        changed: Callable[[], None],
+    ) -> None:
+        self.known = Watched()
+        self._link = link
+        self._agent = agent
+        self._status = status
+        self._changed = changed
+        self._clients: dict[str, Any] = {}
+        self._pending: dict[str, tuple[float, Any, Any]] = {}
+        self._next_read = self._next_refresh = 0.0
+        self._digest = ""
+        self._training_key: tuple[Any, ...] = ()
+        self._wanted: set[str] = set()
+        self._transitions = link.subscribe(
+            TransitionEvent, names.of_agent(agent, "transitions"), self._take_event, qos.EVENTS
+        )
+
+    def close(self) -> None:
+        """Stop looking."""
+        node = self._link.node
+        node.destroy_subscription(self._transitions)
+        for client in self._clients.values():
+            node.destroy_client(client)
+
+    def want(self, name: str) -> None:
+        """Ask for a behavior of the library, to be known from now on."""
+        self._wanted.add(name)
+
+    def look(self) -> None:
+        """Ask for what may have changed."""
+        status = self._status()
+        if status is None:
+            return
+        now = time.monotonic()
+        self._forget_unanswered(now)
+        if status.library_digest != self._digest or not self.known.vocabulary.domain:
+            self._digest = status.library_digest
+            self.known.behaviors.clear()
+            self._ask("vocabulary", GetVocabulary, "get_vocabulary", {}, self._take_vocabulary)
+        training = status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING)
+        key = (
+            training,
+            status.behavior if training else "",
+            status.examples,
+            status.last_command_sequence,
+        )
+        if key != self._training_key or (training and now >= self._next_refresh):
+            self._training_key = key
+            self._next_refresh = now + REFRESH_SECONDS
+            if status.examples or training:
+                self._ask("training", GetBehavior, "get_behavior", {}, self._take_training)
+            elif self.known.training is not None:
+                self.known.training = None
+                self._changed()
+        for name in self._needed(status) - self.known.behaviors.keys():
+            self._ask(name, GetBehavior, "get_behavior", {"name": name}, self._take_behavior)
+        if now >= self._next_read:
+            self._next_read = now + READ_SECONDS
+            self._ask("features", ReadFeatures, "read_features", {}, self._take_features)
+
+    def refresh(self) -> None:
+        """Ask for the training again, since examples were edited."""
+        self._next_refresh = 0.0
+        self._training_key = ()
+        self._pending.pop("training", None)
+
+    def _needed(self, status: AgentStatus) -> set[str]:
+        """Return the automata that are active or that the one at the top is made of."""
+        known, seen = self.known, set(self._wanted)
+        waiting = [Use.parse(s).name for s in [status.behavior, *status.active_path] if s]
+        if known.training is not None:
+            waiting += [Use.parse(s).name for s in known.training.states]
+        while waiting:
+            name = waiting.pop()
+            if name in seen or name in FLAGS or name == START:
+                continue
+            if known.training is not None and name == known.training.name:
+                continue
+            seen.add(name)
+            behavior = known.behaviors.get(name)
+            if behavior is not None:
+                waiting += [Use.parse(s).name for s in behavior.states]
+        return seen
+
+    # -- asking -----------------------------------------------------------------------------
+
+    def _ask(
+        self, key: str, kind: Any, service: str, fields: dict[str, Any], take: Callable[..., None]
+    ) -> None:
+        if key in self._pending:
+            return
+        client = self._clients.get(service)
+        if client is None:
+            name = names.of_agent(self._agent, service)
+            client = self._clients[service] = self._link.node.create_client(kind, name)
+        if not client.service_is_ready():
+            return
+        future = client.call_async(kind.Request(**fields))
+        self._pending[key] = (time.monotonic(), client, future)
+
+        def answered(done: Any) -> None:
+            if self._pending.get(key, (0, 0, None))[2] is done:
+                del self._pending[key]
+                take(done.result(), **({"asked": key} if take == self._take_behavior else {}))
+
+        future.add_done_callback(answered)
+
+    def _forget_unanswered(self, now: float) -> None:
+        old = [k for k, (when, _, _) in self._pending.items() if now > when + PATIENCE_SECONDS]
+        for key in old:
+            _, client, future = self._pending.pop(key)
+            client.remove_pending_request(future)
+        if old:
+            self.known.silent = True
+
+    # -- answers ----------------------------------------------------------------------------
+
+    def _take_event(self, event: TransitionEvent) -> None:
+        self.known.transitions.append(event)
+
+    def _take_vocabulary(self, answer: Any) -> None:
+        self.known.vocabulary = Vocabulary.of(answer)
+        self._changed()
+
+    def _take_training(self, answer: Any) -> None:
+        before = self.known.training
+        after = learned_of(answer) if answer.success else None
+        if after == before:
+            return
+        self.known.training = after
+        if before is not None and after is not None and before.name == after.name:
+            self.known.change = effect(before, after)
+        else:
+            self.known.change = None
+        self._changed()
+
+    def _take_behavior(self, answer: Any, asked: str) -> None:
+        if answer.success:
+            self.known.behaviors[asked] = learned_of(answer)
+            self._changed()
+
+    def _take_features(self, answer: Any) -> None:
+        self.known.silent = False
+        if not answer.success:
+            return
+        readings = self.known.readings
+        there = list(zip(answer.automata, answer.features, strict=True))
+        for key, value in zip(there, answer.values, strict=True):
+            if key not in readings:
+                readings[key] = deque(maxlen=HISTORY)
+            readings[key].append(value)
+        for key in readings.keys() - set(there):
+            del readings[key]
