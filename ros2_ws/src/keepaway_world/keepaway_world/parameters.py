@@ -14,6 +14,7 @@ from typing import Any
 
 SIGHTS = ("quantised", "full")
 RESET_ANGLES = ("drawn", "kept")
+TAKER_POLICIES = ("intercept", "reference")
 
 
 class ParameterError(ValueError):
@@ -29,6 +30,9 @@ class KeepawayParameters:
         width, height: of the box, which is centred on the origin, m.
         taker_speed: factor on the power of the takers' dashes (the paper: a quarter), which they
             know of.
+        taker_policy: "intercept": go where the ball can first be reached, seeing all exactly; or
+            "reference": UT Austin's own takers, who see as `sight` says and do not know that
+            they are slow.
         ball_collides: whether players collide with the ball (the paper: they cannot).
         players_collide: whether players collide with each other.
         sight: "quantised" as a player of rcssserver sees, or "full": exact.
@@ -39,6 +43,8 @@ class KeepawayParameters:
         say_length: longest message, in characters.
         say_range: how far a message is heard, m.
         turnover_cycles: cycles of possession by takers after which the ball is taken.
+        stuck_area, drop_ball_cycles: a ball that stays within so many m for so many cycles is
+            dropped: it comes to rest and all players are moved away from it. No area, no drop.
 
     The rest are mechanics of rcssserver; `dash_rate`, `kick_rate` and `inertia` are its
     ``dash_power_rate``, ``kick_power_rate`` and ``inertia_moment``.
@@ -49,6 +55,7 @@ class KeepawayParameters:
     width: float = 20.0
     height: float = 20.0
     taker_speed: float = 0.25
+    taker_policy: str = "intercept"
     ball_collides: bool = False
     players_collide: bool = True
     sight: str = "quantised"
@@ -59,6 +66,8 @@ class KeepawayParameters:
     say_length: int = 10
     say_range: float = 50.0
     turnover_cycles: int = 4
+    stuck_area: float = 3.0
+    drop_ball_cycles: int = 100
 
     player_radius: float = 0.3
     ball_radius: float = 0.085
@@ -91,7 +100,11 @@ class KeepawayParameters:
                     )
             elif field.type == "float":
                 self._check_figure(field.name, value)
-        for name, allowed in (("sight", SIGHTS), ("reset_angles", RESET_ANGLES)):
+        for name, allowed in (
+            ("sight", SIGHTS),
+            ("reset_angles", RESET_ANGLES),
+            ("taker_policy", TAKER_POLICIES),
+        ):
             if getattr(self, name) not in allowed:
                 raise ParameterError(
                     f"{name} is {getattr(self, name)!r}; it must be one of: {', '.join(allowed)}"

@@ -17,6 +17,7 @@ OUT = "out"
 TAKEN = "taken"
 
 CORNER_SPREAD = 3.0  # m: players begin up to so far inside their corner, in x and in y
+CLEAR_DISTANCE = 9.15  # m from a dropped ball to the edge of the nearest player
 BALL_INSET = 4.0  # m: the ball begins so far inside its corner
 KEEPER_CORNERS = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0))
 TAKER_CORNER = (-1.0, -1.0)
@@ -35,14 +36,16 @@ class Referee:
         self._half_width = parameters.width / 2.0
         self._half_height = parameters.height / 2.0
         self._kickable_squared = parameters.kickable**2
-        self.possession = 0
-        self.passes = 0
-        self._last_kick: Mover | None = None
+        self._stuck_area = parameters.stuck_area
+        self._drop_ball = parameters.drop_ball_cycles
+        self.begin()
 
     def begin(self) -> None:
         """Forget the last episode."""
         self.possession = self.passes = 0
-        self._last_kick = None
+        self._last_kick: Mover | None = None
+        self._stuck_at = (0.0, 0.0)
+        self._stuck_for = 0
 
     def saw_kick(self, player: Mover) -> None:
         """Note that ``player`` kicked the ball."""
@@ -77,16 +80,52 @@ class Referee:
                 return None
         return None
 
+    def finds_stuck(self, ball: Mover) -> bool:
+        """Check after a cycle whether the ball has been about the same place for too long.
+
+        rcssserver's rule, with its ``ball_stuck_area`` and ``drop_ball_time``; see `drop_ball`.
+        """
+        x, y = self._stuck_at
+        if math.hypot(ball.x - x, ball.y - y) <= self._stuck_area:
+            self._stuck_for += 1
+            if self._stuck_for < self._drop_ball:
+                return False
+        self._stuck_at = ball.x, ball.y
+        stuck = self._stuck_for >= self._drop_ball
+        self._stuck_for = 0
+        return stuck and self._stuck_area > 0.0
+
     def state(self) -> dict[str, Any]:
         """Return what it has counted, as JSON-able data."""
         last = self._last_kick.name if self._last_kick else ""
-        return {"possession": self.possession, "passes": self.passes, "last_kick": last}
+        return {
+            "possession": self.possession,
+            "passes": self.passes,
+            "last_kick": last,
+            "stuck_at": list(self._stuck_at),
+            "stuck_for": self._stuck_for,
+        }
 
     def restore(self, state: dict[str, Any], players: Sequence[Mover]) -> None:
         """Bring back what `state` returned."""
         self.possession, self.passes = state["possession"], state["passes"]
+        x, y = state["stuck_at"]
+        self._stuck_at, self._stuck_for = (x, y), state["stuck_for"]
         by_name = {player.name: player for player in players}
         self._last_kick = by_name.get(state["last_kick"])
+
+
+def drop_ball(physics: Physics) -> None:
+    """Bring the ball to rest where it is and move the players about it straight away from it."""
+    ball = physics.ball
+    physics.put(ball, ball.x, ball.y)
+    for player in physics.players:
+        away = math.hypot(player.x - ball.x, player.y - ball.y)
+        clear = CLEAR_DISTANCE + player.radius
+        if 0.0 < away < clear:
+            x = ball.x + (player.x - ball.x) * clear / away
+            y = ball.y + (player.y - ball.y) * clear / away
+            physics.put(player, x, y, player.heading)
 
 
 def set_up(physics: Physics, random: Random) -> None:

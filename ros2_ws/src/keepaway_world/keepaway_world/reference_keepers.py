@@ -11,13 +11,14 @@ from random import Random
 from hitab_core.seeding import agent_seed
 from keepaway_world import action
 from keepaway_world.interception import Order
-from keepaway_world.physics import Mover, Physics
+from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.reference.ball_handling import BallHandling
 from keepaway_world.reference.interception import Meeting
 from keepaway_world.reference.policies import HOLD, POLICIES, Policy, by_distance
 from keepaway_world.reference.positioning import get_open, open_point
 from keepaway_world.reference.prediction import Predictor, as_sent
 from keepaway_world.reference.reaching import Reach
+from keepaway_world.reference.view import Eyes, View
 from keepaway_world.world import KeepawayWorld
 
 FORWARD = 1.0  # they play towards +x
@@ -29,12 +30,10 @@ _KINDS = {"dash": action.DASH, "turn": action.TURN, "kick": action.KICK}
 class ReferenceKeeper:
     """Decides for one keeper; remembers the last pass and where it meets the ball."""
 
-    def __init__(self, physics: Physics, me: Mover, policy: Policy, random: Random) -> None:
-        self._physics = physics
-        self._me = me
+    def __init__(self, parameters: KeepawayParameters, policy: Policy, random: Random) -> None:
         self._policy = policy
         self._random = random
-        self._predictor = Predictor(physics.parameters)
+        self._predictor = Predictor(parameters)
         self.begin()
 
     def begin(self) -> None:
@@ -42,32 +41,31 @@ class ReferenceKeeper:
         self._meeting = Meeting(self._predictor, FORWARD)
         self._last_choice, self._chosen_at = HOLD, -10
 
-    def decide(self, cycle: int) -> Order:
+    def decide(self, view: View, cycle: int) -> Order:
         """Return the command of a cycle."""
-        physics, me, ball = self._physics, self._me, self._physics.ball
+        me, ball = view.me, view.ball
         apart = complex(ball.x - me.x, ball.y - me.y)
         if abs(apart) < self._predictor.kickable:
-            return as_sent(self._with_ball(cycle))
-        reach = Reach(self._predictor, physics, me)
-        fastest = reach.fastest(physics.keepers, physics.takers)
+            return as_sent(self._with_ball(view, cycle))
+        reach = Reach(self._predictor, view)
+        fastest = reach.fastest(view.keepers, view.takers)
         if fastest is me:
-            return as_sent(self._meeting.order(me, ball, physics.takers, cycle))
+            return as_sent(self._meeting.order(me, ball, view.takers, cycle))
         from_where = self._predictor.ball_after(ball, reach.cycles_to_ball(fastest))
-        takers = [complex(t.x, t.y) for t in physics.takers]
-        others = [complex(p.x, p.y) for p in physics.players if p is not me]
-        p = physics.parameters
+        takers = [complex(t.x, t.y) for t in view.takers]
+        others = [complex(p.x, p.y) for p in view.players if p is not me]
+        p = view.parameters
         point = open_point((p.width, p.height), from_where, others, takers)
         return as_sent(get_open(self._predictor, me, point, complex(ball.x, ball.y)))
 
-    def _with_ball(self, cycle: int) -> Order:
-        physics = self._physics
+    def _with_ball(self, view: View, cycle: int) -> Order:
         passing = self._last_choice != HOLD and self._chosen_at == cycle - 1
-        choice = self._last_choice if passing else self._policy(physics, self._random)
+        choice = self._last_choice if passing else self._policy(view, self._random)
         self._last_choice, self._chosen_at = choice, cycle
-        handling = BallHandling(self._predictor, self._me, physics.ball, physics.takers, FORWARD)
+        handling = BallHandling(self._predictor, view.me, view.ball, view.takers, FORWARD)
         if choice == HOLD:
             return handling.hold(HOLD_RATIO)
-        receiver = by_distance(physics.keepers, self._me)[choice]
+        receiver = by_distance(view.keepers, view.me)[choice]
         return handling.pass_to(complex(receiver.x, receiver.y))
 
 
@@ -98,16 +96,18 @@ class ReferencePlayer:
         self._name = name
         self._random = Random()
         me = next(k for k in world.physics.keepers if k.name == name)
-        self._keeper = ReferenceKeeper(world.physics, me, policy, self._random)
+        self._eyes = Eyes(world.physics, me)
+        self._keeper = ReferenceKeeper(world.parameters, policy, self._random)
 
     def begin(self, seed: int, episode: int) -> None:
         """Begin an episode, with the player's generator seeded for it."""
         self._random.seed(agent_seed(seed, episode, self._name))
+        self._eyes.begin()
         self._keeper.begin()
 
     def tick(self) -> None:
         """Decide about this cycle."""
-        self.body.order = self._keeper.decide(self._world.episode_cycle)
+        self.body.order = self._keeper.decide(self._eyes.view(), self._world.episode_cycle)
 
 
 def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, ReferencePlayer]:

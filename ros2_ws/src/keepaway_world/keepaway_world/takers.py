@@ -23,6 +23,9 @@ class TakerTeam:
         self.parameters = parameters
         self._interceptor = Interceptor(parameters, parameters.taker_speed)
 
+    def begin(self) -> None:
+        """Begin an episode: they remember nothing."""
+
     def decide(self, physics: Physics) -> list[Order]:
         """Return the order of each taker for this cycle; its dash power is already slowed."""
         takers, ball = physics.takers, physics.ball

@@ -52,7 +52,11 @@ class KeepawayWorld:
         self._random = Random()
         self._physics = Physics(parameters, self._random)
         self._referee = referee.Referee(parameters)
-        self._team = TakerTeam(parameters)
+        self._team = (
+            ReferenceTakers(self._physics)
+            if parameters.taker_policy == "reference"
+            else TakerTeam(parameters)
+        )
         self._movers = {mover.name: mover for mover in self._physics.movers}
         self._keepers = {mover.name: mover for mover in self._physics.keepers}
         self.agents: tuple[str, ...] = tuple(self._keepers)
@@ -72,6 +76,7 @@ class KeepawayWorld:
         self._heard.clear()
         self._random.seed(world_seed(self.seed, self.episode))
         self._referee.begin()
+        self._team.begin()
         referee.set_up(self._physics, self._random)
 
     @property
@@ -107,6 +112,8 @@ class KeepawayWorld:
         happened = self._referee.judge(self._physics)
         if happened is not None:
             self.ended = happened
+        elif self._referee.finds_stuck(self._physics.ball):
+            referee.drop_ball(self._physics)
         return happened
 
     def _perform(self, actions: Mapping[str, Action]) -> tuple[dict[str, str], dict[str, str]]:

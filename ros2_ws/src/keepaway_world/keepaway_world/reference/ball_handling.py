@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.interception import Order
 from keepaway_world.kicking import pass_speed
-from keepaway_world.physics import Mover
 from keepaway_world.reference.prediction import FULL, Motion, Predictor
+from keepaway_world.reference.view import Seen
 
 SAFE_STOP = 0.8  # of the kicking range: a ball may stop within
 SAFE_TURN = 0.85  # likewise, for a player that turns while holding
@@ -38,9 +38,9 @@ class BallHandling:
     def __init__(
         self,
         predictor: Predictor,
-        me: Mover,
-        ball: Mover,
-        opponents: Sequence[Mover],
+        me: Seen,
+        ball: Seen,
+        opponents: Sequence[Seen],
         forward: float,
     ) -> None:
         self._forward = forward

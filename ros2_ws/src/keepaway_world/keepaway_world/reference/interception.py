@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.interception import Order
-from keepaway_world.physics import Mover
 from keepaway_world.reference.prediction import Motion, Predictor
 from keepaway_world.reference.reaching import HORIZON
+from keepaway_world.reference.view import Seen
 
 MORE = 20  # cycles after the first possible one in which a better place is looked for
 SAFER = 3  # cycles that a safer place may be later
@@ -44,7 +44,7 @@ class Meeting:
         self._place: complex | None = None
         self._cycle = -10
 
-    def order(self, me: Mover, ball: Mover, opponents: Sequence[Mover], cycle: int) -> Order:
+    def order(self, me: Seen, ball: Seen, opponents: Sequence[Seen], cycle: int) -> Order:
         """Return the command of this cycle."""
         predictor = self._predictor
         motion = Motion.of(me)
@@ -60,7 +60,7 @@ class Meeting:
             return predictor.turn_to(motion, motion.position + self._forward)
         return predictor.move_to(motion, place, cycles)
 
-    def _when(self, motion: Motion, ball: Mover) -> int:
+    def _when(self, motion: Motion, ball: Seen) -> int:
         """Return in how many cycles to meet the ball: as planned before, or else the first."""
         predictor, kickable = self._predictor, self._predictor.kickable
         speed_max = predictor.parameters.player_speed_max
@@ -108,7 +108,7 @@ class Meeting:
             return planned
         return first
 
-    def _last_steps(self, motion: Motion, ball: Mover, opponents: Sequence[Mover]) -> Order | None:
+    def _last_steps(self, motion: Motion, ball: Seen, opponents: Sequence[Seen]) -> Order | None:
         """Return the turn or dash after which the ball can be kicked, or None."""
         predictor, kickable = self._predictor, self._predictor.kickable
         p = predictor.parameters
@@ -171,7 +171,7 @@ class Meeting:
             return dash
         return None
 
-    def _bump(self, motion: Motion, ball: Mover, ball_1: complex) -> Order | None:
+    def _bump(self, motion: Motion, ball: Seen, ball_1: complex) -> Order | None:
         """Return a command after which player and ball collide, which stops both, or None."""
         predictor = self._predictor
         apart = abs(complex(ball.x, ball.y) - motion.position)

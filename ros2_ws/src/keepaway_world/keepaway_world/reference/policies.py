@@ -9,55 +9,55 @@ from random import Random
 from types import MappingProxyType
 
 from keepaway_world.angles import wrapped
-from keepaway_world.physics import Mover, Physics
+from keepaway_world.reference.view import Seen, View
 
 HOLD = 0
 SAFE = 5.0  # m: no taker is nearer
 HOLD_SCORE = 90.0
 PER_METRE = 4.0  # degrees that a metre to the nearest taker is worth
 
-Policy = Callable[[Physics, Random], int]
+Policy = Callable[[View, Random], int]
 """Returns `HOLD` or i > 0 for a pass to the i-th closest team mate."""
 
 
-def by_distance(players: Sequence[Mover], origin: Mover) -> list[Mover]:
+def by_distance(players: Sequence[Seen], origin: Seen) -> list[Seen]:
     """Return the players by their distance from one of them, who is the first."""
     return sorted(players, key=lambda k: math.hypot(k.x - origin.x, k.y - origin.y))
 
 
-def hand(physics: Physics, random: Random) -> int:
+def hand(view: View, random: Random) -> int:
     """Hold while no taker is near, else what scores most (Stone, Sutton, Kuhlmann 2005)."""
-    ball = physics.ball
-    passer = min(physics.keepers, key=lambda k: math.hypot(k.x - ball.x, k.y - ball.y))
-    if not physics.takers:
+    ball = view.ball
+    passer = min(view.keepers, key=lambda k: math.hypot(k.x - ball.x, k.y - ball.y))
+    if not view.takers:
         return HOLD
-    if min(math.hypot(t.x - passer.x, t.y - passer.y) for t in physics.takers) > SAFE:
+    if min(math.hypot(t.x - passer.x, t.y - passer.y) for t in view.takers) > SAFE:
         return HOLD
     best, most = HOLD, HOLD_SCORE
-    for number, mate in enumerate(by_distance(physics.keepers, passer)):
+    for number, mate in enumerate(by_distance(view.keepers, passer)):
         if number == 0:
             continue
-        open_by = min(math.hypot(t.x - mate.x, t.y - mate.y) for t in physics.takers)
-        angle = min(_angle(passer, mate, taker) for taker in physics.takers)
+        open_by = min(math.hypot(t.x - mate.x, t.y - mate.y) for t in view.takers)
+        angle = min(_angle(passer, mate, taker) for taker in view.takers)
         score = PER_METRE * open_by + math.degrees(angle)
         if score > most:
             best, most = number, score
     return best
 
 
-def _angle(at: Mover, one: Mover, other: Mover) -> float:
+def _angle(at: Seen, one: Seen, other: Seen) -> float:
     """Return the angle at a player between two others."""
     first = cmath.phase(complex(one.x - at.x, one.y - at.y))
     second = cmath.phase(complex(other.x - at.x, other.y - at.y))
     return abs(wrapped(first - second))
 
 
-def rand(physics: Physics, random: Random) -> int:
+def rand(view: View, random: Random) -> int:
     """Hold, or pass to any team mate, with equal chance."""
-    return random.randrange(len(physics.keepers))
+    return random.randrange(len(view.keepers))
 
 
-def hold(physics: Physics, random: Random) -> int:
+def hold(view: View, random: Random) -> int:
     """Never pass."""
     return HOLD
 

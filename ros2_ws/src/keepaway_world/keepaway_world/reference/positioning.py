@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from keepaway_world.angles import wrapped
 from keepaway_world.interception import Order
-from keepaway_world.physics import Mover
 from keepaway_world.reference.prediction import Motion, Predictor, bearing
+from keepaway_world.reference.view import Seen
 
 GRID = 5  # by 5 points
 INSET = 0.15  # of the box, on each side
@@ -54,7 +54,7 @@ def in_lane(start: complex, end: complex, player: complex) -> bool:
     return aside < CONE * abs(along) and 0.0 < along < length and abs(player - start) < length
 
 
-def get_open(predictor: Predictor, me: Mover, point: complex, ball: complex) -> Order:
+def get_open(predictor: Predictor, me: Seen, point: complex, ball: complex) -> Order:
     """Return the command that takes a player to its open point, or lets it face the ball."""
     motion = Motion.of(me)
     if abs(motion.position - point) < ARRIVED:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.interception import Order
 from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.physics import Mover
+from keepaway_world.reference.view import Seen
 
 FULL = 100.0
 LATERAL = 0.9  # of the kicking range: a point that is less beside the way needs no turn
@@ -28,7 +28,7 @@ class Motion:
     heading: float
 
     @classmethod
-    def of(cls, mover: Mover) -> Motion:
+    def of(cls, mover: Seen) -> Motion:
         """Return the present state of a player."""
         return cls(complex(mover.x, mover.y), complex(mover.vx, mover.vy), mover.heading)
 
@@ -54,7 +54,7 @@ class Predictor:
         for cycle in range(101):
             self._ball_sums.append(self._ball_sums[-1] + p.ball_decay**cycle)
 
-    def ball_after(self, ball: Mover, cycles: int) -> complex:
+    def ball_after(self, ball: Seen, cycles: int) -> complex:
         """Return where the ball will be if nobody touches it."""
         rolled = self._ball_sums[min(cycles, 100)]
         return complex(ball.x + ball.vx * rolled, ball.y + ball.vy * rolled)

@@ -7,8 +7,8 @@ import math
 from collections.abc import Sequence
 
 from keepaway_world.angles import wrapped
-from keepaway_world.physics import Mover, Physics
 from keepaway_world.reference.prediction import FULL, Motion, Predictor
+from keepaway_world.reference.view import Seen, View
 
 HORIZON = 30  # cycles that are looked ahead
 NEVER = 100
@@ -19,12 +19,12 @@ RESTING = 0.01  # m/cycle
 class Reach:
     """Estimates of one player in one cycle, about itself and the others."""
 
-    def __init__(self, predictor: Predictor, physics: Physics, me: Mover) -> None:
+    def __init__(self, predictor: Predictor, view: View) -> None:
         self._predictor = predictor
-        self._physics = physics
-        self._me = me
+        self._me = view.me
+        self._ball = view.ball
 
-    def cycles_to(self, player: Mover, target: complex) -> int:
+    def cycles_to(self, player: Seen, target: complex) -> int:
         """Return in how many cycles a player can have a point within kicking range."""
         predictor, kickable = self._predictor, self._predictor.kickable
         motion = Motion.of(player)
@@ -69,12 +69,12 @@ class Reach:
             cycles += math.ceil((distance - kickable) * p.player_decay / speed)
         return cycles
 
-    def fastest(self, team: Sequence[Mover], others: Sequence[Mover]) -> Mover:
+    def fastest(self, team: Sequence[Seen], others: Sequence[Seen]) -> Seen:
         """Return who of a team can be at the ball first.
 
         If one of the others is there before, it is the one who is first at that place.
         """
-        ball = self._physics.ball
+        ball = self._ball
         found = team[0]
         for cycles in range(HORIZON + 1):
             place = self._predictor.ball_after(ball, cycles)
@@ -87,8 +87,8 @@ class Reach:
         return found
 
     def _first_at(
-        self, players: Sequence[Mover], place: complex, cycles: int
-    ) -> tuple[Mover | None, int]:
+        self, players: Sequence[Seen], place: complex, cycles: int
+    ) -> tuple[Seen | None, int]:
         found, least = None, NEVER
         reach = (cycles + 1) * self._predictor.parameters.player_speed_max
         for player in players:
@@ -98,7 +98,7 @@ class Reach:
                     found, least = player, needed
         return found, least
 
-    def _fastest_to(self, players: Sequence[Mover], place: complex) -> Mover | None:
+    def _fastest_to(self, players: Sequence[Seen], place: complex) -> Seen | None:
         found, least = None, NEVER
         speed = self._predictor.parameters.player_speed_max
         for player in players:
@@ -108,9 +108,9 @@ class Reach:
                     found, least = player, needed
         return found
 
-    def cycles_to_ball(self, player: Mover) -> int:
+    def cycles_to_ball(self, player: Seen) -> int:
         """Return in how many cycles a player is expected to be at the rolling ball."""
-        ball, predictor = self._physics.ball, self._predictor
+        ball, predictor = self._ball, self._predictor
         if math.hypot(ball.vx, ball.vy) < RESTING:
             return self.cycles_to(player, complex(ball.x, ball.y))
         cycles, needed = 0, NEVER
