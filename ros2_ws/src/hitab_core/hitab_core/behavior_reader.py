@@ -36,8 +36,11 @@ def read_text(path: Path) -> str:
     Raises:
         LibraryError: if it cannot be read, is not text or is too large to be a behavior.
     """
-    with file_errors(path, "read"), path.open("rb") as file:
-        data = file.read(4 * LARGEST + 1)
+    with file_errors(path, "read"):
+        if path.is_fifo():
+            raise LibraryError(f"{path}: is a pipe, which cannot be read as a file; remove it")
+        with path.open("rb") as file:
+            data = file.read(4 * LARGEST + 1)
     if len(data) > 4 * LARGEST:
         raise LibraryError(f"{path.name}: has more than {4 * LARGEST} bytes; it is no behavior")
     try:

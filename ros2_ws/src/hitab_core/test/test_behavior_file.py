@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 import string
 import subprocess
 import sys
@@ -361,6 +362,7 @@ def test_a_file_whose_feature_now_means_something_else_is_not_accepted(
     ("make", "complaint"),
     [
         (lambda path: path.write_bytes(b"format: 1\nname: \xff\n"), ":2: is not UTF-8 text"),
+        (os.mkfifo, "is a pipe"),
         (lambda path: path.mkdir(), "cannot read it: Is a directory; it is a folder"),
         (lambda path: None, "cannot read it: No such file or directory; look for a mistyped"),
     ],

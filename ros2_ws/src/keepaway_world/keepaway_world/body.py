@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from hitab_core.errors import FeatureValueError
 from keepaway_world import percept
 from keepaway_world.action import DASH, KICK, TURN
 from keepaway_world.angles import PI, wrapped
@@ -65,7 +66,7 @@ class KeeperBody:
         """Take this cycle's percept and forget the last one, and the command that followed.
 
         Raises:
-            ValueError: if the percept is not laid out for a keeper.
+            FeatureValueError: if the percept is not laid out for a keeper.
         """
         if len(values) != self._length or values[percept.KEEPERS] != self._keepers:
             self._lay_out(values)
@@ -76,14 +77,16 @@ class KeeperBody:
         self._say = ""
 
     def _lay_out(self, values: Sequence[float]) -> None:
-        if len(values) >= OTHERS:
+        if len(values) >= OTHERS and math.isfinite(
+            values[percept.KEEPERS] + values[percept.TAKERS]
+        ):
             keepers, takers = int(values[percept.KEEPERS]), int(values[percept.TAKERS])
             expected = percept.percept_length(keepers, takers)
             if len(values) == expected:
                 self._keepers, self._length = keepers, expected
                 self._first_taker = OTHERS + 2 * (keepers - 1)
                 return
-        raise ValueError(
+        raise FeatureValueError(
             f"{self.name}: a percept of {len(values)} values is not one of keepaway; "
             "is the agent linked to another world?"
         )

@@ -24,6 +24,9 @@ from keepaway_world.takers import TakerTeam
 
 SNAPSHOT_VERSION = 1
 
+FARTHEST = 1000.0
+"""Metres from the centre of the field at which something can be placed."""
+
 
 class KeepawayWorld:
     """A game of keepaway; see `hitab_world.world.World` for what can be done.
@@ -52,11 +55,7 @@ class KeepawayWorld:
         self._random = Random()
         self._physics = Physics(parameters, self._random)
         self._referee = referee.Referee(parameters)
-        self._team = (
-            ReferenceTakers(self._physics)
-            if parameters.taker_policy == "reference"
-            else TakerTeam(parameters)
-        )
+        self._team = TakerTeam(parameters)
         self._movers = {mover.name: mover for mover in self._physics.movers}
         self._keepers = {mover.name: mover for mover in self._physics.keepers}
         self.agents: tuple[str, ...] = tuple(self._keepers)
@@ -76,7 +75,6 @@ class KeepawayWorld:
         self._heard.clear()
         self._random.seed(world_seed(self.seed, self.episode))
         self._referee.begin()
-        self._team.begin()
         referee.set_up(self._physics, self._random)
 
     @property
@@ -112,8 +110,6 @@ class KeepawayWorld:
         happened = self._referee.judge(self._physics)
         if happened is not None:
             self.ended = happened
-        elif self._referee.finds_stuck(self._physics.ball):
-            referee.drop_ball(self._physics)
         return happened
 
     def _perform(self, actions: Mapping[str, Action]) -> tuple[dict[str, str], dict[str, str]]:
@@ -288,10 +284,16 @@ def _or(value: float, otherwise: float) -> float:
 
 
 def _check(placement: Placement, mover: Mover) -> None:
-    """Refuse what cannot be: infinite figures, and speeds that nothing in the world reaches."""
+    """Refuse what cannot be: places beyond all sight, speeds that nothing reaches."""
     for field in ("x", "y", "heading", "vx", "vy"):
         if math.isinf(getattr(placement, field)):
             raise WorldError(f"{placement.name}: {field} is infinite; give a number or NaN")
+    for field in ("x", "y"):
+        if abs(getattr(placement, field)) > FARTHEST:
+            raise WorldError(
+                f"{placement.name}: {field} {getattr(placement, field):g} m is beyond "
+                f"{FARTHEST:g} m; give it a place near the field, whose centre is (0, 0)"
+            )
     vx = _or(placement.vx, mover.vx * CYCLES_PER_SECOND)
     vy = _or(placement.vy, mover.vy * CYCLES_PER_SECOND)
     fastest = mover.speed_max * CYCLES_PER_SECOND

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hitab_core.errors import HitabError
 from hitab_world.world import Placement
 from keepaway_world.body import NOBODY, KeeperBody
 from keepaway_world.parameters import variant
@@ -97,10 +98,12 @@ def test_the_closest_are_found_among_equals_by_the_lowest_number(quiet, put):
 
 
 def test_a_body_refuses_the_percept_of_another_world():
-    with pytest.raises(ValueError, match="keeper_1: a percept of 7 values"):
+    with pytest.raises(HitabError, match="keeper_1: a percept of 7 values"):
         KeeperBody("keeper_1").sense([0.0] * 7, [])
-    with pytest.raises(ValueError, match="another world"):
+    with pytest.raises(HitabError, match="another world"):
         KeeperBody("keeper_1").sense([], [])
+    with pytest.raises(HitabError, match="another world"):
+        KeeperBody("keeper_1").sense([math.nan] * percept_length(3, 2), [])
 
 
 def test_a_body_notices_that_the_teams_have_changed():
