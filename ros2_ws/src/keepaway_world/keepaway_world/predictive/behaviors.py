@@ -26,7 +26,7 @@ STILL = 0.05  # m/cycle²: a kick weaker than this is not worth its noise
 SHIELD = 0.6  # m: how far from the keeper's centre a shielded ball is kept
 SHIELD_FROM = 6.0  # m: a taker farther than that is no danger, and the ball is only stopped
 
-RINGS = (0.35, 0.6)  # of half the box: radii of the rings of points that OfferPass looks at
+RINGS = (0.35, 0.6, 0.8)  # of half the box: radii of the rings of points that OfferPass looks at
 SPOKES = 12  # points in each
 LANE_ENOUGH = 4.0  # m: a lane so clear is as good as any
 APART = 9.0  # m: as far as it is good to be from team mates and takers
@@ -86,7 +86,7 @@ def kick(body: PredictiveBody, ax: float, ay: float) -> None:
 def offer_pass(body: PredictiveBody) -> None:
     """Go to where a pass from the ball would be safe, away from everybody else.
 
-    Of two rings of points around the centre it is the one with the clearest lane from where the
+    Of three rings of points around the centre it is the one with the clearest lane from where the
     ball will be, far from takers and team mates, and not far to go.
     """
     x, y = body.position
