@@ -20,9 +20,10 @@ from keepaway_world import action, referee
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import CYCLES_PER_SECOND, perceive
 from keepaway_world.physics import Mover, Physics
+from keepaway_world.reference.takers import ReferenceTakers
 from keepaway_world.takers import TakerTeam
 
-SNAPSHOT_VERSION = 1
+SNAPSHOT_VERSION = 2
 
 FARTHEST = 1000.0
 """Metres from the centre of the field at which something can be placed."""
@@ -55,7 +56,11 @@ class KeepawayWorld:
         self._random = Random()
         self._physics = Physics(parameters, self._random)
         self._referee = referee.Referee(parameters)
-        self._team = TakerTeam(parameters)
+        self._team = (
+            ReferenceTakers(self._physics)
+            if parameters.taker_policy == "reference"
+            else TakerTeam(parameters)
+        )
         self._movers = {mover.name: mover for mover in self._physics.movers}
         self._keepers = {mover.name: mover for mover in self._physics.keepers}
         self.agents: tuple[str, ...] = tuple(self._keepers)
@@ -75,6 +80,7 @@ class KeepawayWorld:
         self._heard.clear()
         self._random.seed(world_seed(self.seed, self.episode))
         self._referee.begin()
+        self._team.begin()
         referee.set_up(self._physics, self._random)
 
     @property
@@ -110,6 +116,8 @@ class KeepawayWorld:
         happened = self._referee.judge(self._physics)
         if happened is not None:
             self.ended = happened
+        elif self._referee.finds_stuck(self._physics.ball):
+            referee.drop_ball(self._physics)
         return happened
 
     def _perform(self, actions: Mapping[str, Action]) -> tuple[dict[str, str], dict[str, str]]:
