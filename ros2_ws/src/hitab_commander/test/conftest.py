@@ -18,7 +18,6 @@ from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
 from hitab_commander.commander_node import CommanderNode
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_ros import names, qos
 
@@ -145,6 +144,9 @@ class Troop:
         node = self.nodes.pop(name)
         self.executor.remove_node(node)
         node.destroy_node()
+        journal = node.agent._journal
+        if journal is not None:
+            journal.close()  # as the end of a process does
 
     def close(self) -> None:
         for name in list(self.nodes):
@@ -170,7 +172,7 @@ class Troop:
 
     # -- talking ----------------------------------------------------------------------------
 
-    def perceive(self, name: str, *values: float, restart: bool = False) -> None:
+    def perceive(self, name: str, *values: float, episode: int = 0) -> None:
         """Give an ant a percept."""
         if self._percepts[name] is None:
             self._percepts[name] = self.link.create_publisher(
@@ -185,7 +187,8 @@ class Troop:
                 sequence=self._cycle,
                 cycle=self._cycle,
                 values=list(values),
-                restart=restart,
+                episode=episode,
+                restart=episode > 0,
             )
         )
         self.until(lambda: self.nodes[name].agent.cycle >= self._cycle)
@@ -250,8 +253,3 @@ def troop(tmp_path: Path) -> Iterator[Troop]:
         made = Troop(tmp_path, context)
         stack.callback(made.close)
         yield made
-
-
-def library_of(troop: Troop, name: str) -> BehaviorLibrary:
-    """Return the library of a node, to put something into it before the node begins."""
-    return BehaviorLibrary(troop.folder / "libraries" / name, ANT)

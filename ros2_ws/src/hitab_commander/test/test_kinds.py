@@ -1,0 +1,253 @@
+"""Kinds of commanders: what is written is read again, errors have places, words a meaning."""
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hitab_commander.aggregation import mean_position, observed, spread, summed_up
+from hitab_commander.commander_body import CommanderBody
+from hitab_commander.commander_domain import commander_domain
+from hitab_commander.kind import CommanderKind, GroupFeature, Observation, OrderMap, Over, Pick
+from hitab_commander.kind_reader import parse_kind, read_kind
+from hitab_commander.kind_writer import kind_text
+from hitab_core.errors import VocabularyError
+from hitab_core.order import OTHERS, Order, Report
+from hitab_core.yaml_places import read_yaml
+
+NAMES = st.from_regex(r"[A-Z][a-z]{0,6}", fullmatch=True).filter(
+    lambda name: name not in ("Done", "Failed", "Start")
+)
+VALUES = st.floats(-1e6, 1e6)
+MAYBE = st.one_of(VALUES, st.just(math.nan))
+LIMITS = st.one_of(st.none(), VALUES)
+FEATURES = st.one_of(NAMES, NAMES.map(lambda name: f"{name}(ball)"))
+OBSERVATIONS = st.one_of(
+    st.sampled_from(["Done", "Failed"]).map(lambda flag: Observation(flag=flag)),
+    NAMES.map(lambda state: Observation(active=state)),
+    st.builds(lambda f, b, a: Observation(feature=f, below=b, above=a), FEATURES, LIMITS, LIMITS),
+)
+ROLES = st.one_of(st.just(""), st.from_regex(r"[a-z]{1,5}", fullmatch=True))
+SUMS = [over for over in Over if over not in (Over.VALUE, Over.GROUP)]
+
+
+@st.composite
+def kinds(draw):
+    behaviors = st.one_of(st.none(), st.just(""), NAMES, NAMES.map(lambda n: f"{n}(ball)"))
+    receivers = st.one_of(
+        st.just(OTHERS),
+        st.from_regex(r"[a-z]{1,5}", fullmatch=True).filter(lambda role: role != "others"),
+    )
+    orders = [
+        OrderMap(name, draw(st.dictionaries(receivers, behaviors, min_size=1, max_size=3)))
+        for name in draw(st.lists(NAMES, min_size=1, max_size=4, unique=True))
+    ]
+    features = [
+        GroupFeature(name, draw(st.sampled_from(SUMS)), draw(OBSERVATIONS), draw(ROLES))
+        for name in draw(st.lists(NAMES, max_size=4, unique=True))
+    ]
+    targets = [
+        draw(
+            st.one_of(
+                st.builds(Pick, st.just(name), role=ROLES, number=st.integers(1, 9)),
+                st.builds(
+                    lambda over, feature, role, name=name: Pick(
+                        name, over, Observation(feature=feature), role
+                    ),
+                    st.sampled_from([Over.MINIMUM, Over.MAXIMUM]),
+                    FEATURES,
+                    ROLES,
+                ),
+            )
+        )
+        for name in draw(st.lists(NAMES, max_size=2, unique=True))
+    ]
+    return CommanderKind(draw(NAMES), tuple(orders), tuple(features), tuple(targets))
+
+
+@given(kinds())
+def test_what_is_written_is_read_again_and_means_the_same(kind):
+    text = kind_text(kind)
+    complaints = []
+    again = parse_kind(
+        kind.name, read_yaml(text, "x").value, lambda *said: complaints.append(said)
+    )
+    assert complaints == []
+    assert again == kind
+    assert commander_domain(again).signature == commander_domain(kind).signature
+    assert commander_domain(again).version == commander_domain(kind).version
+
+
+def kind_of(text: str, tmp_path: Path) -> CommanderKind:
+    (tmp_path / "kind.yaml").write_text(text)
+    return read_kind(tmp_path / "kind.yaml")
+
+
+def test_a_domain_depends_on_the_kind_alone_and_its_version_on_what_the_words_mean(tmp_path):
+    text = "commander: Squad\norders: {Go: Search}\nfeatures: {Far: {mean: X}}\n"
+    first = commander_domain(kind_of(text, tmp_path))
+    slower = commander_domain(kind_of(text + "rate: 2\n", tmp_path))
+    other = commander_domain(kind_of(text.replace("mean", "maximum"), tmp_path))
+    assert (first.name, first.signature, first.version) == (
+        slower.name,
+        slower.signature,
+        slower.version,
+    )
+    assert other.signature == first.signature
+    assert other.version != first.version
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("orders: {Go: 3}", ":2: must be a behavior, `nothing` or `keep`, not 3"),
+        ("orders: {Go: 'a b'}", ':2: "a b" is not a use of a behavior'),
+        ("orders: {Go(A): Search}", "is about A; tell what it and the others do"),
+        ("orders: {Go(A): {others: Search}}", "does not tell what A does; add it"),
+        ("orders: {Go: {}}", "orders nothing; write `Go: nothing`"),
+        ("orders: {Go(A): {A: X}, Go: Y}", 'has "Go" twice; rename one'),
+        ("features: {F: {avg: X}}", ":2: needs one of: any, all, fraction"),
+        ("features: {F: {mean: X, any: Done}}", "needs one of: any, all, fraction"),
+        ("features: {F: {value: X}}", '"F" is the value of one subordinate: write `F(A):`'),
+        ("features: {F(A): {mean: X}}", '"F(A)" sums up all: write `F:`, or use `value:`'),
+        ("features: {F: {any: {state: X}}}", "`state:` is not known here (has: active)"),
+        ("features: {F: {any: {active: X}, below: 3}}", "`below:` and `above:` are for features"),
+        ("features: {F: {count: X, below: far}}", "`below:` must be a number, not 'far'"),
+        ("features: {F: {group: z}}", '"z" is unknown (has: spread, x, y)'),
+        ("targets: {t: {mean: X}}", "needs one of: minimum, maximum, number"),
+        ("targets: {t: {number: 0}}", "`number:` must be 1, 2, 3, ..."),
+        ("rate: 0", "`rate:` must be a number above 0, not 0"),
+        ("order: {}", "`order:` is not known here (has: commander, deadline"),
+        ("orders: [a]", "needs `key: value` lines here"),
+    ],
+)
+def test_what_is_wrong_with_a_kind_is_told_with_its_place(tmp_path, line, expected):
+    with pytest.raises(VocabularyError) as error:
+        kind_of(f"commander: Squad\n{line}\n", tmp_path)
+    assert str(error.value).startswith(f"{tmp_path}/kind.yaml:")
+    assert expected in str(error.value)
+
+
+# -- aggregation --------------------------------------------------------------------------------
+
+
+@given(st.lists(st.booleans()))
+def test_any_all_fraction_and_count_ask_something_of_each(answers):
+    values = [float(answer) for answer in answers]
+    assert summed_up(values, Over.ANY) == any(answers)
+    assert summed_up(values, Over.ALL) == (all(answers) and bool(answers))
+    assert summed_up(values, Over.COUNT) == sum(answers)
+    if answers:
+        assert summed_up(values, Over.FRACTION) == pytest.approx(sum(answers) / len(answers))
+    else:
+        assert summed_up(values, Over.FRACTION) == 0.0
+
+
+@given(st.lists(VALUES, min_size=1), st.randoms())
+def test_mean_minimum_and_maximum_do_not_depend_on_the_order_and_leave_out_who_has_no_value(
+    values, random
+):
+    shuffled = [*values, math.nan, math.nan]
+    random.shuffle(shuffled)
+    for over in (Over.MEAN, Over.MINIMUM, Over.MAXIMUM):
+        assert summed_up(shuffled, over) == summed_up(values, over)
+    mean = summed_up(values, Over.MEAN)
+    assert min(values) - 1e-6 <= mean <= max(values) + 1e-6
+
+
+def test_of_nobody_a_mean_minimum_or_maximum_has_no_value():
+    for over in (Over.MEAN, Over.MINIMUM, Over.MAXIMUM):
+        assert math.isnan(summed_up([math.nan], over))
+    assert math.isnan(spread([()]))
+    assert mean_position([()]) is None
+
+
+@given(
+    st.lists(st.tuples(VALUES, VALUES), min_size=1, max_size=20),
+    st.tuples(VALUES, VALUES),
+)
+def test_the_spread_stays_the_same_wherever_the_group_is(points, by):
+    moved = [(x + by[0], y + by[1]) for x, y in points]
+    assert spread(moved) == pytest.approx(spread(points), abs=1e-3)
+    assert spread([points[0]]) == 0.0
+
+
+@given(MAYBE, LIMITS, LIMITS)
+def test_limits_make_a_question_of_a_value(value, below, above):
+    report = Report("a", 7, 1, values=(value,))
+    seen = observed(report, Observation(feature="X", below=below, above=above), ("X",), (7, 1))
+    if math.isnan(value):
+        assert math.isnan(seen)
+    elif below is None and above is None:
+        assert seen == value
+    else:
+        inside = (below is None or value < below) and (above is None or value > above)
+        assert seen == inside
+
+
+def test_values_of_an_earlier_epoch_and_flags_of_an_earlier_order_do_not_count():
+    report = Report("a", 7, 1, flags=("Done",), values=(3.0,))
+    value, flag = Observation(feature="X"), Observation(flag="Done")
+    assert observed(report, value, ("X",), (7, 2)) == 3.0
+    assert math.isnan(observed(report, value, ("X",), (8, 1)))
+    assert observed(report, flag, (), (7, 1)) == 1.0
+    assert observed(report, flag, (), (7, 2)) == 0.0
+
+
+# -- orders -------------------------------------------------------------------------------------
+
+
+@given(
+    st.dictionaries(st.sampled_from(["", "scout", "a", "b"]), NAMES),
+    st.sampled_from(["a", "b", "c"]),
+    st.sampled_from(["", "scout", "carrier"]),
+)
+def test_an_order_means_what_it_says_for_the_name_else_the_role_else_all(behaviors, name, role):
+    found = Order(behaviors=behaviors).behavior_for(name, role)
+    expected = [behaviors[key] for key in (name, role, OTHERS) if key in behaviors]
+    assert found == (expected[0] if expected else None)
+
+
+def body_with(values: dict[str, float]) -> CommanderBody:
+    pick = Pick("least", Over.MINIMUM, Observation(feature="X"))
+    body = CommanderBody("chief", CommanderKind("Squad", (), (), (pick,), deadline=1.0))
+    body.enlist(dict.fromkeys(values, ""), 7)
+    for name, value in values.items():
+        body.hear(Report(name, 7, 0, values=(value,)), 0.0)
+    return body
+
+
+@given(st.dictionaries(st.sampled_from("abcdef"), MAYBE))
+def test_the_picked_subordinate_has_the_least_value_and_is_the_first_of_equals(values):
+    body = body_with(values)
+    picked = body.picked(body.kind.targets[0])
+    known = {name: value for name, value in values.items() if not math.isnan(value)}
+    assert picked == (min(known, key=lambda name: known[name]) if known else None)
+
+
+def test_who_is_silent_is_not_picked_and_nobody_left_leaves_nothing_to_command():
+    body = body_with({"a": 1.0, "b": 2.0})
+    pick = body.kind.targets[0]
+    assert body.picked(pick) == "a"
+    body.hear(Report("b", 7, 0, values=(2.0,)), 0.9)
+    body.now = 1.5
+    assert body.picked(pick) == "b"
+    assert body.fraction_silent == 0.5
+    assert body.ready
+    body.now = 3.0
+    assert not body.ready
+
+
+def test_giving_the_order_in_force_again_gives_nothing():
+    body = body_with({"a": 1.0})
+    given_orders = []
+    body.on_order = given_orders.append
+    order = OrderMap("Send", {"A": "Search", OTHERS: None}, "A")
+    body.give(order, "a")
+    body.give(order, "a")
+    body.give(order, None)
+    assert [(o.name, dict(o.behaviors), o.sequence) for o in given_orders] == [
+        ("Send(a)", {"a": "Search"}, 1)
+    ]
