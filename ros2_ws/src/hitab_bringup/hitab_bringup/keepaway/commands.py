@@ -29,9 +29,29 @@ def evaluate(
     taker_speed: TakerSpeed = 0.25,
     seed: Seed = 1,
     pace: Annotated[
+        str | None,
+        typer.Option(
+            help="lockstep: a process per keeper, over ROS; inprocess: without ROS. "
+            "By default, lockstep for trained keepers."
+        ),
+    ] = None,
+    keepers: Annotated[
         str,
-        typer.Option(help="lockstep: a process per keeper, over ROS; inprocess: without ROS."),
-    ] = "lockstep",
+        typer.Option(
+            help="trained; or UT Austin's, to compare with, by what they do with the ball: "
+            "hand (hand-coded), rand (at random) or hold."
+        ),
+    ] = "trained",
+    collisions: Annotated[
+        bool | None,
+        typer.Option(
+            "--collisions/--no-collisions",
+            help="Whether players collide with the ball and with each other.",
+        ),
+    ] = None,
+    kickable_margin: Annotated[
+        float | None, typer.Option(help="How far from a player's body a ball can be kicked, m.")
+    ] = None,
     world: Annotated[
         str,
         typer.Option(help="keepaway: the simulated one; rcssserver: a running RoboCup server."),
@@ -42,7 +62,10 @@ def evaluate(
     parameter: Annotated[
         list[str] | None,
         typer.Option(
-            "--parameter", metavar="NAME=VALUE", help="Another figure of the game; repeat."
+            "--parameter",
+            "--set",
+            metavar="NAME=VALUE",
+            help="Another figure of the game; repeat.",
         ),
     ] = None,
     plot: Annotated[
@@ -61,30 +84,57 @@ def evaluate(
       hitab keepaway evaluate --taker-speed 1.0 --parameter sight=full
 
       hitab keepaway evaluate --world rcssserver --port 6000 --episodes 20
+
+      hitab keepaway evaluate --keepers hand --taker-speed 1.0 --set kick_noise=0
     """
-    from hitab_bringup.keepaway.evaluation import PACES, RCSSSERVER, WORLDS
+    from hitab_bringup.keepaway.evaluation import (
+        KEEPERS,
+        PACES,
+        RCSSSERVER,
+        TRAINED,
+        WORLDS,
+        evaluate_reference,
+    )
     from hitab_bringup.keepaway.evaluation import evaluate as play
     from hitab_bringup.shipped import shipped
 
+    if keepers not in KEEPERS:
+        raise typer.BadParameter(f'keepers "{keepers}" are not one of {", ".join(KEEPERS)}')
+    if pace is None:
+        pace = "lockstep" if keepers == TRAINED else "inprocess"
     if pace not in PACES:
         raise typer.BadParameter(f'pace "{pace}" is not one of {", ".join(PACES)}')
     if world not in WORLDS:
         raise typer.BadParameter(f'world "{world}" is not one of {", ".join(WORLDS)}')
     folder = library or shipped("libraries") / "keepaway"
     parameters: dict[str, Any] = {"taker_speed": taker_speed, **_figures(parameter or [])}
+    if collisions is not None:
+        parameters |= {"ball_collides": collisions, "players_collide": collisions}
+    if kickable_margin is not None:
+        parameters["kickable_margin"] = kickable_margin
+    if keepers != TRAINED and (pace != "inprocess" or world == RCSSSERVER):
+        raise typer.BadParameter(
+            f"{keepers} keepers look at the simulated field themselves and have no node: they "
+            "play in-process in the world keepaway; leave out --pace and --world"
+        )
     if world == RCSSSERVER:
         parameters |= {"host": host, "port": port}
     with console.progress("evaluating", "episodes") as advance:
-        evaluation = play(
-            folder,
-            behavior=behavior,
-            episodes=episodes,
-            seed=seed,
-            pace=pace,
-            parameters=parameters,
-            advance=advance,
-            world=world,
-        )
+        if keepers == TRAINED:
+            evaluation = play(
+                folder,
+                behavior=behavior,
+                episodes=episodes,
+                seed=seed,
+                pace=pace,
+                parameters=parameters,
+                advance=advance,
+                world=world,
+            )
+        else:
+            evaluation = evaluate_reference(
+                keepers, episodes=episodes, seed=seed, parameters=parameters, advance=advance
+            )
     figures = evaluation.to_json()
     if json != "-":
         console.say(summary(figures))

@@ -1,4 +1,4 @@
-"""Plays episodes with trained keepers and sums up how long they keep the ball.
+"""Plays episodes with trained or reference keepers and sums up how long they keep the ball.
 
 In lockstep each keeper is a process of its own, over DDS, as when they are trained; in-process
 the same automata play the same episodes without ROS, many times faster.
@@ -24,9 +24,12 @@ from hitab_core.errors import HitabError, LibraryError, has
 
 if TYPE_CHECKING:
     from hitab_bringup.console import Advance
+    from hitab_world.inprocess import Player
     from hitab_world.world import World
 
 PACES = ("lockstep", "inprocess")
+TRAINED = "trained"
+KEEPERS = (TRAINED, "hand", "rand", "hold")  # the others are reference policies
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
 PATIENCE_SECONDS = 30.0  # for a server to begin to play
 CHUNK = 5  # episodes between two looks at the progress, in-process
@@ -57,6 +60,7 @@ class Evaluation:
     wall_s: float
     missed_deadlines: int = 0
     world: str = KEEPAWAY
+    keepers: str = TRAINED
 
     def to_json(self) -> dict[str, Any]:
         """Return the figures as plain data."""
@@ -71,6 +75,7 @@ class Evaluation:
             "wall_s": round(self.wall_s, 3),
             "cycles_per_s": round(cycles / self.wall_s, 1) if self.wall_s else 0.0,
             "missed_deadlines": self.missed_deadlines,
+            "keepers": self.keepers,
             "world": self.world,
             "pace": self.pace,
             "seed": self.seed,
@@ -146,7 +151,7 @@ def evaluate(
     if pace == "inprocess":
         began = time.monotonic()
         with _made(world, parameters, seed) as made:
-            played = _play_inprocess(library, behavior, episodes, made, advance)
+            played = _play_inprocess(made, _trained(made, library, behavior), episodes, advance)
         wall, missed = time.monotonic() - began, 0
     else:
         swarm = trained_keepers(library, behavior, parameters, world=world, seed=seed)
@@ -154,6 +159,44 @@ def evaluate(
             played, wall, missed = play_lockstep(running, episodes, seed, advance)
     return Evaluation(
         behavior, str(library), digest, pace, seed, parameters, played, wall, missed, world
+    )
+
+
+def evaluate_reference(
+    policy: str, *, episodes: int, seed: int, parameters: Mapping[str, Any], advance: Advance
+) -> Evaluation:
+    """Play episodes with UT Austin's keepers, in this process.
+
+    Args:
+        policy: what they do with the ball: ``hand``, ``rand`` or ``hold``.
+        episodes: how many.
+        seed: of the run; the same one gives the same episodes.
+        parameters: of the game; what is not given is as on the real simulator, with UT Austin's
+            takers and the simulator's quantised sight.
+        advance: told how many episodes have been played.
+    """
+    from keepaway_world.parameters import variant
+    from keepaway_world.reference_keepers import reference_players
+    from keepaway_world.world import KeepawayWorld
+
+    defaults = {"taker_policy": "reference", "sight": "quantised"}
+    try:
+        figures = variant("standard", **{**defaults, **parameters})
+    except ValueError as error:
+        raise HitabError(str(error)) from None
+    began = time.monotonic()
+    world = KeepawayWorld(figures, seed)
+    played = _play_inprocess(world, reference_players(world, policy), episodes, advance)
+    return Evaluation(
+        "",
+        "",
+        "",
+        "inprocess",
+        seed,
+        figures.as_dict(),
+        played,
+        time.monotonic() - began,
+        keepers=policy,
     )
 
 
@@ -227,19 +270,22 @@ def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World
             raise HitabError(str(error)) from None
 
 
-def _play_inprocess(
-    library: Path,
-    behavior: str,
-    episodes: int,
-    world: World,
-    advance: Callable[[int, int, str], None],
-) -> list[Played]:
+def _trained(world: World, library: Path, behavior: str) -> Mapping[str, Player]:
     from hitab_core.repertoire import Repertoire
-    from hitab_world.inprocess import perform, play
+    from hitab_world.inprocess import perform
 
     opened = open_library(library)
-    repertoire = Repertoire(opened.domain, opened.load())
-    players = perform(world, repertoire, behavior)
+    return perform(world, Repertoire(opened.domain, opened.load()), behavior)
+
+
+def _play_inprocess(
+    world: World,
+    players: Mapping[str, Player],
+    episodes: int,
+    advance: Callable[[int, int, str], None],
+) -> list[Played]:
+    from hitab_world.inprocess import play
+
     played: list[Played] = []
     while len(played) < episodes:
         advance(len(played), episodes, "playing episodes")
