@@ -69,11 +69,13 @@ def list_lessons() -> None:
     from hitab_bringup.lesson_file import read_lesson
     from hitab_bringup.shipped import shipped
 
-    for path in sorted(shipped("lessons").glob("*.yaml")):
+    folder = shipped("lessons")
+    for path in sorted(folder.rglob("*.yaml")):
         lesson = read_lesson(path)
         budget = f", at most {lesson.budget} examples" if lesson.budget else ""
         first = lesson.description.strip().splitlines()[:1]
-        console.say(f"{path.stem}: teaches {lesson.name} to {lesson.agent}{budget}")
+        name = path.relative_to(folder).with_suffix("").as_posix()
+        console.say(f"{name}: teaches {lesson.name} to {lesson.agent}{budget}")
         for line in first:
             console.say(f"    {line}")
 
