@@ -170,9 +170,9 @@ class CommanderSection:
             else:
                 found[name] = members
         shares = self._shares(line, found)
-        names = [key] if line.counts is None else [f"{key}_{i + 1}" for i in range(len(shares))]
         return [
-            self._commander(line, name, share) for name, share in zip(names, shares, strict=True)
+            self._commander(line, key if line.counts is None else f"{key}_{i + 1}", share)
+            for i, share in enumerate(shares)
         ]
 
     def _shares(

@@ -87,8 +87,9 @@ class CommanderLink:
         for report in message.reports:
             changed |= body.hear(report, now)
             self._unheard.discard(report.agent)
-            self._percept.cycle = max(self._percept.cycle, report.cycle)
             restart |= self._is_new(report.seed, report.episode)
+        # What all of them have seen; the world's cycle, once all reports of it are here.
+        self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
         everybody = not self._unheard
         if everybody:
             self.seconds += body.kind.report_period
