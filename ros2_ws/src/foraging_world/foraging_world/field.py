@@ -173,13 +173,24 @@ class Field:
         self.box_xy = np.where(moves[:, None], found[p.foragers :], boxes_before)
         self.xy = found[: p.foragers]
         if len(pulled):
-            self.xy[holds] = self.box_xy[self.held[holds]] + self.grip[holds]
+            self._hold_on(holds)
             went = np.hypot(*(self.box_xy - boxes_before).T) > 0.1 * p.pull_speed * seconds
             waits = holds & ~went[self.held]
             self.waited = np.where(waits, self.waited + seconds, 0.0)
         self.rested = np.minimum(self.rested + seconds, FAR)
         self.velocity = (self.xy - before) / seconds
         self.box_velocity = (self.box_xy - boxes_before) / seconds
+
+    def _hold_on(self, holds: NDArray[np.bool_]) -> None:
+        """Keep those who hold a box at it; pushed by others, they slide along its edge.
+
+        So those who come later find a place, instead of standing behind those who came first.
+        """
+        boxes, grip = self.box_xy[self.held[holds]], self.grip[holds]
+        pushed = self.xy[holds] - boxes
+        length = np.hypot(grip[:, 0], grip[:, 1]) / np.hypot(pushed[:, 0], pushed[:, 1])
+        self.grip[holds] = pushed * length[:, None]
+        self.xy[holds] = boxes + self.grip[holds]
 
     def _come_home(self) -> None:
         p = self.parameters
