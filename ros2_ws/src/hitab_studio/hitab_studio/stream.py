@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
 
@@ -10,7 +11,6 @@ from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 
 UNKNOWN_PAGE = 4404
-IDLE_SECONDS = 5.0
 
 
 async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
@@ -34,15 +34,13 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
 
 async def _send(studio: Studio, socket: WebSocket, session: Session) -> None:
     sent = b""
-    while True:
-        try:
-            await asyncio.wait_for(session.news.wait(), IDLE_SECONDS)
-        except TimeoutError:
-            continue
-        session.news.clear()
-        while session.outgoing:
-            await socket.send_text(session.outgoing.popleft())
-        newest = studio.frame_for(session)
-        if newest and newest is not sent:
-            sent = newest
-            await socket.send_bytes(newest)
+    with suppress(WebSocketDisconnect):
+        while True:
+            await session.news.wait()
+            session.news.clear()
+            while session.outgoing:
+                await socket.send_text(session.outgoing.popleft())
+            newest = studio.frame_for(session)
+            if newest and newest is not sent:
+                sent = newest
+                await socket.send_bytes(newest)

@@ -24,6 +24,8 @@ class Studio:
     Attributes:
         frame: the last moment as a binary frame.
         frames: how many there were.
+        chosen_states: for each agent the automaton that was begun here, and what may be commanded
+            in it; nothing: everything.
     """
 
     def __init__(self, find: Callable[[], Target]) -> None:
@@ -31,6 +33,7 @@ class Studio:
         self.locks = Locks()
         self.sessions: dict[str, Session] = {}
         self.link = SwarmLink(self.store, find, self._shown)
+        self.chosen_states: dict[str, tuple[str, tuple[str, ...]]] = {}
         self.frame = b""
         self.frames = 0
         self.roster = ""

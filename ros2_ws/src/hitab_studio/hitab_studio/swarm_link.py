@@ -189,6 +189,8 @@ class SwarmLink:
         if any(store.statuses.get(name) is not status for name, status in statuses.items()):
             store.statuses = dict(statuses)
             store.touch()
+            if store.scene is not None and store.scene.mode == "paused":
+                self._shown(store.scene)  # what agents do is shown in the field too
         wanted = {agent for agents in list(self._focus.values()) for agent in agents}
         for agent in wanted & statuses.keys() - self._watches.keys():
             self._watches[agent] = Watch(

@@ -75,10 +75,11 @@ async def save(session: Session, data: Data) -> None:
             keep_unused=values.get("keep") == "on",
         )
     )
-    left_out = f"; left out: {', '.join(answer.trimmed)}" if answer.trimmed else ""
+    left_out = "; what nothing uses was left out" if answer.trimmed else ""
     session.dialog = {}
     session.tab = "library"
     session.behavior = str(values.get("name", "")).strip()
+    session.studio.link.want(session.agent, session.behavior)
     session.tell(f"{answer.message}{left_out}")
 
 

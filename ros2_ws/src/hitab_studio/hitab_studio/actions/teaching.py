@@ -124,13 +124,11 @@ async def new(session: Session, data: Data) -> None:
     """Ask what is to be trained."""
     if not session.agent:
         raise SwarmError("Choose an agent first, in the list or in the field.")
-    vocabulary = session.watched.vocabulary
     session.dialog = {
         "kind": "new",
         "agent": session.agent,
         "resume": str(data.get("resume", "")),
         "parameter": "",
-        "vocabulary": vocabulary,
     }
 
 
@@ -162,6 +160,7 @@ async def begin(session: Session, data: Data) -> None:
     answer = await session.ask_agent(
         lambda swarm, agent: swarm.agents.begin(agent, name, **fields)
     )
+    session.studio.chosen_states[session.agent] = (name, tuple(fields["states"]))
     session.dialog = {}
     session.tab = "teach"
     session.level = session.state = ""

@@ -110,7 +110,7 @@ class Field {
     const [w, h] = this.roster.size;
     const banner = document.querySelector(".banner");
     const deck = document.querySelector(".deck");
-    const top = banner ? banner.offsetHeight + 20 : 24;
+    const top = (banner ? banner.offsetHeight + 10 : 44) + 32;
     const bottom = (deck ? deck.offsetHeight + 12 : 0) + 24;
     this.room = top + bottom;
     const scale = Math.min((this.width - 40) / w, (this.height - top - bottom) / h);

@@ -15,7 +15,7 @@ def context(session: Session) -> dict[str, Any]:
     kind = dialog.get("kind", "")
     found: dict[str, Any] = {"dialog": dialog, "kind": kind}
     if kind == "new":
-        vocabulary = dialog["vocabulary"]
+        vocabulary = session.watched.vocabulary
         parameter = dialog["parameter"]
         arguments = [*vocabulary.targets, *([parameter] if parameter else [])]
         status = session.status

@@ -86,16 +86,14 @@ def _buttons(session: Session) -> list[Button]:
     names = list(vocabulary.behaviors)
     names.sort(key=lambda b: (Use.parse(b).name in vocabulary.trained, b))
     if session.is_training and training is not None:
-        parameters = set(training.parameters)
-        used = [s for s in training.states if Use.parse(s).name not in FLAGS]
-        others = [
-            b
-            for b in names
-            if Use.parse(b).name != training.name
-            and b not in used
-            and not (set(Use.parse(b).arguments) & parameters)
-        ]
-        names = [*used, *others, *FLAGS]
+        # Always in the same order, whatever was commanded: hands learn where a key is.
+        automaton, chosen = session.studio.chosen_states.get(session.agent, ("", ()))
+        if automaton == training.name and chosen:
+            names = [s for s in chosen if s not in FLAGS]
+        else:
+            bound = [s for s in training.states if s not in names and s not in FLAGS]
+            names = [b for b in [*names, *bound] if Use.parse(b).name != training.name]
+        names += FLAGS
     active = status.active_path[0] if status.active_path else ""
     if status.mode == "performing":
         active = status.behavior

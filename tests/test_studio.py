@@ -1,0 +1,302 @@
+"""People train, arrange and watch in a real browser, over the public topics and services alone."""
+
+from __future__ import annotations
+
+import json
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from browsing import Person, browser, chromium, studio
+
+from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.keepaway.evaluation import trained_keepers
+from hitab_bringup.world_client import by_name
+
+ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
+
+needs_browser = pytest.mark.skipif(
+    chromium() is None, reason="there is no Chromium here: apt-get install chromium"
+)
+
+
+@pytest.fixture(scope="module")
+def swarm(home, tmp_path_factory) -> Iterator[Any]:
+    """Three keepers with empty libraries of their own, in a paused world."""
+    folder = tmp_path_factory.mktemp("studio_swarm")
+    with temporary_swarm(trained_keepers(None, "", {"taker_speed": 0.25}), folder) as running:
+        running.folder.write(running.record, register=True)
+        running.world.control("pace", pace="realtime", factor=1.0)
+        running.world.control("pause")
+        yield running
+
+
+@pytest.fixture(scope="module")
+def url(swarm, tmp_path_factory) -> Iterator[str]:
+    with studio(tmp_path_factory.mktemp("studio") / "log") as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def chrome() -> Iterator[Any]:
+    with browser() as started:
+        yield started
+
+
+@pytest.fixture
+def person(chrome, url) -> Iterator[Person]:
+    """Somebody at the page; the console stays without errors, whatever they do."""
+    page = chrome.new_page(viewport={"width": 1280, "height": 720})
+    someone = Person(page, url)
+    someone.sees_field()
+    yield someone
+    page.close()
+    assert someone.complaints == []
+
+
+def away_from_everybody(swarm, distance: float) -> None:
+    keeper = {"x": -distance, "y": 0.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}
+    ball = {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}
+    others = {
+        name: {"x": 8.0, "y": y, "vx": 0.0, "vy": 0.0}
+        for name, y in ((TWO, 8.0), (THREE, -8.0), ("taker_1", 9.0), ("taker_2", -9.0))
+    }
+    swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": ball, **others}))
+
+
+def entity(swarm, name: str) -> Any:
+    swarm.link.spin(0.02)
+    return by_name(swarm.world.state.entities)[name]
+
+
+@needs_browser
+def test_a_person_trains_approach_ball_by_clicking_alone_and_the_keepers_play_it(swarm, person):
+    away_from_everybody(swarm, 8.0)
+    person.click(f"agent-{ONE}")
+    person.click("new")
+    person.type("new-name", "ApproachBall")
+    person.tick("feature-DistanceTo(ball)")
+    person.click("begin")
+    person.sees("mode", "Training")
+
+    for place, behavior, examples in ((-8, "GoFast", 2), (-4, "GoMedium", 4), (-1, "Stop", 6)):
+        person.drags(ONE, place, 0.0)
+        person.waits_until(lambda x=place: abs(entity(swarm, ONE).x - x) < 0.2, "placed")
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+        assert behavior in person.text("recorded")
+        assert "DistanceTo(ball)" in person.text("recorded")
+
+    # Test, from far away: it goes, and by itself.
+    person.drags(ONE, -9.0, 0.0)
+    person.click("toggle")
+    person.sees("mode", "Testing")
+    person.click("pause")
+    person.waits_until(lambda: entity(swarm, ONE).x > -8.0, "the keeper did not go by itself")
+    person.page.keyboard.press("t")  # take over in one keystroke, nothing is reset
+    person.sees("mode", "Training")
+    assert -9.0 < entity(swarm, ONE).x < 2.0
+    person.click("pause")
+
+    # Correct one example: at 4 m it should go slowly.
+    person.click("tab-examples")
+    number = next(
+        e.number
+        for e in swarm.agents.list_examples(ONE).examples
+        if e.next_state == "GoMedium" and e.kind != "default"
+    )
+    person.click(f"example-{number}")
+    person.page.select_option('[data-test="relabel"]', "GoSlow")
+    person.sees("effect", "GoSlow")
+    relabelled = {e.number: e for e in swarm.agents.list_examples(ONE).examples}[number]
+    assert relabelled.next_state == "GoSlow"
+
+    person.click("save")
+    person.sees("preview", "ApproachBall")
+    person.click("save-now")
+    person.click("distribute")
+    person.tick("start")
+    person.click("distribute-now")
+    for name in (TWO, THREE):
+        person.sees("acks", f"{name} has it")
+    person.click("done")
+    before = {name: entity(swarm, name) for name in (TWO, THREE)}
+    person.click("pause")
+
+    def all_have_moved() -> bool:
+        return all(
+            abs(entity(swarm, n).x - e.x) + abs(entity(swarm, n).y - e.y) > 0.3
+            for n, e in before.items()
+        )
+
+    person.waits_until(all_have_moved, "the keepers did not play it")
+    person.click("pause")
+    person.waits_until(lambda: swarm.world.status.mode == "paused" or swarm.link.spin(0.05), "")
+
+
+@needs_browser
+def test_a_person_arranges_a_scenario_by_dragging_and_takes_it_back(swarm, person):
+    away_from_everybody(swarm, 6.0)
+    person.waits_until(lambda: abs(person.place_of(ONE)[0] + 6.0) < 0.1, "shown")
+    person.drags("ball", 3.0, 4.0)
+    person.waits_until(lambda: abs(entity(swarm, "ball").x - 3.0) < 0.2, "the ball is there")
+    assert entity(swarm, "ball").y == pytest.approx(4.0, abs=0.2)
+
+    person.click("snapshots")
+    person.type("snapshot-name", "corner")
+    person.click("snapshot-save")
+    person.sees("restore-corner")
+    person.page.keyboard.press("Escape")
+
+    person.drags("taker_1", -3.0, -3.0)
+    person.waits_until(lambda: abs(entity(swarm, "taker_1").x + 3.0) < 0.2, "the taker is there")
+    person.click("unplace")
+    person.waits_until(lambda: abs(entity(swarm, "taker_1").x - 8.0) < 0.2, "taken back")
+
+    person.drags("ball", -5.0, -5.0)
+    person.waits_until(lambda: abs(entity(swarm, "ball").x + 5.0) < 0.2, "elsewhere")
+    person.click("snapshots")
+    person.click("restore-corner")
+    person.waits_until(lambda: abs(entity(swarm, "ball").x - 3.0) < 0.2, "the snapshot is back")
+
+
+@needs_browser
+def test_an_example_takes_a_person_back_to_where_it_was_recorded(swarm, person):
+    away_from_everybody(swarm, 7.0)
+    swarm.agents.begin(ONE, "There", features=["DistanceTo(ball)"], discard=True)
+    person.click(f"agent-{ONE}")
+    person.sees("mode", "Training")
+    person.click("do-GoFast")
+    person.sees("recorded", "GoFast")
+    away_from_everybody(swarm, 2.0)
+    person.click("tab-examples")
+    person.click("situation-1")
+    person.waits_until(lambda: abs(entity(swarm, ONE).x + 7.0) < 0.2, "back where it was")
+
+
+@needs_browser
+def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_changes(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    swarm.agents.begin(ONE, "Torn", features=["DistanceTo(ball)"], discard=True)
+    person.click(f"agent-{ONE}")
+    for behavior in ("GoFast", "Stop", "GoFast"):
+        person.click(f"do-{behavior}")
+    person.click("tab-examples")
+    person.sees("contradictions", "contradict each other")
+    person.click("delete-3")
+    person.does_not_see("example-3")
+    assert "always: GoFast" in person.text("effect")
+    assert 3 not in [e.number for e in swarm.agents.list_examples(ONE).examples]
+    person.click("undo")
+    person.sees("example-3")
+    assert 3 in [e.number for e in swarm.agents.list_examples(ONE).examples]
+
+
+@needs_browser
+def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, person, chrome, url):
+    swarm.agents.begin(TWO, "Held", features=["DistanceTo(ball)"], discard=True)
+    person.click(f"agent-{TWO}")
+    person.click("do-GoFast")
+    page = chrome.new_page(viewport={"width": 1280, "height": 720})
+    other = Person(page, url)
+    other.click(f"agent-{TWO}")
+    other.sees("banner", "held by demonstrator")
+    assert page.is_disabled('[data-test="do-GoSlow"]')
+    other.click("take")
+    other.click("do-GoSlow")
+    other.sees("recorded", "GoSlow")
+    person.sees("toast", f"has taken {TWO}")
+    person.sees("banner", "held by demonstrator")
+    assert other.complaints == []
+    page.close()
+
+
+@needs_browser
+def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
+    person.click(f"agent-{ONE}")
+    person.click("tab-record")
+    person.click("record")
+    person.waits_until(lambda: list((home / "recordings").glob("*.mcap")), "being recorded")
+    away_from_everybody(swarm, 3.0)
+    swarm.world.step(5)
+    away_from_everybody(swarm, 9.0)
+    person.page.wait_for_timeout(300)
+    person.page.click('.pane [data-test="record"]')
+    person.click("replay-file")
+    person.sees("replay")
+    person.page.evaluate(
+        "() => { const line = document.querySelector('[data-test=timeline]');"
+        " line.value = line.max; line.dispatchEvent(new Event('input', { bubbles: true })); }"
+    )
+    person.waits_until(lambda: abs(person.place_of(ONE)[0] + 9.0) < 0.3, "its last moment")
+    person.page.keyboard.press("Escape")
+    person.does_not_see("replay")
+
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    (path,) = (home / "recordings").glob("*.mcap")
+    with path.open("rb") as file:
+        decoded = list(
+            make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
+        )
+    topics = {channel.topic for _, channel, _, _ in decoded}
+    assert {"/world/state", "/world/status", f"/{ONE}/status"} <= topics
+    states = [message for _, c, _, message in decoded if c.topic == "/world/state"]
+    assert any(abs(e.x + 9.0) < 0.1 for e in states[-1].entities if e.name == ONE)
+
+
+@needs_browser
+def test_a_page_opened_before_the_swarm_finds_it_and_finds_it_again(chrome, home, tmp_path):
+    with studio(tmp_path / "log", "late") as address:
+        page = chrome.new_page(viewport={"width": 1280, "height": 720})
+        someone = Person(page, address)
+        page.wait_for_selector("text=is not up")
+        for _ in range(2):
+            alone = trained_keepers(None, "", {})
+            description = replace(alone, agents=alone.agents[:1])
+            with temporary_swarm(description, tmp_path / "late") as running:
+                named = replace(running.record, swarm="late")
+                running.folder.write(named, register=True)
+                someone.sees("agent-keeper_1")
+                someone.sees_field()
+                page.wait_for_selector(".where b")
+            page.wait_for_selector(".where b", state="detached")
+        assert someone.complaints == []
+        page.close()
+
+
+def ask(url: str, **headers: str) -> int:
+    try:
+        with urllib.request.urlopen(
+            urllib.request.Request(url, headers=headers), timeout=5
+        ) as got:
+            return int(got.status)
+    except urllib.error.HTTPError as error:
+        return int(error.code)
+
+
+def test_requests_of_other_sites_are_refused(url):
+    assert ask(url) == 200
+    assert ask(url, Origin="http://evil.example") == 403
+    assert ask(url, Host="evil.example") == 403
+    assert (
+        ask(url + "_nicegui_ws/socket.io/?EIO=4&transport=polling", Origin="http://x.example")
+        == 403
+    )
+
+
+def test_another_address_needs_a_token(home, tmp_path, hitab):
+    with studio(tmp_path / "log", "--host", "0.0.0.0", "--token", "a-good-token") as address:
+        assert ask(address) == 401
+        assert ask(address + "?token=wrong-token") == 401
+        assert ask(address, Cookie="hitab_studio_token=a-good-token") == 200
+        opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
+        with opener.open(address + "?token=a-good-token", timeout=5) as welcome:
+            assert welcome.status == 200
+    refused = hitab("studio", "--token", "short", "--no-browser")
+    assert refused.returncode == 1
+    assert "at least 8" in json.dumps(refused.stderr)
