@@ -327,6 +327,7 @@ def test_a_server_that_hangs_is_reported():
         ({"version": 9}, {}, "does not speak protocol version 15"),
         ({"edit": lambda text: "hello"}, {}, "is no rcssserver"),
         ({"edit": lambda t: t.replace("(init r", "(init l")}, {}, "are the wrong team"),
+        ({"edit": lambda t: t.replace("(init l 1", "(init l 4")}, {}, "others are the keepers"),
         (
             {"edit": lambda t: t.replace("(keepaway 1)", "(keepaway 0)")},
             {},

@@ -23,8 +23,8 @@ Readable = TypeVar("Readable", "Connection", socket.socket)
 REASONS = {
     "no_more_team": "two teams of other names play there already",
     "no_more_player_or_goalie_or_illegal_client_version": (
-        f"the team is full, or the server does not speak protocol version {VERSION}; "
-        "start it anew, version 15 or later"
+        "the team is full, be it of players who have left, since none can come back; or it "
+        f"does not speak protocol version {VERSION}; start it anew, version 15 or later"
     ),
     "illegal_client_version": (
         f"it does not speak protocol version {VERSION}; use rcssserver 15 or later"

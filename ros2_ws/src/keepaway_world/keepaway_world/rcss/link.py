@@ -110,8 +110,8 @@ class Link:
     def _check(self, kind: str, index: int, init: Init) -> None:
         if init.side == (LEFT if kind == "keeper" else RIGHT) and init.number != index + 1:
             raise ServerError(
-                f"on the rcssserver at {self.where} the {kind}s' team has other players already; "
-                "stop them, or start the server anew"
+                f"on the rcssserver at {self.where} others are the {kind}s, or have been until "
+                "they left, after which nobody can take their place; start the server anew"
             )
         if init.side != (LEFT if kind == "keeper" else RIGHT):
             raise ServerError(

@@ -28,7 +28,7 @@ from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import perceive
 from keepaway_world.rcss import sentences
 from keepaway_world.rcss.commands import command_of_order, commands_of
-from keepaway_world.rcss.connection import ServerError
+from keepaway_world.rcss.connection import NoAnswer, ServerError
 from keepaway_world.rcss.episode_watch import EpisodeWatch
 from keepaway_world.rcss.field import Field, Place, parameters_of, placed
 from keepaway_world.rcss.kick_off import kick_off
@@ -39,6 +39,7 @@ from keepaway_world.rcss.trainer import Trainer
 from keepaway_world.takers import TakerTeam
 
 RETRY_SECONDS = 0.5  # between two attempts to reach a server
+REFUSED_SECONDS = 3.0  # between two to join one that refuses: each may use up a place in a team
 HOLD_SECONDS = 0.9  # how long a server is held while paused; it waits 1.25 s for an answer
 BUSY_SECONDS = 0.05  # longest that `RcssWorld.idle` plays on before it returns
 
@@ -342,16 +343,17 @@ class RcssWorld:
                 self._trainer = Trainer(self.server)
             self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
         except ServerError as error:
-            self._leave(str(error))
-        self._next_try = time.monotonic() + RETRY_SECONDS
+            self._leave(
+                str(error), RETRY_SECONDS if isinstance(error, NoAnswer) else REFUSED_SECONDS
+            )
 
-    def _leave(self, why: str) -> None:
+    def _leave(self, why: str, pause: float = RETRY_SECONDS) -> None:
         """Leave the server, to be taken in again when that is possible."""
         for connection in (self._link, self._trainer):
             if connection is not None:
                 connection.close()
         self._link = self._trainer = None
-        self._next_try = time.monotonic() + RETRY_SECONDS
+        self._next_try = time.monotonic() + pause
         self.waiting = why
 
     def close(self) -> None:
