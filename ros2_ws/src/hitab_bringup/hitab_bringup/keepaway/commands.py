@@ -203,6 +203,11 @@ def demo(
     episodes: Episodes = 200,
     seed: Seed = 1,
     json: JsonPath = None,
+    studio: Annotated[
+        bool, typer.Option("--studio", help="Watch it in a browser; the keepers play on.")
+    ] = False,
+    port: Annotated[int, typer.Option(help="Where to serve the studio.")] = 8080,
+    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
 ) -> None:
     """Train three keepers over ROS topics, play, and compare with the paper.
 
@@ -213,8 +218,10 @@ def demo(
     Example:
 
       hitab demo --out my-demo
+
+      hitab demo --studio
     """
     from hitab_bringup.keepaway.demo import run_demo
 
-    figures = run_demo(out, episodes, seed)
+    figures = run_demo(out, episodes, seed, port if studio else None, browser=browser)
     console.write_json(json, figures)

@@ -13,6 +13,7 @@ from hitab_bringup import console
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.field_picture import draw_field
 from hitab_bringup.keepaway import paper
+from hitab_bringup.keepaway.demo_studio import play_on, studio_beside
 from hitab_bringup.keepaway.evaluation import (
     Evaluation,
     play_lockstep,
@@ -32,13 +33,22 @@ PICTURE_CYCLES = 120
 PICTURE_TITLE = "Keepaway: keepers blue, takers red, and their ways in the last seconds"
 
 
-def run_demo(out: Path, episodes: int, seed: int) -> dict[str, Any]:
+def run_demo(
+    out: Path,
+    episodes: int,
+    seed: int,
+    studio_port: int | None = None,
+    *,
+    browser: bool = True,
+) -> dict[str, Any]:
     """Train, play, compare, and leave everything in a folder.
 
     Args:
         out: the folder; pictures, figures and the library of an earlier demo are replaced.
         episodes: how many to play.
         seed: of the episodes.
+        studio_port: where to serve the studio meanwhile; None: nowhere.
+        browser: whether to open the studio in a browser.
 
     Returns:
         The figures, as they are written to ``figures.json``.
@@ -52,27 +62,34 @@ def run_demo(out: Path, episodes: int, seed: int) -> dict[str, Any]:
                 temporary_swarm(trained_keepers(None, "", parameters), progress=advance)
             )
         console.say("A world and three keepers are up, each a process of its own.\n")
+        if studio_port is not None:
+            stack.enter_context(studio_beside(running, studio_port, browser=browser))
         reports = _train(running)
         library = Path(reports[-1].path).parent
         _refuse_unlike(running)
         evaluation = _evaluate(running, library, episodes, seed, parameters)
         moments, size = _watch(running)
         _keep_library(library, out / "library")
-    figures = {
-        "lessons": [_row(report) for report in reports],
-        "evaluation": evaluation.to_json(),
-        "wall_s": round(time.monotonic() - began, 1),
-    }
-    draw_episode_lengths(evaluation, out / "episode_lengths.png")
-    draw_field(
-        moments,
-        *size,
-        out / "field.png",
-        "Keepaway: keepers blue, takers red, and the ways of the last seconds",
-    )
-    _draw_automata(out / "library", out / "automata.png")
-    (out / "figures.json").write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
-    _tell(reports, figures, out)
+        # With the studio, the swarm stays up after everything was told.
+        staying = contextlib.ExitStack() if studio_port is None else stack.pop_all()
+    with staying:
+        figures = {
+            "lessons": [_row(report) for report in reports],
+            "evaluation": evaluation.to_json(),
+            "wall_s": round(time.monotonic() - began, 1),
+        }
+        draw_episode_lengths(evaluation, out / "episode_lengths.png")
+        draw_field(
+            moments,
+            *size,
+            out / "field.png",
+            "Keepaway: keepers blue, takers red, and the ways of the last seconds",
+        )
+        _draw_automata(out / "library", out / "automata.png")
+        (out / "figures.json").write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        _tell(reports, figures, out)
+        if studio_port is not None:
+            play_on(running)
     return figures
 
 

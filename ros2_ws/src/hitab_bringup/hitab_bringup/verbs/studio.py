@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -31,6 +32,9 @@ def studio(
         ),
     ] = "",
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    run_dir: Annotated[
+        Path | None, typer.Option(help="Run folder of a swarm that is not listed.", hidden=True)
+    ] = None,
 ) -> None:
     """Open the console in a browser: the field live, training by clicking, what was learned.
 
@@ -55,4 +59,4 @@ def studio(
     def ready() -> None:
         console.note(f"The studio is at {address.url}\nCtrl-C ends it.")
 
-    serve(lambda: find_target(swarm), address, show=browser, ready=ready)
+    serve(lambda: find_target(swarm, run_dir), address, show=browser, ready=ready)
