@@ -20,6 +20,7 @@ from hitab_agent.telling import Telling
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core.agent import Agent
+from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
@@ -77,6 +78,7 @@ class AgentNode(Node):
         self._status_publisher = self.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
         self._status_is_due = False
         self._sensed = False
+        self._unsettled = True
         self._link: Any = None
         self.superior: SuperiorLink | None = None
         if settings.behavior and self.agent.session is None:
@@ -155,8 +157,19 @@ class AgentNode(Node):
     def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
         """Act on the percept that was taken in, unless it is only to be looked at."""
         action = self._act(percept) if self._sensed else _NO_ACTION
+        log = self.transition_log
+        if self._unsettled or log.changed:
+            path = self.agent.active_path
+            # A flag state is left without a transition.
+            self._unsettled = bool(path) and path[-1] in RESERVED
+            log.changed = False
+            changed = True
+            if path != self._last_path and not percept.look:
+                self._publish_status_soon()
+        else:
+            changed = percept.restart
         if self.superior is not None:
-            self.superior.perceived(percept, self.seconds_of(percept))
+            self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
         return action
 
     def seconds_of(self, percept: msg.Percept) -> float:
@@ -178,8 +191,6 @@ class AgentNode(Node):
         if self._tick_error:
             self._tick_error = ""
             self.report_error("")
-        elif agent.active_path != self._last_path:
-            self._publish_status_soon()
         return action
 
     def _tick_failed(self, why: str) -> None:

@@ -7,17 +7,25 @@ from array import array
 from collections.abc import Sequence
 from typing import Protocol
 
+import numpy as np
 from hitab_msgs import msg
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_agent.report_outbox import ReportOutbox
+from hitab_agent.troupes import Troupes
+from hitab_core.agent import Agent
 from hitab_ros import names, qos
+
+LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+"""A host that was held up answers the last percepts, not those that have gone by."""
 
 
 class Perceiver(Protocol):
     """What a host needs of an agent's node."""
 
     agent_name: str
+    agent: Agent
 
     def take_in(self, percept: msg.Percept) -> None:
         """Perceive; an agent takes values and messages out of the percept, which is used again."""
@@ -29,8 +37,8 @@ class Perceiver(Protocol):
 class HostLink:
     """Answers the percepts of all agents of a host.
 
-    All perceive first, then all act, so that those that perform the same automaton can be decided
-    for together in between; see `decide`.
+    All perceive first, then all act; in between those that perform the same automaton are decided
+    for together.
     """
 
     def __init__(self, host: Node, name: str, world: str, outbox: ReportOutbox) -> None:
@@ -47,6 +55,8 @@ class HostLink:
         self._outbox = outbox
         self._perceivers: list[Perceiver] = []
         self._percept = msg.Percept()
+        self._troupes = Troupes()
+        self._episode: tuple[int, int] | None = None
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
         )
@@ -65,7 +75,7 @@ class HostLink:
             msg.PerceptBatch,
             names.in_swarm(self._host, self._name, names.PERCEPTS),
             self._on_percepts,
-            qos.CYCLE,
+            LATEST,
         )
         # The time of day, so that a host that is started again has a higher number.
         self._answers.roster = time.time_ns()
@@ -77,9 +87,6 @@ class HostLink:
             )
         )
 
-    def decide(self, perceivers: Sequence[Perceiver], batch: msg.PerceptBatch) -> None:
-        """Decide for agents that have perceived, before they act; else each does it itself."""
-
     def _on_percepts(self, batch: msg.PerceptBatch) -> None:
         answers = self._answers
         if batch.roster != answers.roster:
@@ -87,6 +94,10 @@ class HostLink:
         percept = self._percept
         for field in ("stamp", "sequence", "cycle", "episode", "seed", "look", "restart"):
             setattr(percept, field, getattr(batch, field))
+        # One that came too late for the world is skipped, and what it began with it.
+        episode = (batch.seed, batch.episode)
+        percept.restart |= self._episode is not None and episode != self._episode
+        self._episode = episode
         acting = [self._perceivers[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, end, heard_end = batch.values, 0, 0
@@ -100,7 +111,7 @@ class HostLink:
                 percept.heard = batch.heard[heard:heard_end]
                 perceiver.take_in(percept)
             if not batch.look:
-                self.decide(acting, batch)
+                self._decide([perceiver.agent for perceiver in acting], batch)
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, perceiver in zip(batch.agents, acting, strict=True):
@@ -117,3 +128,15 @@ class HostLink:
         answers.speakers = speakers
         answers.said = said
         self._actions.publish(answers)
+
+    def _decide(self, agents: Sequence[Agent], batch: msg.PerceptBatch) -> None:
+        counts = batch.value_counts
+        alike = bool(counts) and min(counts) == max(counts)
+        values = np.asarray(batch.values).reshape(len(counts), -1) if alike else None
+        heard: dict[int, list[str]] = {}
+        end = 0
+        for place, count in enumerate(batch.heard_counts):
+            begin, end = end, end + count
+            if count:
+                heard[place] = batch.heard[begin:end]
+        self._troupes.decide(agents, values, heard)

@@ -50,15 +50,23 @@ class SuperiorLink:
             self._node.ordered()
         self.tell()
 
-    def perceived(self, percept: msg.Percept, seconds: float) -> None:
-        """Report what a percept and the tick after it have changed."""
+    def perceived(self, percept: msg.Percept, seconds: float, *, changed: bool = True) -> None:
+        """Report what a percept and the tick after it have changed.
+
+        Args:
+            percept: the percept.
+            seconds: the agent's own time.
+            changed: whether it may do something else than after the percept before.
+        """
         subordinate = self.subordinate
-        subordinate.episode, subordinate.seed = percept.episode, percept.seed
+        if (subordinate.episode, subordinate.seed) != (percept.episode, percept.seed):
+            subordinate.episode, subordinate.seed = percept.episode, percept.seed
+            changed = True
         self._seconds = seconds
         if percept.look:
             # Whoever arranges a paused world wants the commander to see it, too.
             self._send(subordinate.report())
-        else:
+        elif changed or subordinate.is_asked:
             self.tell()
 
     def tell(self) -> None:

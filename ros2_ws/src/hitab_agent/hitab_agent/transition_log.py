@@ -24,6 +24,7 @@ class TransitionLog:
         self.stamp = Time()
         self.cycle = 0
         self.commanded = False
+        self.changed = False
 
     def look(self) -> None:
         """Find out whether anybody listens."""
@@ -32,6 +33,7 @@ class TransitionLog:
 
     def observe(self, automaton: RunningAutomaton, source: str, destination: str) -> None:
         """Publish a change of state; see `Stage.observe`."""
+        self.changed = True
         self._countdown -= 1
         if self._countdown < 0:
             self.look()

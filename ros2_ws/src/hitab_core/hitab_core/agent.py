@@ -101,7 +101,7 @@ class Agent:
     def active_path(self) -> list[str]:
         """Labels of the active states, from the top-level behavior's inwards."""
         running = self._running
-        return running.active_path if isinstance(running, RunningAutomaton) else []
+        return running.active_path if running is not None else []
 
     @property
     def behavior(self) -> str:
@@ -121,6 +121,20 @@ class Agent:
         running = self._running
         if running is not None:
             running.raised.clear()
+
+    @property
+    def stage(self) -> Stage:
+        """What everything that it performs has in common."""
+        return self._stage
+
+    @property
+    def performance(self) -> Running | None:
+        """What performs its top-level behavior; None in other modes."""
+        return self._performance if self.mode is Mode.PERFORMING else None
+
+    def hand_over(self, performance: Running) -> None:
+        """Have something else perform the top-level behavior that goes on where this one is."""
+        self._performance = performance
 
     @property
     def _running(self) -> Running | None:

@@ -165,6 +165,13 @@ class BatchLevel:
         inner = child.active_path(row) if isinstance(child, BatchLevel) else []
         return [self.labels[state], *inner]
 
+    def condition(self, row: int) -> list[tuple[int, frozenset[str]]]:
+        """Return one agent's active states and raised flags, from this level's inwards."""
+        state = int(self.active[row])
+        child = self.children[state]
+        inner = child.condition(row) if isinstance(child, BatchLevel) else []
+        return [(state, frozenset(self.raised_by(row))), *inner]
+
     def raised_by(self, row: int) -> set[str]:
         """Return the flags that one agent's automaton has raised."""
         raised = int(self.raised[row])
@@ -241,6 +248,18 @@ class BatchAutomaton:
         # Whoever had left a state when a decision further inside failed performs nothing now.
         self.performed[lost[self._moved[lost]]] = NOTHING
         return {row: self.senses.errors[row] for row in lost.tolist()}
+
+    def go_on_from(self, row: int, levels: Sequence[tuple[int, frozenset[str]]]) -> int:
+        """Put one agent where it was elsewhere; return what it performs; see `condition`."""
+        child: BatchLevel | int | None = self.top
+        for state, raised in levels:
+            assert isinstance(child, BatchLevel)
+            child.active[row] = state
+            child.raised[row] = sum(_FLAG_BITS[flag] for flag in raised)
+            child = child.children[state]
+        performed = child if isinstance(child, int) else NOTHING
+        self.performed[row] = performed
+        return performed
 
     def active_path(self, row: int) -> list[str]:
         """Return the labels of one agent's active states, from the behavior's own inwards."""

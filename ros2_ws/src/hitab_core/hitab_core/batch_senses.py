@@ -26,7 +26,9 @@ class _Column:
     """The values of one feature: shape (n,).
 
     Attributes:
-        known: which values have been read since the last percepts; None: all or none.
+        use: of the feature.
+        readers: read it from an agent's body, by row; made when first needed.
+        known: which values have been read since the last percepts, one by one.
         whole: whether all are known.
         wrong: why values are missing or impossible, by row; these are NaN.
     """
@@ -35,7 +37,8 @@ class _Column:
     name: str = ""
     categories: int = 0
     read_all: ReadAll | None = None
-    readers: list[Callable[[], float]] | None = None
+    use: Use | None = None
+    readers: dict[int, Callable[[], float]] = field(default_factory=dict)
     known: Booleans | None = None
     whole: bool = False
     wrong: dict[int, Exception] = field(default_factory=dict)
@@ -45,6 +48,7 @@ class BatchSenses:
     """Feature values of many agents by slot, as `hitab_core.senses.Senses` has those of one.
 
     Attributes:
+        from_bodies: read everything from bodies, agent by agent.
         errors: why a feature that an agent's decision looked at could not be read, by row.
     """
 
@@ -60,6 +64,7 @@ class BatchSenses:
             percepts: what the domain reads for all agents at once, see `Feature.read_all`;
                 None: nothing is read so.
         """
+        self.from_bodies = False
         self.errors: dict[int, Exception] = {}
         self._domain = domain
         self._size = size
@@ -78,11 +83,7 @@ class BatchSenses:
                 len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
                 self._reads_all(use),
             )
-            if column.read_all is None:
-                column.readers = [
-                    resolved(feature.read, body, self._domain, use) for body in self._bodies
-                ]
-                column.known = np.zeros(self._size, np.bool_)
+            column.use = use
             self._columns.append(column)
             self._slots[use] = len(self._columns) - 1
         return self._slots[use]
@@ -118,15 +119,15 @@ class BatchSenses:
             column = self._columns[slot]
             column.whole = False
             column.wrong.clear()
-            if column.known is not None:
-                column.known[:] = False
+            column.known = None
 
     def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
         """Return those of some agents whose value can be read, and their values."""
         column = self._columns[slot]
         if not column.whole:
-            if column.read_all is not None:
-                column.values = np.asarray(column.read_all(), np.float64)
+            if column.read_all is not None and not self.from_bodies:
+                # A copy: what is read one by one is written into it.
+                column.values = np.array(column.read_all(), np.float64)
                 self._inspect(column)
             else:
                 self._read(column, rows)
@@ -159,11 +160,20 @@ class BatchSenses:
             self._read_one(column, row, partial(float, values[row]))
 
     def _read(self, column: _Column, rows: Integers) -> None:
-        assert column.known is not None
-        assert column.readers is not None
+        if column.known is None:
+            column.known = np.zeros(self._size, np.bool_)
         for row in rows[~column.known[rows]].tolist():
-            self._read_one(column, row, column.readers[row])
+            self._read_one(column, row, self._reader(column, row))
         column.known[rows] = True
+
+    def _reader(self, column: _Column, row: int) -> Callable[[], float]:
+        reader = column.readers.get(row)
+        if reader is None:
+            assert column.use is not None
+            read = self._domain.features[column.use.name].read
+            reader = resolved(read, self._bodies[row], self._domain, column.use)
+            column.readers[row] = reader
+        return reader
 
     def _read_one(self, column: _Column, row: int, read: Callable[[], float]) -> None:
         try:

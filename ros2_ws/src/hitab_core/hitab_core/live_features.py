@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from hitab_core.automaton import FLAGS
 from hitab_core.errors import FeatureValueError
 from hitab_core.running_automaton import Running, RunningAutomaton, Stage
+from hitab_core.troupe import LevelOfMember, TroupeMember
 from hitab_core.use import Use
 
 Reading = tuple[str, str, float]
@@ -15,7 +16,7 @@ Reading = tuple[str, str, float]
 
 
 def live_features(
-    running: Running | None, stage: Stage, also: Sequence[Use] = ()
+    running: Running | LevelOfMember | None, stage: Stage, also: Sequence[Use] = ()
 ) -> list[Reading]:
     """Return the features of each active automaton, outermost first, leaving flags up.
 
@@ -30,7 +31,8 @@ def live_features(
     for use in also:
         stage.repertoire.check_feature(use)
     readings: list[Reading] = []
-    while isinstance(running, RunningAutomaton):
+    running = running.outermost if isinstance(running, TroupeMember) else running
+    while isinstance(running, RunningAutomaton | LevelOfMember):
         bound = [feature.bound(running.bindings) for feature in running.automaton.features]
         values = _values(running)
         readings += [
@@ -41,7 +43,7 @@ def live_features(
     return readings
 
 
-def _values(running: RunningAutomaton) -> Iterable[float]:
+def _values(running: RunningAutomaton | LevelOfMember) -> Iterable[float]:
     try:
         return running.peek_features()
     except FeatureValueError:

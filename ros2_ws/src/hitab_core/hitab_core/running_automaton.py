@@ -17,7 +17,13 @@ from hitab_core.use import Use
 class Running(Protocol):
     """A behavior being performed."""
 
-    raised: set[str]
+    @property
+    def raised(self) -> set[str]:
+        """The flags that it has raised and nobody has taken down."""
+
+    @property
+    def active_path(self) -> list[str]:
+        """Labels of the active states, outermost first; none in a basic behavior."""
 
     def start(self) -> None:
         """Begin performing, from the beginning."""
@@ -73,6 +79,11 @@ class RunningBasicBehavior:
         self._pulsed = False
         self.raised: set[str] = set()
 
+    @property
+    def active_path(self) -> list[str]:
+        """Nothing: a basic behavior has no states."""
+        return []
+
     def start(self) -> None:
         """Begin performing."""
         self._pulsed = False
@@ -89,6 +100,11 @@ class RunningBasicBehavior:
     def stop(self) -> None:
         """Stop performing."""
         self._stop()
+
+
+Condition = tuple[list[tuple[int, frozenset[str]]], RunningBasicBehavior | None]
+"""From outside in, the index of each automaton's active state and the flags that it has raised;
+and the basic behavior that is performed at the end, if any."""
 
 
 class RunningAutomaton:
@@ -172,6 +188,15 @@ class RunningAutomaton:
         child = self.child
         inner = child.active_path if isinstance(child, RunningAutomaton) else []
         return [self.active, *inner]
+
+    def condition(self) -> Condition:
+        """Return where it is, so that something else can go on from there."""
+        own = (self._active, frozenset(self.raised))
+        child = self.child
+        if isinstance(child, RunningAutomaton):
+            levels, basic = child.condition()
+            return [own, *levels], basic
+        return [own], child if isinstance(child, RunningBasicBehavior) else None
 
     def start(self) -> None:
         """Begin in Start, with no flag raised."""

@@ -91,6 +91,11 @@ class Subordinate:
             return self.agent.mode is Mode.IDLE
         return self.agent.mode is Mode.PERFORMING and self.agent.top == use
 
+    @property
+    def is_asked(self) -> bool:
+        """Whether the commander has asked for values or the position."""
+        return self.order is not None and bool(self.order.report or self.order.report_position)
+
     # -- reporting --------------------------------------------------------------------------
 
     def news(self, seconds: float) -> Report | None:

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core.automaton import Automaton
+from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.batch_automaton import NOTHING, BatchAutomaton, BatchLevel, draws_of
 from hitab_core.batch_senses import BatchSenses
 from hitab_core.gain_ratio import Booleans, Integers
-from hitab_core.running_automaton import RunningBasicBehavior, Stage
+from hitab_core.running_automaton import Condition, RunningBasicBehavior, Stage
 from hitab_core.transition_function import Explanation
 from hitab_core.use import Use
 
@@ -61,8 +61,18 @@ class Troupe:
 
     def decide(self, rows: Integers) -> None:
         """Decide what some members do in this timestep, on percepts that their bodies have."""
-        self.errors = self.batch.tick(rows)
+        for row in rows.tolist() if self.errors else ():
+            self.errors.pop(row, None)
+        self.errors |= self.batch.tick(rows)
         self.decided[rows] = True
+
+    def decide_alone(self, only: Integers) -> None:
+        """Decide for one member by what its own body perceives."""
+        self.senses.forget()
+        self.senses.from_bodies = True
+        self.decide(only)
+        self.senses.from_bodies = False
+        self.senses.forget()
 
     def _observe(self, level: BatchLevel, rows: Integers, source: int, chosen: int) -> None:
         for row in rows.tolist():
@@ -70,6 +80,20 @@ class Troupe:
             if observe is not None:
                 view: Any = LevelOfMember(self, level, row)  # what observers need of an automaton
                 observe(view, level.labels[source], level.labels[chosen])
+
+
+class _Raised(set[str]):
+    """The flags of a member, which are taken down where they are kept."""
+
+    def __init__(self, level: BatchLevel, row: int) -> None:
+        super().__init__(level.raised_by(row))
+        self._level = level
+        self._row = row
+
+    def clear(self) -> None:
+        """Take down all flags."""
+        super().clear()
+        self._level.raised[self._row] = 0
 
 
 class TroupeMember:
@@ -87,12 +111,31 @@ class TroupeMember:
     @property
     def raised(self) -> set[str]:
         """The flags that the behavior has raised."""
-        return self._troupe.batch.top.raised_by(self._row)
+        return _Raised(self._troupe.batch.top, self._row)
+
+    @property
+    def outermost(self) -> LevelOfMember:
+        """The automaton that is performed."""
+        return LevelOfMember(self._troupe, self._troupe.batch.top, self._row)
 
     @property
     def active_path(self) -> list[str]:
         """The active states from the behavior's own inwards."""
         return self._troupe.batch.active_path(self._row)
+
+    def condition(self) -> Condition:
+        """Return where it is; see `RunningAutomaton.condition`."""
+        performed = self._performed
+        basic = None if performed == NOTHING else self._basic(performed)
+        return self._troupe.batch.top.condition(self._row), basic
+
+    def go_on_from(self, condition: Condition) -> None:
+        """Be where something else that performs the same was."""
+        levels, basic = condition
+        performed = self._troupe.batch.go_on_from(self._row, levels)
+        self._performed = performed
+        if basic is not None:
+            self._basics[performed] = basic
 
     def start(self) -> None:
         """Begin in Start, with no flag raised."""
@@ -114,8 +157,7 @@ class TroupeMember:
         """
         troupe, row = self._troupe, self._row
         if not troupe.decided[row]:
-            troupe.forget()
-            troupe.decide(self._only)
+            troupe.decide_alone(self._only)
         troupe.decided[row] = False
         performed, before = int(troupe.batch.performed[row]), self._performed
         self._performed = performed
@@ -166,6 +208,31 @@ class LevelOfMember:
         """The automaton that uses it."""
         above = self._level.above
         return None if above is None else LevelOfMember(self._troupe, above, self._row)
+
+    @property
+    def child(self) -> LevelOfMember | None:
+        """What its active state performs, if that is an automaton."""
+        child = self._level.children[int(self._level.active[self._row])]
+        return (
+            LevelOfMember(self._troupe, child, self._row)
+            if isinstance(child, BatchLevel)
+            else None
+        )
+
+    def peek_features(self) -> list[float]:
+        """Return the values of all features now, leaving raised flags up.
+
+        Raises:
+            FeatureValueError: if one has no value.
+        """
+        child = self.child
+        raised = child._level.raised_by(self._row) if child is not None else set()
+        return [
+            float(feature.name in raised)
+            if feature.name in FLAGS
+            else self._troupe.senses.value(slot, self._row)
+            for slot, feature in zip(self._level.slots, self.automaton.features, strict=True)
+        ]
 
     def last_features(self) -> list[float]:
         """Return the values of all features as the last decision saw them, flags included."""

@@ -205,6 +205,12 @@ def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> N
 
     for cycle in range(12):
         percepts.values[:] = [percept(rng, missing) for _ in range(size)]
+        if cycle == 6:  # they go on in another troupe
+            conditions = [member.condition() for member in troupe.members]
+            troupe = Troupe([one.stage for one in together], use, percepts)
+            for other, member, condition in zip(together, troupe.members, conditions, strict=True):
+                member.go_on_from(condition)
+                other.running = member
         troupe.forget()
         for row, values in enumerate(percepts.values.tolist()):
             for one in (alone[row], together[row]):
@@ -214,7 +220,7 @@ def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> N
                     one.running.stop()
                     one.running.start()
         ticking = np.flatnonzero([rng.random() < 0.9 for _ in range(size)])
-        troupe.decide(ticking)
+        troupe.decide(np.array([row for row in ticking.tolist() if rng.random() < 0.8], np.int64))
         for row in ticking.tolist():
             alone[row].tick()
             together[row].tick()
@@ -225,6 +231,35 @@ def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> N
             if not any("feature" in line for line in alone[row].body.done):
                 assert troupe.members[row].active_path == alone[row].running.active_path
             assert troupe.members[row].raised == alone[row].running.raised
+
+
+def test_a_troupe_goes_on_where_its_members_were_alone() -> None:
+    domain = robot(True)
+    goes = TransitionTree([domain.features["Distance"].scale])
+    automaton = Automaton(
+        "L1",
+        (Use("Wait"), Use("Kick")),
+        (Use("Distance", ("ball",)),),
+        {START: goes.fit([[0.0], [5.0]], ["Wait", "Kick"])},
+    )
+    repertoire = Repertoire(domain, {"L1": automaton})
+    agents = [Alone(repertoire, Use("L1"), seed) for seed in range(3)]
+    for agent, distance in zip(agents, (0.0, 5.0, 5.0), strict=True):
+        agent.body.values = [distance] * 6
+        agent.running.start()
+        agent.running.tick()
+    percepts = BatchPercepts(np.zeros((3, 6)))
+    troupe = Troupe([agent.stage for agent in agents], Use("L1"), percepts)
+    for agent, member in zip(agents, troupe.members, strict=True):
+        member.go_on_from(agent.running.condition())
+    troupe.forget()
+    troupe.decide(np.arange(3))
+    for member in troupe.members:
+        member.tick()
+    assert [member.active_path for member in troupe.members] == [["Wait"], ["Kick"], ["Kick"]]
+    pulses = [[line for line in a.body.done if "pulse" in line] for a in agents]
+    assert pulses == [["pulse Wait()"] * 2, ["pulse Kick()"], ["pulse Kick()"]]
+    assert [line for line in agents[1].body.done if "start" in line] == ["start Kick()"]
 
 
 def test_a_member_that_nobody_decided_for_decides_by_itself() -> None:

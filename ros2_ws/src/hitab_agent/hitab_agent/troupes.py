@@ -1,0 +1,102 @@
+"""Deciding together for the agents of a host that perform the same automaton."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Any
+
+import numpy as np
+
+from hitab_core.agent import Agent
+from hitab_core.domain import BatchPercepts
+from hitab_core.running_automaton import Running, RunningAutomaton
+from hitab_core.troupe import Troupe, TroupeMember
+
+WORTH_IT = 8
+"""Fewer agents than these are ticked as fast one by one."""
+
+
+class _Cast:
+    """A troupe with the agents that are its members, by row."""
+
+    def __init__(self, agents: Sequence[Agent]) -> None:
+        first = agents[0]
+        assert first.top is not None
+        self.agents = tuple(agents)
+        self.percepts = BatchPercepts(np.zeros((len(agents), 0)))
+        self.troupe = Troupe([agent.stage for agent in agents], first.top, self.percepts)
+        for agent, member in zip(agents, self.troupe.members, strict=True):
+            performance = agent.performance
+            assert isinstance(performance, RunningAutomaton | TroupeMember)
+            member.go_on_from(performance.condition())
+            agent.hand_over(member)
+
+    def has(self, agents: Sequence[Agent]) -> bool:
+        """Whether these agents are members."""
+        members = dict(zip(self.agents, self.troupe.members, strict=True))
+        return all(members.get(agent) is agent.performance for agent in agents)
+
+    def decide(self, row_of: dict[Agent, int], values: Any, heard: dict[int, list[str]]) -> None:
+        """Decide for those of the agents that are in a batch of percepts."""
+        troupe, percepts = self.troupe, self.percepts
+        present = [
+            (row, row_of[agent])
+            for row, agent in enumerate(self.agents)
+            if agent in row_of and agent.performance is troupe.members[row]
+        ]
+        if not present:
+            return
+        rows = np.array([row for row, _ in present])
+        if percepts.values.shape[1] != values.shape[1]:
+            percepts.values = np.zeros((len(self.agents), values.shape[1]))
+        percepts.values[rows] = values[[place for _, place in present]]
+        percepts.heard = {row: heard[place] for row, place in present if place in heard}
+        troupe.forget()
+        troupe.decide(rows)
+
+
+class Troupes:
+    """Finds out who performs the same as others, whatever orders and demonstrators do."""
+
+    def __init__(self) -> None:
+        self._known: dict[Agent, Running | None] = {}
+        self._casts: dict[Hashable, _Cast] = {}
+
+    def decide(self, agents: Sequence[Agent], values: Any, heard: dict[int, list[str]]) -> None:
+        """Decide for all agents for which it pays; the others decide when they are ticked.
+
+        Args:
+            agents: that have taken in percepts.
+            values: shape (n, m), what they were; None if they are not laid out alike.
+            heard: the messages heard, by place among the agents.
+        """
+        known = self._known
+        if any(known.get(agent, self) is not agent.performance for agent in agents):
+            self._cast_anew(agents)
+        if values is None:
+            return
+        row_of = {agent: place for place, agent in enumerate(agents)}
+        for cast in self._casts.values():
+            cast.decide(row_of, values, heard)
+
+    def _cast_anew(self, agents: Sequence[Agent]) -> None:
+        groups: dict[Hashable, list[Agent]] = {}
+        for agent in agents:
+            if isinstance(agent.performance, RunningAutomaton | TroupeMember):
+                groups.setdefault(_same(agent), []).append(agent)
+        before, self._casts = self._casts, {}
+        for same, alike in groups.items():
+            if len(alike) < WORTH_IT:
+                continue
+            cast = before.get(same)
+            if cast is None or not cast.has(alike):
+                cast = _Cast(alike)
+            self._casts[same] = cast
+        self._known = {agent: agent.performance for agent in agents}
+
+
+def _same(agent: Agent) -> Hashable:
+    """Return what is equal for agents that can be decided for together."""
+    stage = agent.stage
+    digest = agent.library_digest, stage.repertoire.domain.signature
+    return str(agent.top), digest, stage.most_probable
