@@ -275,7 +275,6 @@ class CommanderSection:
                 f'"{use.name}" {has(known)}{did_you_mean(use.name, known)}',
                 order.name,
                 use.name,
-                member.role,
             )
         elif len(known[use.name]) != len(use.arguments):
             wanted = ", ".join(known[use.name]) or "none"
@@ -286,7 +285,6 @@ class CommanderSection:
                 f"{len(known[use.name])} target(s) ({wanted})",
                 order.name,
                 use.name,
-                member.role,
             )
 
     @staticmethod

@@ -14,6 +14,7 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control, EditExamples
 
+from hitab_bringup.commander_pacer import CommanderPacer
 from hitab_bringup.conditions import Condition
 from hitab_bringup.errors import LessonError, SwarmError
 from hitab_bringup.lesson import (
@@ -94,6 +95,7 @@ class LessonPlayer:
         self.swarm = swarm
         self.world = world
         self.report = LessonReport(lesson.name, lesson.budget)
+        self._commanders = CommanderPacer(swarm)
         self._progress = progress
         self._factor = factor
         self._saved = ""
@@ -217,7 +219,9 @@ class LessonPlayer:
         )
 
     def _command(self, step: Command) -> None:
+        self._commanders.await_seen(step.agent, self._state().cycle)
         self.swarm.command(step.agent, step.use.name, step.use.arguments)
+        self._commanders.await_obeyed(step.agent)
         self.report.commands += 1
 
     def _until(self, step: Until) -> None:

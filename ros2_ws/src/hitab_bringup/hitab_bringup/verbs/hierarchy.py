@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 PANEL = "Command"
 WAIT_SECONDS = 8.0
+GROUP_SECONDS = 2.0  # once its status is known, its group is known as well
 REFRESH_SECONDS = 0.2
 SHOWN = 12
 """Subordinates that are no commanders are shown one by one up to so many."""
@@ -108,15 +109,14 @@ def _line(branch: Branch) -> str:
     doing = " > ".join((branch.behavior or "nothing", *branch.path))
     if not branch.is_commander:
         return f"{branch.name}: {doing}{_why_not(branch)}"
-    told = branch.order or "nothing yet"
+    mode = "" if branch.mode in ("performing", "idle", "") else f" ({branch.mode})"
+    if not branch.order:
+        return f"{branch.name}{mode}: {doing}, has ordered nothing yet{_why_not(branch)}"
     does = "" if doing == branch.order else f"{doing}, "
-    share = f"{branch.counts[0]} of {branch.counts[1]}"
+    share = f"{branch.counts[0]} of {branch.counts[1]} perform it"
     of_agents = f"{branch.leaves[0]} of {branch.leaves[1]} agents"
     below = "" if branch.leaves == branch.counts else f", {of_agents}"
-    mode = "" if branch.mode in ("performing", "idle", "") else f" ({branch.mode})"
-    return (
-        f"{branch.name}{mode}: {does}orders {told}: {share} perform it{below}{_why_not(branch)}"
-    )
+    return f"{branch.name}{mode}: {does}orders {branch.order}: {share}{below}{_why_not(branch)}"
 
 
 def _why_not(branch: Branch) -> str:
@@ -176,7 +176,7 @@ def order(
     with connection(swarm) as swarm_up:
         view = CommandView(swarm_up.link, swarm_up.agents.prefix)
         status = swarm_up.agents.await_agent(commander)
-        view.await_groups(WAIT_SECONDS, (commander,))
+        view.await_groups(GROUP_SECONDS, (commander,))
         if commander not in view.groups:
             raise SwarmError(
                 f"{commander} is no commander {has(view.groups)}; `hitab perform {commander} "
