@@ -68,6 +68,7 @@ class Session:
         state: the state whose tree is looked at, if not the active one.
         dialog: what is asked for, with all that is needed to show it.
         player: the recording that is played, if one is.
+        connected: whether the browser is there.
     """
 
     def __init__(self, studio: Studio, number: int, key: str) -> None:
@@ -86,6 +87,7 @@ class Session:
         self.behavior = ""
         self.compare: tuple[str, Learned] | None = None
         self.player: Player | None = None
+        self.connected = False
         self.toasts: list[Toast] = []
         self.version = 0
         self.busy = 0

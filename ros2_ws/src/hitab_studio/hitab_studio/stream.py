@@ -20,6 +20,8 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
     if session is None:
         await socket.close(UNKNOWN_PAGE)
         return
+    session.connected = True
+    studio.store.touch()
     studio.show_again(session)
     session.send({"t": "chosen", "names": session.chosen})
     sending = asyncio.create_task(_send(studio, socket, session))
@@ -29,6 +31,8 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
     except (WebSocketDisconnect, RuntimeError):
         pass
     finally:
+        session.connected = False
+        studio.store.touch()
         sending.cancel()
 
 

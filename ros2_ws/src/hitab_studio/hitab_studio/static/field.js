@@ -262,7 +262,10 @@ class Field {
   drawThings(c, screen) {
     const { now } = this;
     const many = now.n > MANY;
-    for (let i = 0; i < now.n; i++) {
+    const order = [...now.colors.keys()];
+    const small = (i) => this.roster.kinds[i] === "ball"; // in front of who has it
+    order.sort((a, b) => small(a) - small(b));
+    for (const i of order) {
       const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
       if (px < -30 || py < -30 || px > this.width + 30 || py > this.height + 30) continue;
       const radius = this.radius(i);

@@ -50,12 +50,21 @@ def context(session: Session) -> dict[str, Any]:
         "buttons": _buttons(session),
         "asked": session.asked,
         "targets": _targets(session),
-        "legend": list(zip(store.palette.states[:8], STATE_COLORS, strict=False)),
+        "legend": _legend(session),
         "player": session.player,
         "empty": _empty(session),
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
+
+
+def _legend(session: Session) -> list[tuple[str, str]]:
+    """Return the states that are active at the moment, with their colors."""
+    palette = session.studio.store.palette
+    player = session.player
+    doing = session.studio.store.doing() if player is None else player.recording.doing(player.at)
+    active = {state for _, state in doing.values() if state}
+    return [(s, STATE_COLORS[palette.index(s)]) for s in palette.states if s in active][:8]
 
 
 def _empty(session: Session) -> tuple[str, str, str]:

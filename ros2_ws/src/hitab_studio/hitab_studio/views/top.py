@@ -25,7 +25,7 @@ def context(session: Session) -> dict[str, Any]:
         "pace": pace,
         "speeds": SPEEDS,
         "missing": list(world.missing) if world is not None else [],
-        "pages": len(session.studio.sessions),
+        "pages": sum(other.connected for other in session.studio.sessions.values()),
         "undoable": len(store.placements),
         "replaying": session.player is not None,
     }

@@ -1,0 +1,126 @@
+"""Takes the pictures of the studio: studio-train.png, studio-arrange.png, studio-learned.png.
+
+scripts/python docs/images/studio.py
+
+A person at a real browser trains ApproachBall by clicking, arranges a scenario by dragging, and
+looks into what the shipped keepers have learned, while they play.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.keepaway.evaluation import trained_keepers
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+LIBRARY = ROOT / "ros2_ws/src/hitab_bringup/libraries/keepaway"
+SIZE = {"width": 1280, "height": 720}
+TEACHER = "keeper_1"
+
+sys.path.insert(0, str(ROOT / "tests"))
+
+
+@contextmanager
+def page(chrome: Any, url: str, *, dark: bool = False) -> Iterator[Any]:
+    """Open the studio in a window."""
+    from browsing import Person
+
+    window = chrome.new_page(viewport=SIZE, color_scheme="dark" if dark else "light")
+    person = Person(window, url)
+    person.sees_field()
+    person.click(f"agent-{TEACHER}")
+    yield person
+    window.close()
+
+
+def arrange(swarm: RunningSwarm) -> None:
+    """Put everything where a training of ApproachBall begins."""
+    things = {
+        TEACHER: {"x": -8.0, "y": 0.0, "heading": 0.0},
+        "keeper_2": {"x": 7.0, "y": 7.0, "heading": -2.4},
+        "keeper_3": {"x": 7.0, "y": -7.0, "heading": 2.4},
+        "taker_1": {"x": -8.0, "y": 8.5, "heading": 0.0},
+        "taker_2": {"x": -6.5, "y": 8.5, "heading": 0.0},
+        "ball": {"x": 0.0, "y": 0.0},
+    }
+    still = {name: {"vx": 0.0, "vy": 0.0, **place} for name, place in things.items()}
+    swarm.world.changed(lambda: swarm.world.place(still))
+
+
+def train(person: Any, swarm: RunningSwarm) -> None:
+    """Train ApproachBall by clicking, up to where it is about to be tested."""
+    arrange(swarm)
+    person.click("new")
+    person.type("new-name", "ApproachBall")
+    person.tick("feature-DistanceTo(ball)")
+    person.click("begin")
+    person.sees("mode", "Training")
+    for x, behavior, examples in ((-8.0, "GoFast", 2), (-4.5, "GoMedium", 4), (-2.4, "GoSlow", 6)):
+        person.drags(TEACHER, x, 0.0)
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+    person.page.wait_for_timeout(5500)  # messages have gone, curves are there
+    person.page.screenshot(path=HERE / "studio-train.png")
+    person.click("tab-examples")
+    person.page.wait_for_timeout(300)
+    # In the middle of dragging, two things at once.
+    mouse = person.page.mouse
+    for name in ("taker_1", "taker_2"):
+        person.page.keyboard.down("Shift")
+        mouse.click(*person.on_screen(*person.place_of(name)))
+        person.page.keyboard.up("Shift")
+        person.page.wait_for_timeout(200)
+    mouse.move(*person.on_screen(*person.place_of("taker_1")))
+    mouse.down()
+    mouse.move(*person.on_screen(-2.0, 3.5), steps=5)
+    person.page.wait_for_timeout(200)
+    person.page.screenshot(path=HERE / "studio-arrange.png")
+    mouse.up()
+
+
+def look(person: Any, swarm: RunningSwarm) -> None:
+    """Look into what was learned, while it plays."""
+    person.page.click("#trails")
+    person.click("tab-learned")
+    person.sees("level-ControlBall")
+    person.waits_until(
+        lambda: swarm.link.spin(0.01) or len(swarm.agents.statuses[TEACHER].active_path) > 2,
+        "the keeper has the ball",
+        60.0,
+    )
+    person.page.wait_for_timeout(250)
+    person.page.screenshot(path=HERE / "studio-learned.png")
+
+
+def main() -> None:
+    """Take all pictures."""
+    from browsing import browser, studio
+
+    os.environ["HITAB_HOME"] = tempfile.mkdtemp(prefix="hitab-studio-")
+    parameters = {"taker_speed": 0.25}
+    for library, behavior in ((None, ""), (LIBRARY, "Keepaway")):
+        description = trained_keepers(library, behavior, parameters)
+        with temporary_swarm(description) as swarm, browser() as chrome:
+            log = Path(os.environ["HITAB_HOME"], "studio.log")
+            with studio(log, "--run-dir", str(swarm.folder.path)) as url:
+                swarm.world.control("pace", pace="realtime", factor=1.0)
+                if library is None:
+                    with page(chrome, url) as person:
+                        train(person, swarm)
+                else:
+                    swarm.world.control("resume")
+                    with page(chrome, url, dark=True) as person:
+                        person.page.wait_for_timeout(8000)
+                        look(person, swarm)
+
+
+if __name__ == "__main__":
+    main()
