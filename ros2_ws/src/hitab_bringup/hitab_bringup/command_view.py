@@ -14,6 +14,7 @@ from hitab_ros import qos
 from hitab_ros.names import GROUP
 
 GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"
+LATER_SECONDS = 0.3
 
 
 class CommandView:
@@ -55,8 +56,11 @@ class CommandView:
             return bool(known) and known <= self.groups.keys()
 
         self._link.spin_until(complete, seconds)
-        # Whoever is discovered a little later has its place in the tree, too.
-        self._link.spin_until(lambda: self.discover() is not None, 0.3)
+        if not wanted:
+            # Whoever is discovered a little later has its place in the tree, too.
+            self._link.spin_until(lambda: False, LATER_SECONDS)
+            self.discover()
+            self._link.spin_until(lambda: self._watched <= self.groups.keys(), LATER_SECONDS)
 
     def tree(self) -> list[Branch]:
         """Return the commanders that nobody commands, with all below them."""
