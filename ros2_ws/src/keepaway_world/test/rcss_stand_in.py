@@ -76,6 +76,10 @@ class StandIn:
         self.port = self._init.getsockname()[1]
         self._monitor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._monitor.bind(("127.0.0.1", 0))
+        self._trainer = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._trainer.bind(("127.0.0.1", 0))
+        self.trainer_port = self._trainer.getsockname()[1]
+        self.moves = []
         self._clients = []  # [socket, address, side, number, done]
         self._round = 0
         self._due = 0.0
@@ -94,7 +98,12 @@ class StandIn:
         """Go away, as when the process ends."""
         self._stop.set()
         self._thread.join(5.0)
-        for sock in (self._init, self._monitor, *(client[0] for client in self._clients)):
+        for sock in (
+            self._init,
+            self._monitor,
+            self._trainer,
+            *(client[0] for client in self._clients),
+        ):
             sock.close()
 
     def commands(self, number=None):
@@ -106,7 +115,12 @@ class StandIn:
     def _run(self):
         try:
             while not self._stop.is_set():
-                socks = [self._init, self._monitor, *(client[0] for client in self._clients)]
+                socks = [
+                    self._init,
+                    self._monitor,
+                    self._trainer,
+                    *(client[0] for client in self._clients),
+                ]
                 for sock in select.select(socks, [], [], 0.01)[0]:
                     with contextlib.suppress(OSError):
                         data, address = sock.recvfrom(8192)
@@ -122,6 +136,9 @@ class StandIn:
         if sock is self._init:
             self._take_in(text, address)
             return
+        if sock is self._trainer:
+            self._train(text, address)
+            return
         if sock is self._monitor:
             self.begun = self.begun or text == "(dispstart)"
             return
@@ -131,6 +148,13 @@ class StandIn:
         self.received.append((number, text))
         if text == "(done)":
             self._clients[number][4] = True
+
+    def _train(self, text, address):
+        if text.startswith("(init"):
+            self._trainer.sendto(b"(init ok)\0", address)
+        elif text.startswith("(move"):
+            self.moves.append(text)
+            self._trainer.sendto(b"(ok move)\0", address)
 
     def _take_in(self, text, address):
         if text.startswith("(dispinit"):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from keepaway_world.rcss import messages
-from keepaway_world.rcss.messages import parse_message
+from keepaway_world.rcss.reading import parse_message
 from keepaway_world.rcss.sexpr import DEPTH_MAX, LENGTH_MAX, ProtocolError, decode, parse
 
 TRANSCRIPT = Path(__file__).parent / "data" / "keepaway_transcript.jsonl.gz"

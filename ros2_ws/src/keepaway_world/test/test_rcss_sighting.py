@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from keepaway_world.rcss.landmarks import LANDMARKS, locate
-from keepaway_world.rcss.messages import FullState, See, SeenObject, SenseBody, parse_message
+from keepaway_world.rcss.messages import FullState, See, SeenObject, SenseBody
+from keepaway_world.rcss.reading import parse_message
 from keepaway_world.rcss.sighting import Sighting, together
 
 TRANSCRIPT = Path(__file__).parent / "data" / "keepaway_transcript.jsonl.gz"

@@ -403,6 +403,46 @@ def test_what_a_server_cannot_do_is_refused_with_the_way_out():
             world.reset(5)
 
 
+def test_a_trainer_puts_things_somewhere_and_begins_episodes():
+    with StandIn() as server, world_on(server, trainer_port=server.trainer_port) as world:
+        world.reset(0)
+        world.step({})
+        world.place([Placement("ball", 1.0, 2.0, vx=3.0), Placement("keeper_2", heading=0.5)])
+        places = {entity.name: entity for entity in world.entities()}
+        assert (places["ball"].x, places["ball"].y, places["ball"].vx) == (1.0, 2.0, 3.0)
+        x, y = (float(word) for word in server.moves[1].split()[4:6])
+        assert server.moves[0].startswith("(move (ball) 1.000000 -2.000000 0.000000 0.300000 ")
+        assert server.moves[1].startswith("(move (player keepers 2) ")
+        assert (x, y) == pytest.approx((places["keeper_2"].x, -places["keeper_2"].y), abs=1e-5)
+        assert "-28.647890" in server.moves[1]
+        world.reset()
+        assert (world.waiting, world.episode, world.episode_cycle) == ("", 1, 0)
+        assert len(server.moves) == 2 + 6  # all that there is
+        assert world.entities()[0].x == pytest.approx(-6.0)
+
+
+def test_a_pause_puts_everything_back_where_a_trainer_can():
+    with StandIn() as server, world_on(server, trainer_port=server.trainer_port) as world:
+        world.reset(0)
+        for _ in range(20):
+            world.step({})
+        before = world.entities()
+        idle_until(world, lambda: len(server.moves) >= 6)
+        assert world.entities() == before
+
+
+def test_a_server_that_goes_while_it_is_paused_is_reported():
+    port = free_port()
+    with StandIn(port=port) as server:
+        world = RcssWorld(
+            ServerSettings(port=port, trainer_port=server.trainer_port), variant("standard")
+        )
+        idle_until(world, lambda: not world.waiting)
+    idle_until(world, lambda: world.waiting)
+    assert f"127.0.0.1:{port}" in world.waiting
+    world.close()
+
+
 def test_an_episode_that_has_begun_must_end_before_the_next_is_counted():
     with StandIn() as server, world_on(server) as world:
         world.reset(0)

@@ -9,7 +9,8 @@ import time
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
-from keepaway_world.rcss.messages import Init, Message, Refusal, parse_message
+from keepaway_world.rcss.messages import Init, Message, Refusal
+from keepaway_world.rcss.reading import parse_message
 from keepaway_world.rcss.sexpr import ProtocolError, decode
 
 VERSION = 15

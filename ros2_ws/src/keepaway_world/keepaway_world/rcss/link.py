@@ -27,8 +27,8 @@ from keepaway_world.rcss.messages import (
     See,
     SenseBody,
     Think,
-    parse_message,
 )
+from keepaway_world.rcss.reading import parse_message
 from keepaway_world.rcss.server_settings import FULL_STATE, ServerSettings
 from keepaway_world.rcss.sexpr import ProtocolError
 from keepaway_world.rcss.sighting import Sighting, together

@@ -6,9 +6,9 @@ tells what it was told. See docs/rcssserver.md for what such a world cannot do.
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from random import Random
 from typing import Any
 
@@ -25,15 +25,14 @@ from hitab_world.world import (
 )
 from keepaway_world import referee
 from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.percept import perceive
 from keepaway_world.rcss import sentences
 from keepaway_world.rcss.commands import command_of_order, commands_of
 from keepaway_world.rcss.connection import NoAnswer, ServerError
-from keepaway_world.rcss.episode_watch import EpisodeWatch
-from keepaway_world.rcss.field import Field, Place, parameters_of, placed
+from keepaway_world.rcss.field import Place, parameters_of, placed
+from keepaway_world.rcss.game import Game, Turn
 from keepaway_world.rcss.kick_off import kick_off
 from keepaway_world.rcss.link import Link
-from keepaway_world.rcss.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
+from keepaway_world.rcss.messages import BEFORE_KICK_OFF, PLAYING
 from keepaway_world.rcss.server_settings import SEE, ServerSettings
 from keepaway_world.rcss.trainer import Trainer
 from keepaway_world.takers import TakerTeam
@@ -82,20 +81,15 @@ class RcssWorld:
         self._link: Link | None = None
         self._trainer: Trainer | None = None
         self._next_try = 0.0
+        self.agents: tuple[str, ...] = tuple(f"keeper_{i + 1}" for i in range(parameters.keepers))
         self._forget()
-        self.agents: tuple[str, ...] = tuple(k.name for k in self._field.physics.keepers)
 
     def _forget(self) -> None:
         """Know nothing of the field."""
         self.size = self.parameters.width, self.parameters.height
-        self._field = Field(self.parameters)
-        self._seen: dict[str, Field] = {}  # by those who perceive what they see
-        self._watch = EpisodeWatch(referee.Referee(self.parameters), self._field.physics)
+        self._game = Game(self.parameters, self.agents, by_sight=self.server.percepts == SEE)
         self._takers = TakerTeam(self.parameters)
         self._said: dict[str, str] = {}
-        self._heard: dict[str, list[str]] = {}
-        self._time = -1
-        self._mode = ""
         self._result: EpisodeResult | None = None
         self._held: dict[str, Place] = {}
 
@@ -123,7 +117,7 @@ class RcssWorld:
             )
         self.episode = following if episode is None else episode
         self.refused = {}
-        fresh = bool(self.ended) or self._time == self._watch.began
+        fresh = bool(self.ended) or self._game.fresh
         self.ended = ""
         self._result = None
         self.episode_cycle = 0
@@ -151,31 +145,38 @@ class RcssWorld:
 
     def _set_up(self) -> None:
         """Have the trainer place everybody as the referee would, drawn by our seed."""
-        physics = self._field.physics
-        referee.set_up(physics, Random(world_seed(self.seed, self.episode)))
-        self._move(self._field.places())
-        self._watch.begin(self._time)
+        referee.set_up(self._game.field.physics, Random(world_seed(self.seed, self.episode)))
+        self._move(self._game.field.places())
+        self._game.begin()
 
     def _move(self, places: Mapping[str, Place]) -> None:
+        """Have the trainer put things somewhere; the server is left if it does not answer.
+
+        Raises:
+            WorldError: if that fails.
+        """
         assert self._trainer is not None
         try:
             self._trainer.put(places)
+        except NoAnswer as error:
+            self._leave(str(error))
+            raise WorldError(str(error)) from None
         except ServerError as error:
             raise WorldError(str(error)) from None
-        self._field.put(places)
+        self._game.put(places)
 
     def result(self) -> EpisodeResult:
         """Return how the present episode went so far; its measure is the number of passes."""
-        return self._result if self._result is not None else self._result_so_far()
+        return self._result or self._result_with(self._game.passes)
 
-    def _result_so_far(self) -> EpisodeResult:
+    def _result_with(self, passes: int) -> EpisodeResult:
         return EpisodeResult(
             self.episode,
             self.seed,
             self.episode_cycle,
             self.episode_cycle * self.cycle_seconds,
             self.ended,
-            {"passes": float(self._watch.passes)},
+            {"passes": float(passes)},
         )
 
     # -- cycles -----------------------------------------------------------------------------
@@ -188,8 +189,7 @@ class RcssWorld:
         """
         if agent not in self.agents:
             raise WorldError(f'no keeper "{agent}" (has: {", ".join(self.agents)})')
-        field = self._seen.get(agent, self._field)
-        return perceive(field.physics, field.movers[agent]), list(self._heard.get(agent, ()))
+        return self._game.percept(agent)
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Play one cycle; return "out" or "taken" if the episode ended with it, else None.
@@ -212,7 +212,7 @@ class RcssWorld:
     def _takers_commands(self) -> dict[str, list[str]]:
         if not self.server.our_takers:
             return {}
-        physics = self._field.physics
+        physics = self._game.field.physics
         orders = self._takers.decide(physics)
         return {
             taker.name: [command_of_order(order)]
@@ -234,48 +234,29 @@ class RcssWorld:
 
     def _observe(self, link: Link) -> bool:
         """Take in what was told of a cycle; return whether an episode began with it."""
-        time_before, self._time = self._time, link.time
-        if time_before >= 0:
-            self.cycle += max(self._time - time_before, 0)
-        state = link.state()  # None if lost: the field then stays as it was
-        mode = state.mode if state is not None else self._mode
-        over = any(text == EPISODE_OVER for _, text in link.referee)
-        if state is not None and self._mode == mode == PLAYING:
-            over = over or self._watch.set_up_anew(state)
-        began = over or (mode == PLAYING and self._mode == BEFORE_KICK_OFF)
-        if not self.waiting:
-            self.episode_cycle = self._time - self._watch.began
-            if over:
-                self.ended = self._watch.why_over()
-                self._result = self._result_so_far()
-        if state is not None:
-            kickers = self._field.take(state)
-            if not began and mode == PLAYING:
-                self._watch.saw(kickers)
-        if began:
-            self._watch.begin(self._time)
-        for name in self._seen:
-            sighting = link.clients[name].sighting
-            if sighting is not None and (seen := sighting.state(mode)) is not None:
-                self._seen[name].take(seen)
-        self._heard = {name: list(link.clients[name].heard) for name in self.agents}
-        self._mode = mode
-        self._see_to_waiting(state, began)
+        turn = self._game.take(link)
         link.forget()
-        return began
+        self.cycle += turn.passed
+        if not self.waiting:
+            self.episode_cycle = turn.episode_cycle
+            self.ended = turn.ended
+            if turn.ended:
+                self._result = self._result_with(turn.passes)
+        self._see_to_waiting(turn)
+        return turn.began
 
-    def _see_to_waiting(self, state: FullState | None, began: bool) -> None:
+    def _see_to_waiting(self, turn: Turn) -> None:
         """Decide whether there is an episode to be played."""
-        if self._mode == BEFORE_KICK_OFF:
-            missing = "" if state is None else self._field.missing(state)
+        missing = "" if turn.state is None else self._game.field.missing(turn.state)
+        if self._game.mode == BEFORE_KICK_OFF:
             self.waiting = missing or sentences.BEFORE_PLAY.format(self.server.where)
-            if self.server.kick_off and state is not None and not missing:
+            if self.server.kick_off and turn.state is not None and not missing:
                 self._kick_off()
-        elif self._mode != PLAYING:
-            self.waiting = sentences.STOPPED.format(self.server.where, self._mode)
-        elif state is not None and (missing := self._field.missing(state)):
+        elif self._game.mode != PLAYING:
+            self.waiting = sentences.STOPPED.format(self.server.where, self._game.mode)
+        elif missing:
             self.waiting = missing
-        elif began:
+        elif turn.began:
             self.waiting = ""
         elif self.waiting:
             self.waiting = sentences.PLAYING_ON.format(self.server.where)
@@ -297,7 +278,7 @@ class RcssWorld:
             return self._hold()
         deadline = time.monotonic() + BUSY_SECONDS
         while self.waiting and self._link is not None and time.monotonic() < deadline:
-            self._exchange(self._takers_commands() if self._mode == PLAYING else {})
+            self._exchange(self._takers_commands() if self._game.mode == PLAYING else {})
         if self.waiting:
             return ""
         self._result, self.ended, self.episode_cycle = None, "", 0
@@ -307,7 +288,7 @@ class RcssWorld:
         """Let the server go on as little as it can be made to, and put everything back."""
         link = self._link
         assert link is not None
-        self._held = self._held or self._field.places()
+        self._held = self._held or self._game.field.places()
         try:
             link.poll()
         except ServerError as error:
@@ -320,7 +301,8 @@ class RcssWorld:
             return ""
         began = self._exchange({})
         if self._trainer is not None and not self.waiting and not began:
-            self._move(self._held)
+            with contextlib.suppress(WorldError):  # it is told what the world waits for, if so
+                self._move(self._held)
             return ""
         if began:
             self._held = {}
@@ -336,9 +318,6 @@ class RcssWorld:
             self._link = Link(self.server, len(self.agents), self._ours.takers)
             self.parameters = parameters_of(self._link.settings, self._ours)
             self._forget()
-            if self.server.percepts == SEE:  # the server rounds what is seen already
-                exact = replace(self.parameters, sight="full")
-                self._seen = {name: Field(exact) for name in self.agents}
             if self.server.trainer_port:
                 self._trainer = Trainer(self.server)
             self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
@@ -364,7 +343,7 @@ class RcssWorld:
 
     def entities(self) -> list[Entity]:
         """Return the ball and the players as the server last told them, in SI units."""
-        return self._field.entities(self._said)
+        return self._game.field.entities(self._said)
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
         """Have the trainer put players or the ball somewhere else.
@@ -376,10 +355,10 @@ class RcssWorld:
             raise WorldError(sentences.NO_TRAINER)
         if self.waiting:
             raise WorldError(self.waiting)
-        self._move(placed(placements, self._field.movers))
+        self._move(placed(placements, self._game.field.movers))
         if new_episode:
             self.episode += 1
-            self._watch.begin(self._time)
+            self._game.begin()
             self.episode_cycle = 0
         self._held = {}
 
