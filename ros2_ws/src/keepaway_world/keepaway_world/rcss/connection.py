@@ -53,14 +53,12 @@ class Connection:
     Attributes:
         where: the server's address, to be told to a user.
         init: the server's answer.
-        garbled: how many datagrams were none of rcssserver's, and dropped.
     """
 
     def __init__(self, sock: socket.socket, where: str, init: Init) -> None:
         self._socket = sock
         self.where = where
         self.init = init
-        self.garbled = 0
 
     def fileno(self) -> int:
         """Return the socket's descriptor, so that it can be waited for."""
@@ -95,17 +93,14 @@ class Connection:
                 if texts:
                     return texts
                 raise self._gone() from error
-            try:
+            with contextlib.suppress(ProtocolError):  # none of rcssserver's
                 texts.append(decode(datagram))
-            except ProtocolError:
-                self.garbled += 1
 
     def parse(self, text: str) -> Message | None:
-        """Return what a datagram's text says; None, counted, if it is no message."""
+        """Return what a datagram's text says; None if it is no message."""
         try:
             return parse_message(text)
         except ProtocolError:
-            self.garbled += 1
             return None
 
     def close(self) -> None:
