@@ -159,6 +159,7 @@ def draw(figures: dict[str, Any], path: Path) -> None:
             label=f"UT hand, real simulator: {UT_HAND_S[speed]:g} s",
         )
         axes.set_yscale("log")
+        axes.set_ylim(1.5, 2000.0)
         axes.set_xlabel("examples, default ones counted")
         axes.set_ylabel("hold time, s (log scale)")
         axes.set_title(f"takers at {factor:g} of full speed", fontsize=10)
