@@ -31,7 +31,8 @@ class GroupStatus:
         """Publish it, if anything has changed."""
         agent, body = self._node.agent, self._body
         path = agent.active_path
-        silent = [body.is_silent(name) for name in body.members]
+        # Of whom nothing was heard yet it cannot be said that he does not obey.
+        silent = [m.report is None or body.is_silent(name) for name, m in body.members.items()]
         doing = (agent.mode, agent.behavior, path, silent)
         if not self.changed and doing == self._doing:
             return
