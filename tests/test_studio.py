@@ -178,6 +178,41 @@ def test_an_example_takes_a_person_back_to_where_it_was_recorded(swarm, person):
 
 
 @needs_browser
+def test_the_target_of_a_behavior_is_given_by_clicking_it_in_the_field(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    chase = {"features": ["DistanceTo(A)"], "parameters": ["A"], "arguments": ["closest_keeper"]}
+    swarm.agents.begin(ONE, "Chase", discard=True, **chase)
+    swarm.agents.command(ONE, "GoFast")
+    swarm.agents.save(ONE)
+    person.click(f"agent-{ONE}")
+    person.click("do-Chase(A)")
+    person.sees("asking", "Chase")
+    person.page.mouse.click(*person.on_screen(*person.place_of("ball")))
+    person.waits_until(
+        lambda: swarm.link.spin(0.02) or swarm.agents.statuses[ONE].behavior == "Chase(ball)",
+        "performs it with the ball",
+    )
+    person.click("do-Chase(A)")
+    person.click("target-closest_taker")
+    person.sees("banner", "Chase(closest_taker)")
+
+
+@needs_browser
+def test_ten_browsers_look_at_once(swarm, person, chrome, url):
+    pages = [chrome.new_page() for _ in range(9)]
+    others = [Person(page, url) for page in pages]
+    for other in others:
+        other.sees_field()
+    person.page.wait_for_selector("text=10 open")
+    person.drags("ball", 6.0, 1.0)
+    for other in [*others, person]:
+        other.waits_until(lambda o=other: abs(o.place_of("ball")[0] - 6.0) < 0.2, "all see it")
+        assert other.complaints == []
+    for page in pages:
+        page.close()
+
+
+@needs_browser
 def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_changes(swarm, person):
     away_from_everybody(swarm, 5.0)
     swarm.agents.begin(ONE, "Torn", features=["DistanceTo(ball)"], discard=True)

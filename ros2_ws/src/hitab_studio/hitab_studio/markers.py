@@ -26,7 +26,13 @@ STATE_COLORS = (
 )  # fmt: skip
 """As in static/field.js."""
 
-KIND_COLORS = {"ball": "#f2c94c", "taker": "#c94f4f", "box": "#b98b4e", "obstacle": "#7d8590"}
+KIND_COLORS = {
+    "ball": "#f2c94c",
+    "taker": "#c94f4f",
+    "box": "#b98b4e",
+    "obstacle": "#8b939d",
+    "home": "#3f8f6b",
+}
 OTHERS = "#5c7ea8"
 
 
@@ -57,7 +63,7 @@ class Markers:
             state = doing.get(name, ("", ""))[1]
             color = store.palette.index(state)
             kind = scene.kinds[i]
-            chosen = KIND_COLORS.get(kind, OTHERS) if color == NO_COLOR else STATE_COLORS[color]
+            chosen = _kind_color(kind) if color == NO_COLOR else STATE_COLORS[color]
             x, y, heading = scene.places[i, :3].tolist()
             markers += _thing(header, i, name, kind, (x, y, heading), scene.radii[i], chosen)
         gone = [
@@ -67,6 +73,15 @@ class Markers:
         ]
         self._count = len(scene.names)
         return MarkerArray(markers=[*markers, *gone])
+
+
+def _word(kind: str) -> str:
+    """Return the word of a kind that has a color: a large box is a box."""
+    return next((w for w in kind.replace("_", " ").split() if w in KIND_COLORS), "")
+
+
+def _kind_color(kind: str) -> str:
+    return KIND_COLORS.get(_word(kind), OTHERS)
 
 
 def _color(text: str, alpha: float = 1.0) -> ColorRGBA:
@@ -113,7 +128,7 @@ def _thing(
         scale=Vector3(x=size, y=size, z=size if kind == "ball" else 0.4),
         color=_color(color),
     )
-    if kind in ("ball", "box", "obstacle"):
+    if _word(kind) in KIND_COLORS and _word(kind) != "taker":
         return [body]
     arrow = Marker(
         header=header,

@@ -45,8 +45,8 @@ def targets_meant(session: Session, name: str) -> list[str]:
         return [name]
     scene = session.studio.store.scene
     kinds = dict(zip(scene.names, scene.kinds, strict=True)) if scene is not None else {}
-    kind = kinds.get(name, "")
-    return [t for t in targets if kind and kind in t.split("_")]
+    words = set(kinds.get(name, "").split("_")) - {""}
+    return [t for t in targets if words & set(t.split("_"))]
 
 
 async def give_target(session: Session, target: str) -> None:

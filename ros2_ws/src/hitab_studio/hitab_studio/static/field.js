@@ -7,12 +7,17 @@ export const STATE_COLORS = [
   "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
   "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
 ];
-const KIND_COLORS = { ball: "#f2c94c", taker: "#c94f4f", box: "#b98b4e", obstacle: "#7d8590" };
+// By a word in a kind's name: a "large box" is a box.
+const KIND_COLORS = {
+  ball: "#f2c94c", taker: "#c94f4f", box: "#b98b4e", obstacle: "#8b939d", home: "#3f8f6b",
+};
+const STILL = ["ball", "box", "obstacle", "home"]; // they look nowhere
 const OTHERS = "#5c7ea8";
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
 const TRAIL = 90;
-const MANY = 120; // things; with more, names are shown for chosen ones only
+const NAMED = 26; // things; with more, names are shown for chosen ones only
+const MANY = 120; // things; with more, they are drawn smaller
 
 class Field {
   constructor(canvas, session) {
@@ -53,6 +58,9 @@ class Field {
       this.trails = this.trails && new Map();
     }
     this.roster = roster;
+    this.words = roster.kinds.map(
+      (kind) => kind.split(/[ _]/).find((word) => word in KIND_COLORS) || "",
+    );
     this.index = new Map(roster.names.map((name, i) => [name, i]));
     if (this.view.fitted || size[0] !== roster.size[0]) this.fit();
     document.getElementById("field-empty")?.setAttribute("hidden", "");
@@ -159,7 +167,8 @@ class Field {
 
   radius(i) {
     const real = this.roster.radii[i] * this.view.scale;
-    const least = this.roster.names.length > MANY ? 2.2 : this.roster.kinds[i] === "ball" ? 5 : 8;
+    const n = this.roster.names.length;
+    const least = n > MANY ? 2.2 : n > NAMED || this.words[i] === "ball" ? 5 : 8;
     return Math.max(real, least);
   }
 
@@ -256,20 +265,21 @@ class Field {
   fill(i) {
     const color = this.now.colors[i];
     if (color !== 255) return STATE_COLORS[color];
-    return KIND_COLORS[this.roster.kinds[i]] || OTHERS;
+    return KIND_COLORS[this.words[i]] || OTHERS;
   }
 
   drawThings(c, screen) {
     const { now } = this;
     const many = now.n > MANY;
     const order = [...now.colors.keys()];
-    const small = (i) => this.roster.kinds[i] === "ball"; // in front of who has it
-    order.sort((a, b) => small(a) - small(b));
+    // What is large lies behind, the ball in front of who has it.
+    const layer = (i) => (this.words[i] === "ball" ? 2 : STILL.includes(this.words[i]) ? 0 : 1);
+    order.sort((a, b) => layer(a) - layer(b));
     for (const i of order) {
       const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
       if (px < -30 || py < -30 || px > this.width + 30 || py > this.height + 30) continue;
       const radius = this.radius(i);
-      const kind = this.roster.kinds[i];
+      const kind = this.words[i];
       const mode = now.modes[i];
       if (mode === 3 || mode === 4) {
         c.strokeStyle = mode === 3 ? this.colors.training : this.colors.testing;
@@ -279,15 +289,17 @@ class Field {
         c.stroke();
       }
       c.fillStyle = this.fill(i);
+      c.globalAlpha = kind === "home" ? 0.28 : 1;
       c.beginPath();
       if (kind === "box") c.rect(px - radius, py - radius, 2 * radius, 2 * radius);
       else c.arc(px, py, radius, 0, 2 * Math.PI);
       c.fill();
+      c.globalAlpha = 1;
       if (kind === "ball") {
         c.strokeStyle = this.colors.ink;
         c.lineWidth = 1;
         c.stroke();
-      } else if (kind !== "box" && kind !== "obstacle") {
+      } else if (!STILL.includes(kind)) {
         c.strokeStyle = many ? this.fill(i) : this.colors.ink;
         c.lineWidth = many ? 1.2 : 2;
         c.lineCap = "round";
@@ -308,7 +320,8 @@ class Field {
         c.stroke();
         c.setLineDash([]);
       }
-      if ((!many && kind !== "ball") || chosen || i === this.hovered) {
+      const named = now.n <= NAMED && kind !== "ball" && kind !== "obstacle";
+      if (named || chosen || i === this.hovered) {
         c.fillStyle = chosen ? this.colors.ink : this.colors.faint;
         c.font = `${chosen ? 600 : 400} 11px ${this.font}`;
         c.textAlign = "center";
@@ -347,7 +360,9 @@ class Field {
         c.lineTo(screen[3 * i], screen[3 * i + 1]);
       }
       c.stroke();
-      this.bubble(c, `${order.from}: ${order.order}`, x, y, this.colors.accent, "#fff");
+      if (this.orders.length <= 6) {
+        this.bubble(c, `${order.from}: ${order.order}`, x, y, this.colors.accent, this.colors.paper);
+      }
       c.globalAlpha = 1;
     }
   }

@@ -1,0 +1,201 @@
+"""What the studio is made of, without a browser and without a swarm."""
+
+import asyncio
+import struct
+from typing import Any
+
+import numpy as np
+import pytest
+from hitab_msgs.msg import Entity, WorldState
+from hypothesis import given
+from hypothesis import strategies as st
+from visualization_msgs.msg import MarkerArray
+
+from hitab_bringup.errors import SwarmError
+from hitab_core.domain import Scale
+from hitab_core.example import Example, ExampleKind
+from hitab_core.transition_tree import TransitionTree
+from hitab_studio.guard import Guard, is_loopback, new_token
+from hitab_studio.learned import Learned, effect, is_contradicted
+from hitab_studio.locks import Holder, Locks
+from hitab_studio.message_text import definition, type_name
+from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, scene_of
+from hitab_studio.situations import RECENT, Situations
+from hitab_studio.tree_rows import tree_rows
+
+ANNA, BEN = Holder("a", "Anna"), Holder("b", "Ben")
+DISTANCE = "DistanceTo(ball)"
+
+
+def scene(cycle: int = 0, x: float = 0.0) -> Any:
+    things = [Entity(name="keeper_1", kind="keeper", x=x, y=2.0, heading=0.5, say="hey")]
+    things.append(Entity(name="ball", kind="ball", x=-1.0))
+    return scene_of(WorldState(cycle=cycle, width=20.0, height=10.0, entities=things))
+
+
+def example(number: int, state: str, value: float, to: str, kind: str = "demonstrated") -> Example:
+    return Example(state, (value,), to, ExampleKind(kind), number, number)
+
+
+def learned(*examples: Example) -> Learned:
+    return Learned(
+        name="Near",
+        origin="training",
+        description="",
+        classifier="tree",
+        parameters=(),
+        arguments=(),
+        states=(),
+        features=(DISTANCE,),
+        units=("m",),
+        scales=(Scale(),),
+        examples=examples,
+    )
+
+
+# -- who may talk to the page ---------------------------------------------------------------
+
+
+def answer_of(guard: Guard, kind: str = "http", query: str = "", **headers: str) -> int:
+    """Return the status of a request's answer; of a refused web socket its closing code."""
+    told: list[dict[str, Any]] = []
+
+    async def receive() -> dict[str, Any]:
+        return {}
+
+    async def send(message: dict[str, Any]) -> None:
+        told.append(message)
+
+    raw = [(k.encode(), v.encode()) for k, v in ({"host": "127.0.0.1:80"} | headers).items()]
+    scope = {"type": kind, "headers": raw, "query_string": query.encode()}
+    asyncio.run(guard(scope, receive, send))
+    return int(told[0].get("status") or told[0]["code"])
+
+
+async def page(scope: Any, receive: Any, send: Any) -> None:
+    await send({"type": "http.response.start", "status": 200, "headers": []})
+
+
+@pytest.mark.parametrize("kind", ["http", "websocket"])
+def test_only_this_page_talks_to_the_server(kind):
+    guard, refused = Guard(page), 403 if kind == "http" else 1008
+    assert answer_of(guard, kind) == 200
+    assert answer_of(guard, kind, origin="http://127.0.0.1:80") == 200
+    assert answer_of(guard, kind, origin="http://127.0.0.1:81") == refused
+    assert answer_of(guard, kind, origin="null") == refused
+    assert answer_of(guard, kind, host="evil.example") == refused
+
+
+def test_with_a_token_only_who_shows_it_is_let_in():
+    guard = Guard(page, "0.0.0.0", "right-token")
+    there = {"host": "robot.lan:8080"}
+    assert answer_of(guard, **there) == 401
+    assert answer_of(guard, "websocket", "token=right-token", **there) == 1008
+    assert answer_of(guard, query="token=right-token", **there) == 303
+    assert answer_of(guard, cookie="hitab_studio_token=right-token", **there) == 200
+    assert answer_of(guard, cookie="hitab_studio_token=wrong-token", **there) == 401
+    assert answer_of(guard, cookie="=;=;", **there) == 401
+
+
+def test_a_token_is_made_where_other_machines_reach_the_page():
+    assert is_loopback("127.0.0.1")
+    assert is_loopback("localhost")
+    assert not is_loopback("0.0.0.0")
+    assert new_token("127.0.0.1") == ""
+    assert len(new_token("0.0.0.0")) > 16
+    with pytest.raises(SwarmError, match="at least 8"):
+        new_token("0.0.0.0", "a b")
+
+
+# -- who holds an agent ---------------------------------------------------------------------
+
+
+def test_an_agent_is_held_by_one_demonstrator_until_another_takes_it_or_he_leaves():
+    locks = Locks()
+    locks.claim("keeper_1", ANNA)
+    locks.claim("keeper_1", ANNA)
+    with pytest.raises(SwarmError, match="trained by Anna"):
+        locks.claim("keeper_1", BEN)
+    assert locks.take("keeper_1", BEN) == ANNA
+    locks.leave(ANNA.session)
+    assert locks.holder("keeper_1") == BEN
+    locks.leave(BEN.session)
+    assert locks.holder("keeper_1") is None
+
+
+# -- moments --------------------------------------------------------------------------------
+
+
+def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():
+    palette = Palette()
+    data = frame(scene(7, 3.0), {"keeper_1": ("training", "GoFast")}, palette)
+    assert struct.unpack_from("<IId", data) == (1, 2, 7.0)
+    places = np.frombuffer(data, "<f4", 6, 16)
+    assert places.tolist() == [3.0, 2.0, 0.5, -1.0, 0.0, 0.0]
+    assert list(data[40:42]) == [palette.index("GoFast"), NO_COLOR]
+    assert list(data[42:44]) == [3, 0]
+    assert len(data) == 16 + 14 * 2
+
+
+@given(st.lists(st.text(min_size=1), min_size=1))
+def test_a_state_keeps_its_color(states):
+    palette = Palette()
+    first = {state: palette.index(state) for state in states}
+    assert all(palette.index(state) == color < COLORS for state, color in first.items())
+
+
+def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
+    situations = Situations()
+    situations.see(scene(1, 3.0))
+    situations.keep("keeper_1", "Near", [(1, 1), (2, 400)])
+    for cycle in range(2, RECENT + 10):
+        situations.see(scene(cycle, 9.0))
+    kept = situations.of("keeper_1", "Near", 1, 1)
+    assert kept is not None
+    assert kept.everything()["keeper_1"]["x"] == 3.0
+    assert situations.of("keeper_1", "Near", 2, 400) is None
+    assert situations.of("keeper_1", "Near", 1, 2) is None  # the number was given again
+
+
+# -- what was learned -----------------------------------------------------------------------
+
+
+def test_examples_that_lead_elsewhere_from_the_same_contradict_each_other():
+    examples = [
+        example(1, "GoFast", 2.0, "Stop"),
+        example(2, "GoFast", 2.0, "GoSlow"),
+        example(3, "GoFast", 2.5, "GoSlow"),
+        example(4, "GoSlow", 2.0, "Stop"),
+    ]
+    assert is_contradicted(examples) == {1: [2], 2: [1]}
+
+
+def test_the_effect_of_a_correction_is_told_in_rules_and_in_decisions():
+    kept = [example(1, "Start", 8.0, "GoFast"), example(2, "Start", 2.0, "GoSlow")]
+    before = learned(*kept, example(3, "Start", 4.0, "GoSlow"))
+    after = learned(*kept, example(3, "Start", 4.0, "GoFast"))
+    told = effect(before, after)
+    assert any("<= 6" in rule for rule in told.rules_gone)
+    assert any("<= 3" in rule for rule in told.rules_new)
+    assert [(e.number, was, now) for e, was, now in told.decisions] == [(3, "GoSlow", "GoFast")]
+
+
+def test_the_path_of_a_decision_is_lit_in_the_tree():
+    X, y = [[1.0], [2.0], [8.0]], ["Stop", "GoSlow", "GoFast"]
+    tree = TransitionTree([Scale()]).fit(X, y)
+    rows = tree_rows(tree, [DISTANCE], {DISTANCE: 1.9})
+    leaves = [row for row in rows if row.chances]
+    assert [row.chances[0][1] for row in leaves if row.taken] == ["GoSlow"]
+    assert len(leaves) == 3
+    assert not any(row.taken for row in tree_rows(tree, [DISTANCE], {}))
+
+
+# -- recordings -----------------------------------------------------------------------------
+
+
+def test_the_definition_of_a_message_holds_those_that_it_is_made_of():
+    assert type_name(WorldState) == "hitab_msgs/msg/WorldState"
+    text = definition("hitab_msgs/msg/WorldState")
+    assert "MSG: hitab_msgs/Entity" in text
+    assert "MSG: builtin_interfaces/Time" in text
+    assert "MSG: std_msgs/ColorRGBA" in definition(type_name(MarkerArray))
