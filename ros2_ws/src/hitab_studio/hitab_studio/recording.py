@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,19 +29,20 @@ from hitab_bringup.run_folder import state_home
 from hitab_ros import qos
 from hitab_studio.message_text import definition, type_name
 
-KINDS: tuple[tuple[Any, QoSProfile], ...] = (
-    (WorldState, qos.LATCHED),
-    (WorldStatus, qos.LATCHED),
-    (Episode, qos.EVENTS),
-    (AgentStatus, qos.LATCHED),
-    (TransitionEvent, qos.EVENTS),
-    (Command, qos.EVENTS),
-    (CommanderStatus, qos.LATCHED),
-    (Order, qos.LATCHED),
-    (Distribution, qos.EVENTS),
-    (DistributionAck, qos.EVENTS),
-    (MarkerArray, qos.LATCHED),
-)
+KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
+    "state": (WorldState, qos.LATCHED),
+    "episodes": (Episode, qos.EVENTS),
+    "transitions": (TransitionEvent, qos.EVENTS),
+    "command": (Command, qos.EVENTS),
+    "group": (CommanderStatus, qos.LATCHED),
+    "order": (Order, qos.LATCHED),
+    "distribution": (Distribution, qos.EVENTS),
+    "distribution_ack": (DistributionAck, qos.EVENTS),
+    "markers": (MarkerArray, qos.LATCHED),
+}
+"""What is recorded, by the last part of the topic's name; besides, everybody's status."""
+
+STATUSES = (WorldStatus, AgentStatus)
 
 
 def recordings_folder() -> Path:
@@ -85,7 +87,11 @@ class Recorder:
         for topic, kinds in self._link.node.get_topic_names_and_types():
             if topic in self._subscriptions:
                 continue
-            for kind, profile in KINDS:
+            name = topic.rsplit("/", 1)[-1]
+            wanted = [KINDS[name]] if name in KINDS else []
+            if name == "status":
+                wanted = [(kind, qos.LATCHED) for kind in STATUSES]
+            for kind, profile in wanted:
                 if type_name(kind) in kinds:
                     self._subscribe(topic, kind, profile)
 

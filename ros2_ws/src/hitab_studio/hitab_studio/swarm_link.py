@@ -128,13 +128,15 @@ class SwarmLink:
                         link, SwarmClient(link, target.agents), WorldClient(link)
                     )
                     self._markers = Markers(link)
-                    self._serve(connected, target)
+                    try:
+                        self._serve(connected, target)
+                    finally:
+                        self.stop_recording()  # while its node is there
             except Exception as error:  # the thread must outlive whatever goes wrong
                 self.store.target = Target(0, problem=f"The connection was lost: {error}")
                 self.store.touch()
                 self._stopping.wait(FIND_SECONDS)
             finally:
-                self.stop_recording()
                 self._watches.clear()
                 self._group_topics.clear()
 
