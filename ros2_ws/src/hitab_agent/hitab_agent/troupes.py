@@ -84,14 +84,10 @@ class Troupes:
         for agent in agents:
             if isinstance(agent.performance, RunningAutomaton | TroupeMember):
                 groups.setdefault(_same(agent), []).append(agent)
-        before, self._casts = self._casts, {}
         for same, alike in groups.items():
-            if len(alike) < WORTH_IT:
-                continue
-            cast = before.get(same)
-            if cast is None or not cast.has(alike):
-                cast = _Cast(alike)
-            self._casts[same] = cast
+            cast = self._casts.get(same)
+            if len(alike) >= WORTH_IT and (cast is None or not cast.has(alike)):
+                self._casts[same] = _Cast(alike)
         self._known = {agent: agent.performance for agent in agents}
 
 

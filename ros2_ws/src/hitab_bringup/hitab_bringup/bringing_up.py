@@ -20,6 +20,7 @@ from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.world_client import WorldClient
 
 START_SECONDS = 60.0
+START_SECONDS_EACH = 0.2  # more, for each agent
 
 Progress = Callable[[int, int, str], None]
 """Called with how many are there, how many there are to be, and who is missing."""
@@ -144,11 +145,12 @@ def _await_all(
             next_look = time.monotonic() + 0.3
         return not names
 
-    if not link.spin_until(complete, START_SECONDS):
+    allowed = START_SECONDS + START_SECONDS_EACH * total
+    if not link.spin_until(complete, allowed):
         names = missing()
         lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
         raise SwarmError(
-            f"{', '.join(names)} did not answer within {START_SECONDS:g} s; the end of "
+            f"{', '.join(names)} did not answer within {allowed:g} s; the end of "
             f"{folder.log(names[0])}:\n{lines}"
         )
     return agents, world

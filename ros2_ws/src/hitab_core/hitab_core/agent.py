@@ -77,6 +77,7 @@ class Agent:
         self.session: TrainingSession | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
         self._performance: Running | None = None
+        self._performances: dict[Use, Running] = {}
         self._stage = Stage(
             Repertoire(domain, library.load()),
             self.body,
@@ -135,6 +136,8 @@ class Agent:
     def hand_over(self, performance: Running) -> None:
         """Have something else perform the top-level behavior that goes on where this one is."""
         self._performance = performance
+        if self.top is not None:
+            self._performances[self.top] = performance
 
     @property
     def _running(self) -> Running | None:
@@ -192,13 +195,19 @@ class Agent:
         performance = None
         if use is not None:
             self._check_performable(use)
-            performance = self._stage.perform(use)
+            performance = self._prepared(use)
         self._stop()
         self.top = use
         self._performance = performance
         self.mode = Mode.IDLE if performance is None else Mode.PERFORMING
         if performance is not None:
             performance.start()
+
+    def _prepared(self, use: Use) -> Running:
+        """Return what performs a behavior; it is kept, since orders come again."""
+        if use not in self._performances:
+            self._performances[use] = self._stage.perform(use)
+        return self._performances[use]
 
     def _check_performable(self, use: Use) -> None:
         if use.name not in self.repertoire:
@@ -434,9 +443,10 @@ class Agent:
 
     def _rebuild(self) -> None:
         """Perform afresh, since behaviors may have changed underneath."""
+        self._performances.clear()
         self.library_digest = self.library.digest
         if self.top is not None:
-            self._performance = self._stage.perform(self.top)
+            self._performance = self._prepared(self.top)
             if self.mode is Mode.PERFORMING:
                 self._performance.start()
         if self.session is not None:

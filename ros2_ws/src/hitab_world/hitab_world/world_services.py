@@ -75,7 +75,7 @@ class WorldServices:
 
     def _need_agents(self) -> None:
         node = self._node
-        node.attendance.look()
+        node.look_who_is_there()
         if len(node.attendance.missing) == len(node.world.agents):
             raise HitabError(
                 f"no agent has joined the world; start {', '.join(node.world.agents)}"
@@ -83,7 +83,7 @@ class WorldServices:
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         node = self._node
-        node.attendance.look()
+        node.look_who_is_there()
         if node.attendance.missing:
             raise HitabError(
                 f"no node answers for {', '.join(node.attendance.missing)}; start them first"
