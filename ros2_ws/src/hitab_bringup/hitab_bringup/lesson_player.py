@@ -165,6 +165,7 @@ class LessonPlayer:
         earlier = self.world.state
         self._tracker.take()
         state = self.world.step()
+        self._commanders.await_seen(self.lesson.agent, state.cycle)
         self._entered = self._tracker.take()
         self._said |= speakers(state.entities)
         if earlier is not None and state.note and state.note not in (earlier.note, "reset"):
