@@ -38,6 +38,9 @@ class Field {
     openStream(session, (message) => this.take(message));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
+    setInterval(() => {
+      if (this.view.fitted && this.fittedTo !== this.margins().join(" ")) this.fit();
+    }, 300);
   }
 
   // -- what comes from the server
@@ -116,21 +119,21 @@ class Field {
 
   fit() {
     const [w, h] = this.roster.size;
-    const banner = document.querySelector(".banner");
-    const deck = document.querySelector(".deck");
-    const top = (banner ? banner.offsetHeight + 10 : 44) + 32;
-    const bottom = (deck ? deck.offsetHeight + 12 : 0) + 24;
-    this.room = top + bottom;
+    const [top, bottom] = this.margins();
+    this.fittedTo = `${top} ${bottom}`;
     const scale = Math.min((this.width - 40) / w, (this.height - top - bottom) / h);
     this.view = { scale, x: this.width / 2, y: top + (this.height - top - bottom) / 2, fitted: true };
     this.redraw();
   }
 
-  fitAgain() {
-    const before = this.room;
-    const view = this.view;
-    this.fit();
-    if (this.room === before) this.view = view;
+  // What lies over the field at its top and bottom.
+  margins() {
+    const banner = document.querySelector(".banner");
+    const deck = document.querySelector(".deck");
+    return [
+      (banner ? banner.offsetHeight + 10 : 44) + 32,
+      (deck ? deck.offsetHeight + 12 : 0) + 24,
+    ];
   }
 
   toScreen(x, y) {
@@ -216,7 +219,6 @@ class Field {
     c.clearRect(0, 0, this.width, this.height);
     this.drawGround(c);
     if (!now) return;
-    if (this.view.fitted && this.drawn % 15 === 0) this.fitAgain();
     const at = (time - now.at) / now.gap;
     const screen = new Float32Array(3 * now.n);
     for (let i = 0; i < now.n; i++) {
