@@ -1,0 +1,209 @@
+"""Measures what commanders are worth: boxes that fifty foragers bring home, with and without.
+
+scripts/python benchmarks/foraging.py --json foraging.json --plot foraging.png
+
+All run in one process with the trained libraries: the same foragers with the same behaviors on the
+same fields, each for itself, in squads of five under a commander, or in companies of five squads.
+"""
+
+from __future__ import annotations
+
+import json as json_module
+import math
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+from statistics import mean, stdev
+from typing import Annotated, Any
+
+import typer
+
+from foraging_world.domain import DOMAIN
+from foraging_world.parameters import ForagingParameters
+from foraging_world.world import ForagingWorld
+from hitab_bringup.shipped import shipped
+from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, Member, Troop
+from hitab_commander.kind import CommanderKind
+from hitab_commander.kind_reader import FILE_NAME, read_kind
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_world.inprocess import play
+
+SWARMS = {
+    "flat": "each for itself",
+    "one_level": "commanders of 5",
+    "two_levels": "commanders of 5 x 5",
+}
+FIELDS: dict[str, dict[str, Any]] = {
+    "many": {"small_boxes": 30, "large_boxes": 0},
+    "mixed": {"small_boxes": 6, "large_boxes": 3},
+}
+TITLES = {
+    "many": "30 boxes for 5",
+    "mixed": "6 boxes for 5, 3 for 25",
+}
+SIZES = ("boxes", "small", "large")
+BEHAVIOR = "Forage"
+
+
+def trained(name: str) -> tuple[CommanderKind, BehaviorLibrary]:
+    """Return a kind of commander and what such commanders have learned."""
+    folder = shipped("libraries") / name
+    kind = read_kind(folder / FILE_NAME)
+    return kind, BehaviorLibrary(folder, commander_domain(kind))
+
+
+def troop(swarm: str, names: Sequence[str]) -> Troop:
+    """Return foragers with these names, and the commanders of this kind of swarm."""
+    library = BehaviorLibrary(shipped("libraries") / "foraging", DOMAIN)
+    members = [Member(name, library, BEHAVIOR) for name in names]
+    commanders: list[Commander] = []
+    if swarm != "flat":
+        kind, squad_library = trained("foraging_squad")
+        behavior = "SquadForage" if swarm == "one_level" else ""
+        commanders = [
+            Commander(f"squad_{i + 1}", kind, squad_library, behavior, group)
+            for i, group in enumerate(_in_fives(names))
+        ]
+    if swarm == "two_levels":
+        kind, company_library = trained("foraging_company")
+        squads = [commander.name for commander in commanders]
+        commanders += [
+            Commander(f"company_{i + 1}", kind, company_library, "CompanyForage", group)
+            for i, group in enumerate(_in_fives(squads))
+        ]
+    return Troop(members, commanders)
+
+
+def _in_fives(names: Sequence[str]) -> list[tuple[str, ...]]:
+    return [tuple(names[i : i + 5]) for i in range(0, len(names), 5)]
+
+
+def measure(seconds: float, run: tuple[str, str, int]) -> dict[str, float]:
+    """Play one episode and return the boxes that came home, by size."""
+    field, swarm, seed = run
+    world = ForagingWorld(ForagingParameters(duration=seconds, **FIELDS[field]), seed)
+    (result,) = play(world, troop(swarm, world.agents).players)
+    return dict(result.measures)
+
+
+def interval(values: Sequence[float]) -> dict[str, float]:
+    """Return the mean and half of its 95% confidence interval."""
+    half = (
+        student_t(len(values) - 1) * stdev(values) / math.sqrt(len(values))
+        if len(values) > 1
+        else math.nan
+    )
+    return {"mean": mean(values), "ci95": half}
+
+
+def student_t(degrees: int) -> float:
+    """Return the 97.5% quantile of Student's t, to 0.2% from 4 degrees of freedom on.
+
+    Source: Abramowitz and Stegun, 26.7.5.
+    """
+    z = 1.959964
+    return (
+        z
+        + (z**3 + z) / (4 * degrees)
+        + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
+        + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * degrees**3)
+    )
+
+
+def compared(one: Sequence[float], other: Sequence[float]) -> dict[str, float]:
+    """Return how much more ``one`` is, in pairs on the same fields."""
+    return interval([a - b for a, b in zip(one, other, strict=True)])
+
+
+def draw(figures: Mapping[str, Any], path: str) -> None:
+    """Draw bars with confidence intervals, small and large boxes on top of each other."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    fields = figures["fields"]
+    picture, axes = pyplot.subplots(1, len(fields), figsize=(3.6 * len(fields), 3.6))
+    for axis, (field, swarms) in zip(axes, fields.items(), strict=True):
+        places = range(len(swarms))
+        small = [s["small"]["mean"] for s in swarms.values()]
+        large = [s["large"]["mean"] for s in swarms.values()]
+        both = [s["boxes"]["mean"] for s in swarms.values()]
+        axis.bar(places, small, color="#7aa6c2", label="for 5")
+        axis.bar(places, large, bottom=small, color="#c2703d", label="for 25")
+        errors = [s["boxes"]["ci95"] for s in swarms.values()]
+        axis.errorbar(places, both, yerr=errors, fmt="none", ecolor="black", capsize=4)
+        axis.set_xticks(list(places), [SWARMS[s].replace(" of ", "\nof ") for s in swarms])
+        axis.set_title(TITLES[field], fontsize=10)
+        axis.spines[["top", "right"]].set_visible(False)
+    axes[0].set_ylabel(f"boxes brought home in {figures['seconds']:g} s")
+    axes[0].legend(frameon=False)
+    picture.tight_layout()
+    picture.savefig(path, dpi=110)
+
+
+def main(
+    runs: Annotated[int, typer.Option(min=2, help="Seeded runs of each.")] = 30,
+    seconds: Annotated[float, typer.Option(help="Simulated seconds of a run.")] = 600.0,
+    processes: Annotated[int, typer.Option(help="Runs at a time.")] = os.cpu_count() or 1,
+    first_seed: Annotated[int, typer.Option(help="Of the first run; they count up.")] = 1,
+    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    plot: Annotated[str, typer.Option(help="Draw them here.")] = "",
+) -> None:
+    """Compare foragers without commanders, with one level and with two."""
+    seeds = range(first_seed, first_seed + runs)
+    plan = [(field, swarm, seed) for field in FIELDS for swarm in SWARMS for seed in seeds]
+    with ProcessPoolExecutor(processes) as pool:
+        results = {}
+        for run, measures in zip(plan, pool.map(partial(measure, seconds), plan), strict=True):
+            results[run] = measures
+            print(f"\r{len(results)} of {len(plan)} runs", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    figures: dict[str, Any] = {"runs": runs, "seconds": seconds, "first_seed": first_seed}
+    figures["fields"], figures["more_than_flat"], figures["two_levels_more_than_one"] = {}, {}, {}
+    for field in FIELDS:
+        by_swarm = {
+            swarm: {size: [results[field, swarm, s][size] for s in seeds] for size in SIZES}
+            for swarm in SWARMS
+        }
+        figures["fields"][field] = {
+            swarm: {size: {**interval(v), "runs": v} for size, v in sizes.items()}
+            for swarm, sizes in by_swarm.items()
+        }
+        figures["more_than_flat"][field] = {
+            swarm: compared(by_swarm[swarm]["boxes"], by_swarm["flat"]["boxes"])
+            for swarm in SWARMS
+            if swarm != "flat"
+        }
+        figures["two_levels_more_than_one"][field] = {
+            size: compared(by_swarm["two_levels"][size], by_swarm["one_level"][size])
+            for size in SIZES
+        }
+    report(figures)
+    if json:
+        Path(json).write_text(json_module.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    if plot:
+        draw(figures, plot)
+
+
+def report(figures: Mapping[str, Any]) -> None:
+    """Print the figures as a table."""
+    print(
+        f"Boxes that 50 foragers brought home in {figures['seconds']:g} s: mean of "
+        f"{figures['runs']} runs and its 95% confidence interval"
+    )
+    print(f"{'field':28}{'swarm':22}{'all':>14}{'for 5':>14}{'for 25':>14}")
+    for field, swarms in figures["fields"].items():
+        for swarm, sizes in swarms.items():
+            told = "".join(
+                f"{sizes[size]['mean']:8.1f} ± {sizes[size]['ci95']:3.1f}" for size in SIZES
+            )
+            print(f"{TITLES[field]:28}{SWARMS[swarm]:22}{told}")
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,131 @@
+"""Foragers and their commanders over real topics: as in one process, and as they were taught."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from foraging_world.parameters import ForagingParameters
+from foraging_world.world import ForagingWorld
+from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.lesson_file import read_lesson
+from hitab_bringup.lesson_player import LessonPlayer
+from hitab_bringup.shipped import find_file, shipped
+from hitab_bringup.swarm_file import read_swarm
+from hitab_bringup.world_client import WorldClient
+from hitab_commander.commander_domain import commander_domain
+from hitab_commander.kind_reader import FILE_NAME, read_kind
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import load_domain
+from hitab_world.inprocess import cycle, play
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
+from foraging import troop  # the swarms that the benchmark compares
+
+pytestmark = pytest.mark.timeout(300)  # whole lessons with dozens of agents
+
+CYCLES = 300
+SECONDS = 90.0
+LESSONS = ("foraging_search", "foraging_goto", "foraging_carry", "foraging_forage")
+
+
+def swarm(name: str, **parameters):
+    """Return a shipped swarm, in a paused lockstep world."""
+    described = read_swarm(find_file(name, "swarms", "swarm"))
+    assert described.world is not None
+    return described.with_world(
+        pace="lockstep",
+        paused=True,
+        parameters={**described.world.parameters, **parameters},
+    )
+
+
+def places(entities) -> dict[str, tuple[float, float]]:
+    return {e.name: (e.x, e.y) for e in entities}
+
+
+def step(world: WorldClient, cycles: int):
+    """Step in parts, so that the answer comes in time on a busy machine."""
+    for _ in range(cycles // 50):
+        state = world.step(50, seconds=60.0)
+    return state
+
+
+def test_foragers_do_over_topics_what_they_do_in_one_process(home, tmp_path):
+    described = swarm("foraging")
+    with temporary_swarm(described, tmp_path) as running:
+        told = places(step(running.world, CYCLES).entities)
+        assert running.world.status.missed_deadlines == 0
+        seed = running.world.status.seed
+    figures = ForagingParameters.from_dict(dict(described.world.parameters))
+    world = ForagingWorld(figures, seed)
+    players = troop("flat", world.agents).players
+    for player in players.values():
+        player.begin(world.seed, world.episode)
+    for _ in range(CYCLES):
+        cycle(world, players)
+    assert told == places(world.entities())
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [("foraging_commanders", "one_level"), ("foraging_two_levels", "two_levels")]
+)
+def test_squads_bring_boxes_home_over_topics_and_in_one_process(home, tmp_path, name, kind):
+    described = swarm(name, duration=SECONDS)
+    with temporary_swarm(described, tmp_path) as running:
+        (episode,) = running.world.play(1, seed=1)
+        assert boxes(dict(zip(episode.measure_names, episode.measures, strict=True))) >= 1.0
+        orders = {
+            status.active_path[0]
+            for status in running.agents.statuses.values()
+            if status.agent.startswith("squad_") and status.active_path
+        }
+        assert orders <= {"Forage", "Join", "GiveUp", "Haul"}
+    figures = ForagingParameters.from_dict(dict(described.world.parameters))
+    world = ForagingWorld(figures, described.world.seed)
+    (result,) = play(world, troop(kind, world.agents).players)
+    assert boxes(result.measures) >= 1.0
+
+
+def boxes(measures) -> float:
+    return measures["small"] + measures["large"]
+
+
+def test_the_foragers_lessons_teach_what_is_shipped(home, tmp_path):
+    described = read_swarm(find_file("foraging_school", "swarms", "swarm"))
+    with temporary_swarm(described, tmp_path) as running:
+        for name in LESSONS:
+            lesson = read_lesson(find_file(name, "lessons", "lesson"))
+            report = LessonPlayer(lesson, running.agents, running.world).play()
+            assert 0 < report.examples <= lesson.budget
+        taught = examples_of(Path(report.path).parent, load_domain("foraging"))
+    assert taught == examples_of(shipped("libraries") / "foraging", load_domain("foraging"))
+
+
+@pytest.mark.parametrize("name", ["foraging_squad", "foraging_company"])
+def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, name):
+    folder = shipped("libraries") / name
+    domain = commander_domain(read_kind(folder / FILE_NAME))
+    described = read_swarm(find_file(f"{name}_school", "swarms", "swarm"))
+    with temporary_swarm(described, tmp_path) as running:
+        read = read_lesson(find_file(name, "lessons", "lesson"))
+        report = LessonPlayer(read, running.agents, running.world).play()
+        assert 0 < report.examples <= read.budget
+        taught = transitions_of(Path(report.path).parent, domain)
+    assert taught == transitions_of(folder, domain)
+
+
+def examples_of(folder: Path, domain) -> dict[str, list[tuple]]:
+    loaded = BehaviorLibrary(folder, domain).load()
+    return {
+        name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
+        for name, automaton in loaded.items()
+    }
+
+
+def transitions_of(folder: Path, domain) -> dict[str, list[tuple]]:
+    """Return the examples without their values: reports come when they come."""
+    return {
+        name: [(state, next_state, kind) for state, _, next_state, kind in examples]
+        for name, examples in examples_of(folder, domain).items()
+    }
