@@ -127,7 +127,10 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
     from matplotlib import pyplot
 
     fields = figures["fields"]
-    picture, axes = pyplot.subplots(1, len(fields), figsize=(3.6 * len(fields), 3.6))
+    picture, grid = pyplot.subplots(
+        1, len(fields), figsize=(3.6 * len(fields), 3.6), squeeze=False
+    )
+    axes = grid[0]
     for axis, (field, swarms) in zip(axes, fields.items(), strict=True):
         places = range(len(swarms))
         small = [s["small"]["mean"] for s in swarms.values()]
@@ -149,14 +152,20 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
 def main(
     runs: Annotated[int, typer.Option(min=2, help="Seeded runs of each.")] = 30,
     seconds: Annotated[float, typer.Option(help="Simulated seconds of a run.")] = 600.0,
+    fields: Annotated[list[str], typer.Option("--field", help="Which of the fields.")] = list(
+        FIELDS
+    ),  # noqa: B006
     processes: Annotated[int, typer.Option(help="Runs at a time.")] = os.cpu_count() or 1,
     first_seed: Annotated[int, typer.Option(help="Of the first run; they count up.")] = 1,
     json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
     plot: Annotated[str, typer.Option(help="Draw them here.")] = "",
 ) -> None:
     """Compare foragers without commanders, with one level and with two."""
+    unknown = sorted({*fields} - {*FIELDS})
+    if unknown:
+        raise typer.BadParameter(f"no field {', '.join(unknown)} (has: {', '.join(FIELDS)})")
     seeds = range(first_seed, first_seed + runs)
-    plan = [(field, swarm, seed) for field in FIELDS for swarm in SWARMS for seed in seeds]
+    plan = [(field, swarm, seed) for field in fields for swarm in SWARMS for seed in seeds]
     with ProcessPoolExecutor(processes) as pool:
         results = {}
         for run, measures in zip(plan, pool.map(partial(measure, seconds), plan), strict=True):
@@ -165,7 +174,7 @@ def main(
     print(file=sys.stderr)
     figures: dict[str, Any] = {"runs": runs, "seconds": seconds, "first_seed": first_seed}
     figures["fields"], figures["more_than_flat"], figures["two_levels_more_than_one"] = {}, {}, {}
-    for field in FIELDS:
+    for field in fields:
         by_swarm = {
             swarm: {size: [results[field, swarm, s][size] for s in seeds] for size in SIZES}
             for swarm in SWARMS
