@@ -1,8 +1,9 @@
 """The `hitab` command: verbs for training robots, teams and swarms while they run.
 
 Every verb works through the public topics and services alone; anything it does, another ROS 2
-tool can do too. Verbs are declared here and in `hitab_bringup.verbs`; other packages add groups
-of verbs under the entry-point group ``hitab.commands``.
+tool can do too. Verbs are declared here and in `hitab_bringup.verbs`; other packages add verbs
+under the entry-point group ``hitab.verbs`` (a module with ``register(app)``), and groups of verbs
+under ``hitab.commands`` (a typer app).
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ from hitab_bringup.verbs import (
     hierarchy,
     lesson,
     library,
-    studio,
     swarm,
     training,
     world,
 )
 from hitab_core.errors import HitabError
 
-ENTRY_POINT_GROUP = "hitab.commands"
+VERBS = "hitab.verbs"
+COMMANDS = "hitab.commands"
 
 
 class HitabGroup(TyperGroup):
@@ -66,12 +67,14 @@ def make_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.command(rich_help_panel="Begin here")(demo)
-    for verbs in (studio, swarm, commanding, hierarchy, training):
+    for verbs in (swarm, commanding, hierarchy, training):
         verbs.register(app)
     app.add_typer(world.app, name="world")
     app.add_typer(lesson.app, name="lesson")
     app.add_typer(library.app, name="library")
-    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
+    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
+        point.load().register(app)
+    for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
         app.add_typer(point.load(), name=point.name)
     return app
 
