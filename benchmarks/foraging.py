@@ -151,16 +151,17 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
 
 def main(
     runs: Annotated[int, typer.Option(min=2, help="Seeded runs of each.")] = 30,
-    seconds: Annotated[float, typer.Option(help="Simulated seconds of a run.")] = 600.0,
-    fields: Annotated[list[str], typer.Option("--field", help="Which of the fields.")] = list(
-        FIELDS
-    ),  # noqa: B006
+    seconds: Annotated[float, typer.Option(help="Simulated seconds of a run.")] = 300.0,
+    fields: Annotated[
+        list[str] | None, typer.Option("--field", help="Which of the fields; all by default.")
+    ] = None,
     processes: Annotated[int, typer.Option(help="Runs at a time.")] = os.cpu_count() or 1,
     first_seed: Annotated[int, typer.Option(help="Of the first run; they count up.")] = 1,
     json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
     plot: Annotated[str, typer.Option(help="Draw them here.")] = "",
 ) -> None:
     """Compare foragers without commanders, with one level and with two."""
+    fields = fields or list(FIELDS)
     unknown = sorted({*fields} - {*FIELDS})
     if unknown:
         raise typer.BadParameter(f"no field {', '.join(unknown)} (has: {', '.join(FIELDS)})")
