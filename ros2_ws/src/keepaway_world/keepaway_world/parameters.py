@@ -32,7 +32,7 @@ class KeepawayParameters:
             know of.
         taker_policy: "intercept": go where the ball can first be reached, seeing all exactly; or
             "reference": UT Austin's own takers, who see as `sight` says and do not know that
-            they are slow.
+            they are slow. What these remember is not part of a snapshot.
         ball_collides: whether players collide with the ball (the paper: they cannot).
         players_collide: whether players collide with each other.
         sight: "quantised" as a player of rcssserver sees, or "full": exact.

@@ -13,12 +13,13 @@ from keepaway_world import action
 from keepaway_world.interception import Order
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.reference.ball_handling import BallHandling
+from keepaway_world.reference.eyes import Eyes
 from keepaway_world.reference.interception import Meeting
 from keepaway_world.reference.policies import HOLD, POLICIES, Policy, by_distance
 from keepaway_world.reference.positioning import get_open, open_point
 from keepaway_world.reference.prediction import Predictor, as_sent
 from keepaway_world.reference.reaching import Reach
-from keepaway_world.reference.view import Eyes, View
+from keepaway_world.reference.view import View
 from keepaway_world.world import KeepawayWorld
 
 FORWARD = 1.0  # they play towards +x
@@ -107,7 +108,9 @@ class ReferencePlayer:
 
     def tick(self) -> None:
         """Decide about this cycle."""
-        self.body.order = self._keeper.decide(self._eyes.view(), self._world.episode_cycle)
+        order = self._keeper.decide(self._eyes.view(), self._world.episode_cycle)
+        self._eyes.did(order)
+        self.body.order = order
 
 
 def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, ReferencePlayer]:

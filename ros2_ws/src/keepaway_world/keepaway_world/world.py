@@ -263,6 +263,7 @@ class KeepawayWorld:
         for name, (x, y, heading, vx, vy) in snapshot["movers"].items():
             self._physics.put(self._movers[name], x, y, heading, vx, vy)
         self._referee.restore(snapshot["referee"], self._physics.players)
+        self._team.begin()
         self.seed, self.episode = snapshot["seed"], snapshot["episode"]
         self.cycle, self.episode_cycle = snapshot["cycle"], snapshot["episode_cycle"]
         self.ended = snapshot["ended"]

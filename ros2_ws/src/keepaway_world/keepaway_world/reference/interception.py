@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.interception import Order
 from keepaway_world.reference.prediction import Motion, Predictor
-from keepaway_world.reference.reaching import HORIZON
+from keepaway_world.reference.reaching import HORIZON, NEVER
 from keepaway_world.reference.view import Seen
 
 MORE = 20  # cycles after the first possible one in which a better place is looked for
@@ -63,47 +63,39 @@ class Meeting:
     def _when(self, motion: Motion, ball: Seen) -> int:
         """Return in how many cycles to meet the ball: as planned before, or else the first."""
         predictor, kickable = self._predictor, self._predictor.kickable
-        speed_max = predictor.parameters.player_speed_max
-        first = least = 100
+        first: int | None = None
+        least, nearest = 0, 10.0  # the safest of the soonest cycles
         planned: int | None = None
-        planned_off, nearest = 100.0, 10.0
-        cycles = 0
+        planned_off = SAME
         place = predictor.ball_after(ball, 0)
-        while cycles <= HORIZON and cycles <= first + MORE:
+        for cycles in range(HORIZON + 1):
             before, place = place, predictor.ball_after(ball, cycles)
-            rolled = predictor.rolled_out(motion, cycles)
-            if abs(rolled - place) / speed_max <= cycles + kickable:
-                there = motion.copy()
-                for i in range(cycles):
-                    order = predictor.move_to(there, place, cycles - i)
-                    if order[0] == "turn":
-                        predictor.turned(there, order[1])
-                    else:
-                        predictor.dashed(there, order[1])
-                near = abs(there.position - place)
-                if near < kickable:
-                    if first == 100:
-                        first = least = cycles
-                    off = abs(place - self._place) if self._place is not None else math.inf
-                    rolling = abs(place - before) if cycles else math.hypot(ball.vx, ball.vy)
-                    if (
-                        off < min(SAME, planned_off)
-                        and near < SAFE * kickable
-                        and rolling > ROLLING
-                    ):
-                        planned, planned_off, nearest = cycles, off, near
-                    elif (
-                        near < nearest
-                        and nearest > SAFEST * kickable
-                        and (
-                            cycles <= least + SAFER
-                            or (planned is not None and cycles <= planned + SAFER)
-                        )
-                    ):
-                        least, nearest = cycles, near
-                        if planned == least - 1:
-                            planned = least
-            cycles += 1
+            rolling = abs(place - before) if cycles else math.hypot(ball.vx, ball.vy)
+            as_planned = rolling > ROLLING and self._place is not None
+            safer = first is None or (
+                nearest > SAFEST * kickable
+                and (
+                    cycles <= least + SAFER or (planned is not None and cycles <= planned + SAFER)
+                )
+            )
+            if first is not None and (cycles > first + MORE or not (as_planned or safer)):
+                break
+            if not predictor.in_reach(motion, place, cycles):
+                continue
+            near = abs(predictor.moved_to(motion, place, cycles).position - place)
+            if near >= kickable:
+                continue
+            if first is None:
+                first = least = cycles
+            off = abs(place - self._place) if self._place is not None else math.inf
+            if as_planned and off < planned_off and near < SAFE * kickable:
+                planned, planned_off, nearest = cycles, off, near
+            elif safer and near < nearest:
+                least, nearest = cycles, near
+                if planned == least - 1:
+                    planned = least
+        if first is None:
+            return NEVER
         if planned is not None and least <= planned + LATER:
             return planned
         return first

@@ -50,6 +50,11 @@ class Predictor:
         self._first = [1.0]  # part of a distance that is covered in the first of some cycles
         for cycles in range(1, 101):
             self._first.append((1.0 - p.player_decay) / (1.0 - p.player_decay**cycles))
+        self._farthest = [0.0]  # m covered from rest by so many full dashes
+        speed = 0.0
+        for _ in range(100):
+            speed = speed * p.player_decay + FULL * p.dash_rate
+            self._farthest.append(self._farthest[-1] + speed)
         self._ball_sums = [0.0]
         for cycle in range(101):
             self._ball_sums.append(self._ball_sums[-1] + p.ball_decay**cycle)
@@ -113,6 +118,23 @@ class Predictor:
         """Return the command that takes a player to a point in some cycles: turn or dash."""
         turn = self._turn_towards(motion, target, cycles)
         return turn if turn is not None else self.dash_to(motion, target, cycles)
+
+    def moved_to(self, motion: Motion, target: complex, cycles: int) -> Motion:
+        """Return what ``motion`` becomes in some cycles of going to a point."""
+        result = motion.copy()
+        for left in range(cycles, 0, -1):
+            kind, amount, _ = self.move_to(result, target, left)
+            if kind == "turn":
+                self.turned(result, amount)
+            else:
+                self.dashed(result, amount)
+        return result
+
+    def in_reach(self, motion: Motion, target: complex, cycles: int) -> bool:
+        """Return False if a player cannot have a point within kicking range so soon."""
+        rolling = abs(motion.velocity) / (1.0 - self.parameters.player_decay)
+        far = rolling + self._farthest[min(cycles, 100)] + self.kickable
+        return abs(target - motion.position) <= far
 
     def _turn_towards(self, motion: Motion, target: complex, cycles: int) -> Order | None:
         """Return the turn that is needed, or None if the point is passed near enough without."""

@@ -8,9 +8,10 @@ from keepaway_world.interception import Order
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import Physics
 from keepaway_world.reference.ball_handling import BallHandling
+from keepaway_world.reference.eyes import Eyes
 from keepaway_world.reference.interception import Meeting
 from keepaway_world.reference.prediction import Motion, Predictor, as_sent
-from keepaway_world.reference.view import Eyes, Seen, View
+from keepaway_world.reference.view import Seen, View
 
 FORWARD = -1.0  # they play towards -x
 HOLD_RATIO = 0.3  # of the kickable margin: how far from the body a held ball is kept
@@ -74,6 +75,8 @@ class ReferenceTakers:
         self._cycle += 1
         orders = []
         for eyes, taker in self._takers:
-            kind, amount, direction = taker.decide(eyes.view(), self._cycle)
+            order = taker.decide(eyes.view(), self._cycle)
+            eyes.did(order)
+            kind, amount, direction = order
             orders.append((kind, amount * self._speed if kind == "dash" else amount, direction))
         return orders
