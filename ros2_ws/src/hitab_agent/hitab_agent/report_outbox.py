@@ -9,6 +9,7 @@ from typing import Any
 from hitab_msgs import msg
 from rclpy.node import Node
 
+from hitab_agent.later import Later
 from hitab_core.order import Report
 from hitab_ros import names, qos
 from hitab_ros.conversions import report_message
@@ -17,13 +18,23 @@ from hitab_ros.conversions import report_message
 class ReportOutbox:
     """Has a publisher for each commander; while it is held, a commander gets one message for all.
 
-    The agents of a host share one.
+    The agents of a host share one. There a report waits a little for others, so that a commander
+    gets one message when an order has changed what all its subordinates do, and orders pass
+    further down before anybody looks at what has become of them.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, later: Later | None = None) -> None:
+        """Make it.
+
+        Args:
+            node: to publish on.
+            later: when reports are sent; None: at once.
+        """
         self._node = node
+        self._later = later
         self._publishers: dict[str, Any] = {}
-        self._held: dict[str, list[msg.Report]] | None = None
+        self._waiting: dict[str, list[msg.Report]] = {}
+        self._held = False
 
     def open(self, topic: str) -> None:
         """Make ready to send to a commander: some time has to pass before it hears."""
@@ -31,26 +42,31 @@ class ReportOutbox:
             self._publishers[topic] = self._node.create_publisher(msg.Reports, topic, qos.EVENTS)
 
     def send(self, topic: str, report: Report) -> None:
-        """Send a report, now or when the outbox is no longer held."""
-        message = report_message(report)
-        if self._held is None:
-            self._publishers[topic].publish(msg.Reports(reports=[message]))
-        else:
-            self._held.setdefault(topic, []).append(message)
+        """Send a report, now, a little later, or when the outbox is no longer held."""
+        if self._later is not None and not self._waiting:
+            self._later.call(self._flush)
+        self._waiting.setdefault(topic, []).append(report_message(report))
+        if self._later is None and not self._held:
+            self._flush()
 
     @contextmanager
     def held(self) -> Iterator[None]:
         """Gather what is sent meanwhile; send it at the end."""
-        if self._held is not None:
+        if self._held:
             yield
             return
-        self._held = {}
+        self._held = True
         try:
             yield
         finally:
-            held, self._held = self._held, None
-            for topic, reports in held.items():
-                self._publishers[topic].publish(msg.Reports(reports=reports))
+            self._held = False
+            if self._later is None:
+                self._flush()
+
+    def _flush(self) -> None:
+        waiting, self._waiting = self._waiting, {}
+        for topic, reports in waiting.items():
+            self._publishers[topic].publish(msg.Reports(reports=reports))
 
 
 def reports_topic(node: Node, commander: str) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-LOOK_PERIOD_S = 0.25
+LOOK_PERIOD_S = 0.5
 
 
 class ServicesOnDemand:

@@ -20,6 +20,9 @@ from hitab_ros import names
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published no more often than this."""
 
+REPORTS_PERIOD_S = 0.01
+"""How long a report waits for others of the same host."""
+
 STATUSES_PER_S = 500.0
 """A host publishes no more of them: watching must not cost more than what is watched."""
 
@@ -62,6 +65,7 @@ class Shared:
         """Return what the agents of a host share, on a node in a namespace of its own."""
         shared = cls.on(node)
         shared.host = node
+        shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
         shared.statuses.slow_down(max(STATUS_PERIOD_S, agents / STATUSES_PER_S))
         shared.on_demand = ServicesOnDemand(node)
         shared.ticker.every(LOOK_PERIOD_S, shared.on_demand.look)
