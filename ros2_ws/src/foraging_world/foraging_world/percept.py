@@ -27,6 +27,7 @@ known everywhere. The direction is counter-clockwise, on [-pi, pi].
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,20 +100,18 @@ def _put_boxes(field: Field, senses: Floats, put) -> None:
     senses[:, HELD_SIZE] = np.where(holds, np.where(field.large[held], LARGE, SMALL), 0.0)
     senses[:, HANDS] = np.where(holds, field.hands[held], 0)
 
-    to = boxes[None, :, :] - xy[:, None, :]
-    gaps = np.hypot(to[:, :, 0], to[:, :, 1]) - (field.box_radius + p.forager_radius)
-    seen_gaps = np.where((gaps <= p.sight) & field.present, gaps, np.inf)
-    others = field.hands[None, :] - (held[:, None] == np.arange(len(boxes)))
-    for place, among in (
-        (BOX, None),
-        (SMALL_BOX, ~field.large),
-        (LARGE_BOX, field.large),
-        (ATTACHED_BOX, others > 0),
+    seen = _in_sight(xy, boxes, field.box_radius + p.forager_radius, p.sight)
+    seen = seen.where(field.present[seen.thing])
+    others_hold = field.hands[seen.thing] > (held[seen.forager] == seen.thing)
+    large = field.large[seen.thing]
+    for place, closest in (
+        (BOX, seen.closest()),
+        (SMALL_BOX, seen.where(~large).closest()),
+        (LARGE_BOX, seen.where(large).closest()),
+        (ATTACHED_BOX, seen.where(others_hold).closest()),
     ):
-        candidates = seen_gaps if among is None else np.where(among, seen_gaps, np.inf)
-        chosen = candidates.argmin(axis=1)
-        gap = candidates[rows, chosen]
-        put(place, to[rows, chosen], gap, chosen, np.isfinite(gap))
+        chosen, gap = closest.spread(foragers)
+        put(place, boxes[chosen] - xy, gap, chosen, np.isfinite(gap))
 
     squads = rows // p.squad_size
     for place, groups, which in (
@@ -126,8 +125,51 @@ def _put_boxes(field: Field, senses: Floats, put) -> None:
         favourite = counts.argmax(axis=1)
         chosen = favourite[groups]
         known = counts.max(axis=1)[groups] > 0
-        put(place, to[rows, chosen], gaps[rows, chosen], chosen, known)
-    assert foragers == len(senses)
+        to = boxes[chosen] - xy
+        gap = np.hypot(to[:, 0], to[:, 1]) - (field.box_radius[chosen] + p.forager_radius)
+        put(place, to, gap, chosen, known)
+
+
+@dataclass(frozen=True)
+class _Sightings:
+    """Who sees what, how far away; sorted by forager, then by distance.
+
+    Attributes:
+        forager, thing: indices.
+        gap: edge to edge, m.
+    """
+
+    forager: Ints
+    thing: Ints
+    gap: Floats
+
+    def where(self, mask: NDArray) -> _Sightings:
+        """Return some of them."""
+        return _Sightings(self.forager[mask], self.thing[mask], self.gap[mask])
+
+    def closest(self) -> _Sightings:
+        """Return what is closest to each, of those who see anything."""
+        if not len(self.forager):
+            return self
+        return self.where(np.diff(self.forager, prepend=-1) != 0)
+
+    def spread(self, foragers: int) -> tuple[Ints, Floats]:
+        """Return what each sees, and how far away; infinitely far who sees nothing."""
+        thing, gap = np.zeros(foragers, np.int64), np.full(foragers, np.inf)
+        thing[self.forager] = self.thing
+        gap[self.forager] = self.gap
+        return thing, gap
+
+
+def _in_sight(xy: Floats, things: Floats, radii: Floats, sight: float) -> _Sightings:
+    """Return who sees what; ``radii`` are those of thing and forager together."""
+    dx = things[:, 0] - xy[:, 0, None]
+    dy = things[:, 1] - xy[:, 1, None]
+    forager, thing = np.nonzero(dx * dx + dy * dy <= (sight + radii) ** 2 + 1e-9)
+    gap = np.hypot(dx[forager, thing], dy[forager, thing]) - radii[thing]
+    order = np.lexsort((thing, gap, forager))
+    found = _Sightings(forager[order], thing[order], gap[order])
+    return found.where(found.gap <= sight)
 
 
 def squad_means(xy: Floats, squad_size: int) -> Floats:
@@ -151,12 +193,12 @@ def _closest_obstacle(field: Field) -> tuple[Floats, Floats, None, NDArray]:
         np.stack([zero, -half_height - xy[:, 1]], axis=1),
     ]
     gaps = [np.hypot(wall[:, 0], wall[:, 1]) for wall in to]
+    radius = np.full(len(field.obstacles), p.obstacle_radius + p.forager_radius)
+    seen = _in_sight(xy, field.obstacles, radius, p.obstacle_sight)
+    closest, away = seen.closest().spread(len(xy))
     if len(field.obstacles):
-        all_to = field.obstacles[None, :, :] - xy[:, None, :]
-        distances = np.hypot(all_to[:, :, 0], all_to[:, :, 1])
-        closest = distances.argmin(axis=1)
-        to.append(all_to[rows, closest])
-        gaps.append(distances[rows, closest] - p.obstacle_radius)
+        to.append(field.obstacles[closest] - xy)
+        gaps.append(away + p.forager_radius)
     every_gap = np.stack(gaps, axis=1) - p.forager_radius
     chosen = every_gap.argmin(axis=1)
     gap = every_gap[rows, chosen]
