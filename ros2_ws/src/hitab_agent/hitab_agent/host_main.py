@@ -16,6 +16,7 @@ differ, a file tells whom to run and how, in JSON::
 
 from __future__ import annotations
 
+import gc
 import sys
 import uuid
 
@@ -64,6 +65,9 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
+    # What was made so far stays: searching it for garbage would take longer than a cycle.
+    gc.collect()
+    gc.freeze()
 
 
 def main() -> None:

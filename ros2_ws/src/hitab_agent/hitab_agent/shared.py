@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -41,6 +43,7 @@ class Shared:
         on_demand: offers services when somebody asks; None: each agent offers its own at once.
         domains: the domains that were loaded, by name.
         libraries: those that were opened, by folder and domain.
+        worker: does what is slow; made when first needed.
     """
 
     ticker: Ticker
@@ -52,6 +55,7 @@ class Shared:
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
     libraries: dict[tuple[Path, str], BehaviorLibrary] = field(default_factory=dict)
+    worker: ThreadPoolExecutor | None = None
 
     @classmethod
     def on(cls, node: Node) -> Shared:
@@ -84,6 +88,12 @@ class Shared:
         if key not in self.libraries:
             self.libraries[key] = BehaviorLibrary(folder, domain)
         return self.libraries[key]
+
+    def aside(self, do: Callable[[], None]) -> None:
+        """Do something slow in a thread, all of it one after the other."""
+        if self.worker is None:
+            self.worker = ThreadPoolExecutor(1)
+        self.worker.submit(do)
 
     def domain(self, name: str) -> Domain:
         """Return the installed domain of a name; see `load_domain`.

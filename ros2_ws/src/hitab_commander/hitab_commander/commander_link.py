@@ -38,7 +38,9 @@ class CommanderLink:
         self._agent = node.agent
         self._on_percept = on_percept
         self.body: CommanderBody = node.agent.body
-        self._memory = OrderMemory(node.state_folder)
+        # Whoever has a superior will hear the order again, so an order need not wait for a file.
+        aside = {"aside": node.shared.aside} if node.settings.commander else {}
+        self._memory = OrderMemory(node.state_folder, **aside)
         self._kept: tuple[str, int] = ("", -1)
         self.seconds = 0.0
         self._unheard: set[str] = set()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -29,6 +29,10 @@ class Remembered:
     behaviors: Mapping[str, str] = field(default_factory=dict)
 
 
+def _now(do: Callable[[], None]) -> None:
+    do()
+
+
 class OrderMemory:
     """A small file in a commander's state folder.
 
@@ -36,8 +40,15 @@ class OrderMemory:
     nothing yet, since its superior or a person will order again.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, aside: Callable[[Callable[[], None]], object] = _now) -> None:
+        """Read it.
+
+        Args:
+            folder: where the file is.
+            aside: does the writing; one after the other, but perhaps not at once.
+        """
         self._path = folder / FILE_NAME
+        self._aside = aside
         self.remembered = self._read()
 
     def _read(self) -> Remembered:
@@ -64,6 +75,9 @@ class OrderMemory:
         if remembered == self.remembered:
             return
         self.remembered = remembered
+        self._aside(lambda: self._write(remembered))
+
+    def _write(self, remembered: Remembered) -> None:
         self._path.parent.mkdir(parents=True, exist_ok=True)
         beside = self._path.with_suffix(".partial")
         beside.write_text(json.dumps(asdict(remembered)) + "\n", encoding="utf-8")
