@@ -45,7 +45,8 @@ TITLES = {
     "many": "30 boxes for 5",
     "mixed": "6 boxes for 5, 3 for 25",
 }
-SIZES = ("boxes", "small", "large")
+PLAYED = ("boxes", "small", "large")
+SIZES = (*PLAYED, "work")
 BEHAVIOR = "Forage"
 
 
@@ -149,6 +150,54 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
     picture.savefig(path, dpi=110)
 
 
+def summary(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the statistics of results: boxes by field, swarm and size, a number for each run."""
+    found: dict[str, Any] = {**results, "fields": {}, "two_levels_more_than_one": {}}
+    found["one_level_more_than_none"] = {}
+    for field, swarms in results["runs"].items():
+        for sizes in swarms.values():
+            sizes["work"] = [
+                5 * small + 25 * large
+                for small, large in zip(sizes["small"], sizes["large"], strict=True)
+            ]
+        found["fields"][field] = {
+            swarm: {size: interval(sizes[size]) for size in SIZES}
+            for swarm, sizes in swarms.items()
+        }
+        for what, more, less in (
+            ("one_level_more_than_none", "one_level", "flat"),
+            ("two_levels_more_than_one", "two_levels", "one_level"),
+        ):
+            found[what][field] = {
+                size: compared(swarms[more][size], swarms[less][size]) for size in SIZES
+            }
+    return found
+
+
+def play_all(
+    fields: Sequence[str], seeds: Sequence[int], seconds: float, processes: int
+) -> dict[str, Any]:
+    """Play all runs; return the results."""
+    plan = [(field, swarm, seed) for field in fields for swarm in SWARMS for seed in seeds]
+    played: dict[tuple[str, str, int], dict[str, float]] = {}
+    with ProcessPoolExecutor(processes) as pool:
+        for run, measures in zip(plan, pool.map(partial(measure, seconds), plan), strict=True):
+            played[run] = measures
+            print(f"\r{len(played)} of {len(plan)} runs", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    return {
+        "seeds": list(seeds),
+        "seconds": seconds,
+        "runs": {
+            field: {
+                swarm: {size: [played[field, swarm, s][size] for s in seeds] for size in PLAYED}
+                for swarm in SWARMS
+            }
+            for field in fields
+        },
+    }
+
+
 def main(
     runs: Annotated[int, typer.Option(min=2, help="Seeded runs of each.")] = 30,
     seconds: Annotated[float, typer.Option(help="Simulated seconds of a run.")] = 300.0,
@@ -158,6 +207,7 @@ def main(
     processes: Annotated[int, typer.Option(help="Runs at a time.")] = os.cpu_count() or 1,
     first_seed: Annotated[int, typer.Option(help="Of the first run; they count up.")] = 1,
     json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    read: Annotated[str, typer.Option(help="Play nothing; read what --json has written.")] = "",
     plot: Annotated[str, typer.Option(help="Draw them here.")] = "",
 ) -> None:
     """Compare foragers without commanders, with one level and with two."""
@@ -165,34 +215,11 @@ def main(
     unknown = sorted({*fields} - {*FIELDS})
     if unknown:
         raise typer.BadParameter(f"no field {', '.join(unknown)} (has: {', '.join(FIELDS)})")
-    seeds = range(first_seed, first_seed + runs)
-    plan = [(field, swarm, seed) for field in fields for swarm in SWARMS for seed in seeds]
-    with ProcessPoolExecutor(processes) as pool:
-        results = {}
-        for run, measures in zip(plan, pool.map(partial(measure, seconds), plan), strict=True):
-            results[run] = measures
-            print(f"\r{len(results)} of {len(plan)} runs", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-    figures: dict[str, Any] = {"runs": runs, "seconds": seconds, "first_seed": first_seed}
-    figures["fields"], figures["more_than_flat"], figures["two_levels_more_than_one"] = {}, {}, {}
-    for field in fields:
-        by_swarm = {
-            swarm: {size: [results[field, swarm, s][size] for s in seeds] for size in SIZES}
-            for swarm in SWARMS
-        }
-        figures["fields"][field] = {
-            swarm: {size: {**interval(v), "runs": v} for size, v in sizes.items()}
-            for swarm, sizes in by_swarm.items()
-        }
-        figures["more_than_flat"][field] = {
-            swarm: compared(by_swarm[swarm]["boxes"], by_swarm["flat"]["boxes"])
-            for swarm in SWARMS
-            if swarm != "flat"
-        }
-        figures["two_levels_more_than_one"][field] = {
-            size: compared(by_swarm["two_levels"][size], by_swarm["one_level"][size])
-            for size in SIZES
-        }
+    if read:
+        results = json_module.loads(Path(read).read_text(encoding="utf-8"))
+    else:
+        results = play_all(fields, range(first_seed, first_seed + runs), seconds, processes)
+    figures = summary(results)
     report(figures)
     if json:
         Path(json).write_text(json_module.dumps(figures, indent=1) + "\n", encoding="utf-8")
@@ -201,18 +228,26 @@ def main(
 
 
 def report(figures: Mapping[str, Any]) -> None:
-    """Print the figures as a table."""
+    """Print the figures as tables."""
     print(
-        f"Boxes that 50 foragers brought home in {figures['seconds']:g} s: mean of "
-        f"{figures['runs']} runs and its 95% confidence interval"
+        f"Boxes that 50 foragers brought home in {figures['seconds']:g} s, and the pullers that "
+        f"these need: mean of {len(figures['seeds'])} runs and its 95% confidence interval"
     )
-    print(f"{'field':28}{'swarm':22}{'all':>14}{'for 5':>14}{'for 25':>14}")
+    heads = "".join(f"{head:>15}" for head in ("all", "for 5", "for 25", "pullers"))
+    print(f"{'field':28}{'swarm':22}{heads}")
     for field, swarms in figures["fields"].items():
         for swarm, sizes in swarms.items():
-            told = "".join(
-                f"{sizes[size]['mean']:8.1f} ± {sizes[size]['ci95']:3.1f}" for size in SIZES
-            )
-            print(f"{TITLES[field]:28}{SWARMS[swarm]:22}{told}")
+            print(f"{TITLES[field]:28}{SWARMS[swarm]:22}{_told(sizes)}")
+    for what, swarm in (
+        ("one_level_more_than_none", "one level more than none"),
+        ("two_levels_more_than_one", "two levels more than one"),
+    ):
+        for field, sizes in figures[what].items():
+            print(f"{TITLES[field]:24}{swarm:26}{_told(sizes)}")
+
+
+def _told(sizes: Mapping[str, Mapping[str, float]]) -> str:
+    return "".join(f"{sizes[s]['mean']:9.1f} ± {sizes[s]['ci95']:3.1f}" for s in SIZES)
 
 
 if __name__ == "__main__":
