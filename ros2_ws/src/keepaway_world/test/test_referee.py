@@ -7,7 +7,7 @@ import pytest
 
 from keepaway_world.parameters import variant
 from keepaway_world.physics import Physics
-from keepaway_world.referee import OUT, TAKEN, Referee, set_up
+from keepaway_world.referee import OUT, TAKEN, Referee, drop_ball, set_up
 
 PARAMETERS = variant("standard")
 
@@ -128,3 +128,43 @@ def test_body_angles_can_be_kept_as_the_simulator_keeps_them():
         physics.put(player, 0.0, 0.0, 0.1 * number)
     set_up(physics, Random(9))
     assert [player.heading for player in physics.players] == [0.1 * n for n in range(5)]
+
+
+def test_a_ball_that_stays_about_the_same_place_for_a_hundred_cycles_is_stuck(game):
+    physics, referee = game
+    physics.put(physics.ball, 5.0, 5.0)
+    assert not referee.finds_stuck(physics.ball)
+    for cycle in range(99):
+        physics.put(physics.ball, 5.0 + cycle % 3, 5.0)
+        assert not referee.finds_stuck(physics.ball)
+    assert referee.finds_stuck(physics.ball)
+    assert not referee.finds_stuck(physics.ball)  # counted anew
+
+
+def test_a_ball_that_moves_on_is_not_stuck(game):
+    physics, referee = game
+    for cycle in range(400):
+        physics.put(physics.ball, -5.0 if cycle // 90 % 2 else 5.0, 0.0)
+        assert not referee.finds_stuck(physics.ball)
+
+
+def test_the_rule_of_the_stuck_ball_can_be_left_out():
+    physics = Physics(variant("standard", stuck_area=0.0), Random(1))
+    referee = Referee(physics.parameters)
+    assert not any(referee.finds_stuck(physics.ball) for _ in range(300))
+
+
+def test_players_are_moved_away_from_a_dropped_ball_as_on_the_real_simulator(game):
+    physics, _ = game
+    keeper, taker = physics.keepers[2], physics.takers[0]
+    physics.put(physics.ball, 6.814, -3.1874, 0.0, 0.3, -1.2)
+    physics.put(keeper, 6.3564, -2.3684, -0.09)
+    physics.put(taker, 3.4204, 0.5742, -0.71)
+    far = physics.keepers[0]
+    physics.put(far, -6.7101, -6.5182, 0.25)
+    drop_ball(physics)
+    ball = physics.ball
+    assert (ball.x, ball.y, ball.vx, ball.vy) == (6.814, -3.1874, 0.0, 0.0)
+    assert (keeper.x, keeper.y) == pytest.approx((2.2049, 5.0624), abs=1e-3)  # recorded
+    assert (taker.x, taker.y) == pytest.approx((0.4838, 3.8291), abs=1e-3)
+    assert (far.x, far.y, far.heading) == (-6.7101, -6.5182, 0.25)

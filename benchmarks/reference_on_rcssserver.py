@@ -1,0 +1,138 @@
+"""Plays UT Austin's keepaway players on a real rcssserver and sums up how long they last.
+
+What the pymunk world is compared with. It takes both programs, which are not part of this
+project: rcssserver 19 and the `keepaway_player` of UT Austin's keepaway 0.6 (the takers may be
+another build of it, with weaker dashes).
+
+benchmarks/reference_on_rcssserver.py --player keepaway_player --seconds 60 --json real.json
+"""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import tempfile
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from report import tell
+
+from hitab_bringup.keepaway.evaluation import mean_and_error
+
+JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
+START_SECONDS = 6  # from the server's start to the first episode
+KICKED = re.compile(r"(\d+),\d+\s+Recv (keepers|takers)_(\d+): .*\(kick ")
+
+
+def options(port: int, folder: Path, fullstate: bool, more: list[str]) -> list[str]:
+    """Return rcssserver's command line options for keepaway in a box of 20 m."""
+    values: dict[str, object] = {
+        "port": port,
+        "coach_port": port + 1,
+        "olcoach_port": port + 2,
+        "keepaway": 1,
+        "keepaway_length": 20,
+        "keepaway_width": 20,
+        "keepaway_start": START_SECONDS,
+        "half_time": -1,
+        "use_offside": 0,
+        "forbid_kick_off_offside": 0,
+        "stamina_inc_max": 3500,
+        "visible_angle": 360,
+        "fullstate_l": int(fullstate),
+        "fullstate_r": int(fullstate),
+        "synch_mode": 1,
+        "synch_offset": 80,
+        "min_dash_power": -100,
+        "game_logging": 0,
+    }
+    for log, name in (("text", "text"), ("keepaway", "keepaway")):
+        values |= {
+            f"{name}_logging": 1,
+            f"{log}_log_dir": folder,
+            f"{log}_log_fixed": 1,
+            f"{log}_log_fixed_name": "game",
+        }
+    values["text_log_compression"] = 0
+    return [f"server::{name}={value}" for name, value in values.items()] + more
+
+
+def passes_of(folder: Path, ends: list[int]) -> list[int]:
+    """Return the completed passes of each episode, by the commands that the server received."""
+    passes, episode, last = [0] * len(ends), 0, ""
+    for line in (folder / "game.rcl").read_text(encoding="utf-8", errors="replace").splitlines():
+        found = KICKED.match(line)
+        if found is None:
+            continue
+        while episode < len(ends) and int(found[1]) >= ends[episode]:
+            episode, last = episode + 1, ""
+        if episode == len(ends):
+            break
+        kicker = found[2] + found[3]
+        if last != kicker and last.startswith("keepers") and kicker.startswith("keepers"):
+            passes[episode] += 1
+        last = kicker
+    return passes
+
+
+def main(
+    player: Annotated[Path, typer.Option(help="UT Austin's keepaway_player.")],
+    taker: Annotated[Path | None, typer.Option(help="Another one for the takers.")] = None,
+    server: Annotated[str, typer.Option(help="The rcssserver program.")] = "rcssserver",
+    keepers: Annotated[str, typer.Option(help="Their policy: hand, rand or hold.")] = "hand",
+    fullstate: Annotated[bool, typer.Option(help="They see all exactly.")] = False,
+    seconds: Annotated[float, typer.Option(help="For how long to play.")] = 60.0,
+    port: Annotated[int, typer.Option(help="Of the server.")] = 6500,
+    option: Annotated[
+        list[str] | None, typer.Option(help="Another server option, as server::NAME=VALUE.")
+    ] = None,
+    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+) -> None:
+    """Play episodes of 3 against 2 and print hold time, passes and how episodes ended."""
+    with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
+        folder = Path(name)
+
+        def start(*command: str) -> None:
+            program = subprocess.Popen(
+                command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
+            stack.callback(program.wait)
+            stack.callback(program.send_signal, signal.SIGINT)
+
+        start(server, *options(port, folder, fullstate, option or []))
+        time.sleep(JOIN_SECONDS)
+        teams = (("keepers", keepers, 3, player), ("takers", "hand", 2, taker or player))
+        for team, policy, count, program in teams:
+            for _ in range(count):
+                start(
+                    str(program.resolve()),
+                    *f"-p {port} -k 3 -j 2 -t {team} -e 0 -q {policy}".split(),
+                )
+            time.sleep(JOIN_SECONDS)
+        time.sleep(START_SECONDS + seconds)
+        stack.close()
+        lines = (folder / "game.kwy").read_text(encoding="utf-8").splitlines()
+        episodes = [line.split() for line in lines if line and not line.startswith("#")]
+        passes = passes_of(folder, [int(e[2]) for e in episodes])
+    hold = mean_and_error([int(e[3]) / 10.0 for e in episodes])
+    passed = mean_and_error([float(p) for p in passes])
+    tell(
+        f"UT {keepers} on rcssserver, {'full' if fullstate else 'quantised'} sight",
+        {
+            "episodes": len(episodes),
+            "seconds": hold["mean"],
+            "seconds_se": hold["se"],
+            "passes": passed["mean"],
+            "passes_se": passed["se"],
+            "out_percent": round(100.0 * sum(e[4] == "o" for e in episodes) / len(episodes)),
+        },
+        json,
+    )
+
+
+if __name__ == "__main__":
+    typer.run(main)
