@@ -12,7 +12,8 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-LOOK_PERIOD_S = 0.5
+LOOK_PERIOD_S = 0.25
+LOOK_AT_PER_S = 500.0  # agents: looking takes the longer the more there are
 
 
 class ServicesOnDemand:

@@ -13,7 +13,11 @@ from hitab_agent.distribution import DistributionDesk
 from hitab_agent.host_link import HostLink
 from hitab_agent.later import Later
 from hitab_agent.report_outbox import ReportOutbox
-from hitab_agent.services_on_demand import LOOK_PERIOD_S, ServicesOnDemand
+from hitab_agent.services_on_demand import (
+    LOOK_AT_PER_S,
+    LOOK_PERIOD_S,
+    ServicesOnDemand,
+)
 from hitab_agent.ticker import Ticker
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
@@ -72,7 +76,7 @@ class Shared:
         shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
         shared.statuses.slow_down(max(STATUS_PERIOD_S, agents / STATUSES_PER_S))
         shared.on_demand = ServicesOnDemand(node)
-        shared.ticker.every(LOOK_PERIOD_S, shared.on_demand.look)
+        shared.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), shared.on_demand.look)
         return shared
 
     def link(self, world: str) -> HostLink | None:
