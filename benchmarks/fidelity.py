@@ -19,18 +19,11 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup.keepaway.evaluation import mean_and_error
-from hitab_core.automaton import START, Automaton
-from hitab_core.repertoire import Repertoire
-from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
-from keepaway_world.domain import DOMAIN
-from keepaway_world.inprocess import Player, perform, play
+from keepaway_world.inprocess import play
 from keepaway_world.parameters import variant
 from keepaway_world.reference_keepers import reference_players
 from keepaway_world.world import KeepawayWorld
 
-SERVO = "servo"
-PRESSED = 5.0  # m: the servo keepers pass when a taker is nearer
 SLOW = {"taker_speed": 0.25}
 SEEING = {"taker_policy": "reference", "sight": "quantised"}
 SEEING_ALL = {"taker_policy": "reference", "sight": "full"}
@@ -60,48 +53,15 @@ CASES = (
     Case("UT hand, full sight", "hand", SEEING_ALL, (32.9, 2.2, 9.0, 30)),
     Case("UT hand, full sight, quarter speed", "hand", SEEING_ALL | SLOW, (188.7, 23.5, 32.9, 84)),
     Case("UT rand, full sight", "rand", SEEING_ALL, (6.53, 0.11, 7.49, 3)),
-    Case("servo, quarter speed", SERVO, SLOW, (15.9, 0.5, 5.5, 97)),
-    Case("servo, collisions off", SERVO, SLOW | POINTS, (14.4, 0.4, 7.6, 95)),
+    Case("servo, quarter speed", "servo", SLOW, (15.9, 0.5, 5.5, 97)),
+    Case("servo, collisions off", "servo", SLOW | POINTS, (14.4, 0.4, 7.6, 95)),
 )
-
-
-def servo_players(world: KeepawayWorld) -> Mapping[str, Player]:
-    """Return keepers that go to where the ball is, and pass it when a taker comes near."""
-    control_ball = Automaton(
-        "ControlBall",
-        tuple(Use(state) for state in ("ServoBall", "Stop", "Pass", "Done")),
-        (Use.parse("DistanceTo(closest_taker)"), Use("BallIsKickable")),
-        {
-            **dict.fromkeys((START, "ServoBall", "Stop"), HandWritten(_with_ball, (0, 1))),
-            "Pass": HandWritten(lambda: "Done"),
-        },
-    )
-    keepaway = Automaton(
-        "Keepaway",
-        (Use("GetOpen"), Use("ControlBall")),
-        (Use("ATeammateIsCloserToBall"), Use("IWasYelledAt")),
-        dict.fromkeys((START, "GetOpen", "ControlBall"), HandWritten(_with_team, (0, 1))),
-    )
-    library = {automaton.name: automaton for automaton in (control_ball, keepaway)}
-    return perform(world, Repertoire(DOMAIN, library), "Keepaway")
-
-
-def _with_ball(taker: float, kickable: float) -> str:
-    if not kickable:
-        return "ServoBall"
-    return "Pass" if taker < PRESSED else "Stop"
-
-
-def _with_team(closer: float, yelled: float) -> str:
-    return "GetOpen" if closer and not yelled else "ControlBall"
 
 
 def measure(case: Case, episodes: int, seed: int) -> dict[str, Any]:
     """Play a case and return its figures."""
     world = KeepawayWorld(variant("standard", **case.parameters), seed)
-    servo = case.keepers == SERVO
-    players = servo_players(world) if servo else reference_players(world, case.keepers)
-    played = play(world, players, episodes)
+    played = play(world, reference_players(world, case.keepers), episodes)
     ended = Counter(result.ended for result in played)
     return {
         "case": case.title,

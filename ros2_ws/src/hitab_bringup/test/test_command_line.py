@@ -94,7 +94,11 @@ def test_help_imports_nothing_that_takes_long():
         (["keepaway", "evaluate", "-l", "nowhere"], 1, "there is no such library folder"),
         (["keepaway", "evaluate", "--pace", "slow"], 2, "is not one of lockstep, inprocess"),
         (["keepaway", "evaluate", "--episodes", "0"], 2, "'--episodes'"),
-        (["keepaway", "evaluate", "--keepers", "best"], 2, "not one of trained, hand, rand, hold"),
+        (
+            ["keepaway", "evaluate", "--keepers", "best"],
+            2,
+            "not one of trained, hand, rand",
+        ),
         (["keepaway", "evaluate", "--keepers", "hand", "--pace", "lockstep"], 2, "in-process"),
         (["keepaway", "evaluate", "--keepers", "hand", "--set", "kick_nois=1"], 1, '"kick_noise"'),
         (["keepaway", "evaluate", "--keepers", "hand", "--kickable-margin", "0"], 1, "positive"),

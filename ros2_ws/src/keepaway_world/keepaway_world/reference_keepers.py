@@ -1,6 +1,7 @@
-"""UT Austin's keepers as players of whole episodes in one process, to compare trained ones with.
+"""Reference keepers as players of whole episodes in one process, to compare trained ones with.
 
-What they decide is in `keepaway_world.reference`; what to do with the ball is one of `POLICIES`.
+They are UT Austin's, which do with the ball what one of `POLICIES` says, and ``servo``, who go to
+where the ball is. What they decide is in `keepaway_world.reference`.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from random import Random
 
 from hitab_core.seeding import agent_seed
 from keepaway_world import action
+from keepaway_world.inprocess import Player
 from keepaway_world.interception import Order
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.reference.ball_handling import BallHandling
@@ -19,9 +21,11 @@ from keepaway_world.reference.policies import HOLD, POLICIES, Policy, by_distanc
 from keepaway_world.reference.positioning import get_open, open_point
 from keepaway_world.reference.prediction import Predictor, as_sent
 from keepaway_world.reference.reaching import Reach
+from keepaway_world.reference.servo import ServoKeeper
 from keepaway_world.reference.view import View
 from keepaway_world.world import KeepawayWorld
 
+SERVO = "servo"
 FORWARD = 1.0  # they play towards +x
 HOLD_RATIO = 0.7  # of the kickable margin: how far from the body a held ball is kept
 
@@ -70,29 +74,31 @@ class ReferenceKeeper:
         return handling.pass_to(complex(receiver.x, receiver.y))
 
 
-class _SeesAll:
-    """A body for a player that looks at the world itself."""
+class _Mouthpiece:
+    """A body for a player that looks at the world itself: hears, and does what it is told."""
 
     def __init__(self) -> None:
+        self.heard: Sequence[str] = ()
         self.order: Order | None = None
+        self.say = ""
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take the percept, which is not needed."""
-        self.order = None
+        """Take what is heard; the percept is not needed."""
+        self.heard, self.order, self.say = heard, None, ""
 
     def act(self) -> tuple[Sequence[float], str]:
         """Return this cycle's command."""
         if self.order is None:
-            return [], ""
+            return [], self.say
         kind, amount, direction = self.order
-        return [_KINDS[kind], amount, direction], ""
+        return [_KINDS[kind], amount, direction], self.say
 
 
 class ReferencePlayer:
     """Plays a keeper by a reference policy; see `keepaway_world.inprocess.Player`."""
 
     def __init__(self, world: KeepawayWorld, name: str, policy: Policy) -> None:
-        self.body = _SeesAll()
+        self.body = _Mouthpiece()
         self._world = world
         self._name = name
         self._random = Random()
@@ -113,18 +119,41 @@ class ReferencePlayer:
         self.body.order = order
 
 
-def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, ReferencePlayer]:
+class ServoPlayer:
+    """Plays a keeper that servoes on the ball; see `keepaway_world.inprocess.Player`."""
+
+    def __init__(self, world: KeepawayWorld, name: str) -> None:
+        self.body = _Mouthpiece()
+        me = next(k for k in world.physics.keepers if k.name == name)
+        self._eyes = Eyes(world.physics, me)
+        self._keeper = ServoKeeper(me.index)
+
+    def begin(self, seed: int, episode: int) -> None:
+        """Begin an episode; nothing is drawn."""
+        self._eyes.begin()
+        self._keeper.begin()
+
+    def tick(self) -> None:
+        """Decide about this cycle."""
+        order, say = self._keeper.decide(self._eyes.view(), self.body.heard)
+        if order is not None:
+            self._eyes.did(order)
+        self.body.order, self.body.say = order, say
+
+
+def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, Player]:
     """Return players for all keepers of a world.
 
     Args:
         world: to be played in, in this process.
-        policy: a name of `POLICIES`.
+        policy: a name of `POLICIES`, or ``servo``.
 
     Raises:
         ValueError: if there is no such policy.
     """
+    if policy == SERVO:
+        return {name: ServoPlayer(world, name) for name in world.agents}
     if policy not in POLICIES:
-        raise ValueError(
-            f'there is no reference policy "{policy}" (has: {", ".join(sorted(POLICIES))})'
-        )
+        there = ", ".join(sorted((*POLICIES, SERVO)))
+        raise ValueError(f'there is no reference policy "{policy}" (has: {there})')
     return {name: ReferencePlayer(world, name, POLICIES[policy]) for name in world.agents}

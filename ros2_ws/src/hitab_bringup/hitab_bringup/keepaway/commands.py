@@ -39,7 +39,7 @@ def evaluate(
         str,
         typer.Option(
             help="trained; or UT Austin's, to compare with, by what they do with the ball: "
-            "hand (hand-coded), rand (at random) or hold."
+            "hand (hand-coded), rand (at random) or hold; or servo, who run to where the ball is."
         ),
     ] = "trained",
     collisions: Annotated[

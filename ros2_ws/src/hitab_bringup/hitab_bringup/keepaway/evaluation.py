@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
-KEEPERS = (TRAINED, "hand", "rand", "hold")  # the others are reference policies
+KEEPERS = (TRAINED, "hand", "rand", "hold", "servo")  # the others are reference policies
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
 PATIENCE_SECONDS = 30.0  # for a server to begin to play
 CHUNK = 5  # episodes between two looks at the progress, in-process
@@ -165,10 +165,10 @@ def evaluate(
 def evaluate_reference(
     policy: str, *, episodes: int, seed: int, parameters: Mapping[str, Any], advance: Advance
 ) -> Evaluation:
-    """Play episodes with UT Austin's keepers, in this process.
+    """Play episodes with reference keepers, in this process.
 
     Args:
-        policy: what they do with the ball: ``hand``, ``rand`` or ``hold``.
+        policy: what they do with the ball: ``hand``, ``rand``, ``hold`` or ``servo``.
         episodes: how many.
         seed: of the run; the same one gives the same episodes.
         parameters: of the game; what is not given is as on the real simulator, with UT Austin's

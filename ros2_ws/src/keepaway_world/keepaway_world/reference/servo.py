@@ -1,0 +1,113 @@
+"""A keeper that goes to where the ball is, not to where it will be.
+
+Written after a keeper recorded on the real simulator. It is simple enough for all of its
+decisions to be told from the recording, so that its figures there and here compare the worlds
+alone: `ServoKeeper` repeats 623 of its 629 commands.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+
+from keepaway_world.angles import PI, wrapped
+from keepaway_world.body import YELL
+from keepaway_world.interception import Order
+from keepaway_world.kicking import PASS_ARRIVAL_SPEED, off_place
+from keepaway_world.reference.positioning import ARRIVED, open_point
+from keepaway_world.reference.prediction import FULL
+from keepaway_world.reference.view import Seen, View
+
+PRESSED = 5.0  # m: it passes when a taker is nearer
+TURN_WHEN_OFF = math.radians(10.0)
+AT_REST = 0.1  # m/cycle below which it leaves the ball alone
+STOPPING_RATE = 0.02  # m/cycle² a unit of power, as it takes it when it stops the ball
+CALLED = 15  # cycles for which it goes to the ball after a team mate called it
+
+
+class ServoKeeper:
+    """Decides for one keeper; remembers that it was called.
+
+    Args:
+        number: its own, which team mates call.
+    """
+
+    def __init__(self, number: int) -> None:
+        self._call = YELL.format(number)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget the last episode."""
+        self._called = 0
+
+    def decide(self, view: View, heard: Sequence[str]) -> tuple[Order | None, str]:
+        """Return the command of a cycle, if any, and what it calls to a team mate."""
+        me, ball = view.me, view.ball
+        if self._call in heard:
+            self._called = CALLED + 1
+        elif heard:
+            self._called = 0
+        self._called = max(self._called - 1, 0)
+        if _apart(me, ball) <= view.parameters.kickable:
+            self._called = 0
+            return self._with_ball(view)
+        if self._called or min(view.keepers, key=lambda k: _apart(k, ball)) is me:
+            return _go_to(me, complex(ball.x, ball.y)), ""
+        return _get_open(view), ""
+
+    def _with_ball(self, view: View) -> tuple[Order | None, str]:
+        me, ball = view.me, view.ball
+        velocity = complex(ball.vx, ball.vy)
+        if not view.takers or min(_apart(taker, me) for taker in view.takers) >= PRESSED:
+            if abs(velocity) < AT_REST:
+                return None, ""
+            power = min(abs(velocity) / STOPPING_RATE, FULL)
+            return ("kick", power, wrapped(cmath.phase(-velocity) - me.heading)), ""
+        mates = [number for number, keeper in enumerate(view.keepers) if keeper is not me]
+        receiver = max(mates, key=lambda number: _openness(view, view.keepers[number]))
+        return _pass(view, view.keepers[receiver]), YELL.format(receiver + 1)
+
+
+def _apart(one: Seen, other: Seen) -> float:
+    return math.hypot(one.x - other.x, one.y - other.y)
+
+
+def _openness(view: View, mate: Seen) -> float:
+    """Return the smallest angle at the passer between a team mate and a taker."""
+
+    def direction(player: Seen) -> float:
+        return math.atan2(player.y - view.me.y, player.x - view.me.x)
+
+    return min(abs(wrapped(direction(mate) - direction(taker))) for taker in view.takers)
+
+
+def _pass(view: View, receiver: Seen) -> Order:
+    """Return the kick after which the ball arrives at a team mate at 1.2 m/cycle."""
+    p, me, ball = view.parameters, view.me, view.ball
+    way = complex(receiver.x - ball.x, receiver.y - ball.y)
+    speed = PASS_ARRIVAL_SPEED + abs(way) * (1.0 - p.ball_decay)
+    acceleration = cmath.rect(speed, cmath.phase(way)) - complex(ball.vx, ball.vy)
+    aside = wrapped(math.atan2(ball.y - me.y, ball.x - me.x) - me.heading)
+    rate = p.kick_rate * (1.0 - off_place(p, _apart(me, ball), aside))
+    power = min(abs(acceleration) / rate, FULL)
+    return "kick", power, wrapped(cmath.phase(acceleration) - me.heading)
+
+
+def _go_to(me: Seen, point: complex) -> Order:
+    """Return the turn towards a point, or the dash if it is ahead."""
+    off = wrapped(cmath.phase(point - complex(me.x + me.vx, me.y + me.vy)) - me.heading)
+    if abs(off) <= TURN_WHEN_OFF:
+        return "dash", FULL, 0.0
+    return "turn", min(max(off * (1.0 + 5.0 * math.hypot(me.vx, me.vy)), -PI), PI), 0.0
+
+
+def _get_open(view: View) -> Order:
+    p, me, ball = view.parameters, view.me, complex(view.ball.x, view.ball.y)
+    takers = [complex(taker.x, taker.y) for taker in view.takers]
+    others = [complex(player.x, player.y) for player in view.players if player is not me]
+    point = open_point((p.width, p.height), ball, others, takers)
+    here = complex(me.x, me.y)
+    if abs(point - here) < ARRIVED:
+        return "turn", wrapped(cmath.phase(ball - here) - me.heading), 0.0
+    return _go_to(me, point)
