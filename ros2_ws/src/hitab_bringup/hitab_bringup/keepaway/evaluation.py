@@ -171,15 +171,16 @@ def evaluate_reference(
         policy: what they do with the ball: ``hand``, ``rand``, ``hold`` or ``servo``.
         episodes: how many.
         seed: of the run; the same one gives the same episodes.
-        parameters: of the game; what is not given is as on the real simulator, with UT Austin's
-            takers and the simulator's quantised sight.
+        parameters: of the game; what is not given is as where their figures were measured on the
+            real simulator: UT Austin's keepers with UT's takers and quantised sight, servo
+            keepers with full sight.
         advance: told how many episodes have been played.
     """
     from keepaway_world.parameters import variant
     from keepaway_world.reference_keepers import reference_players
     from keepaway_world.world import KeepawayWorld
 
-    defaults = {"taker_policy": "reference", "sight": "quantised"}
+    defaults = {"taker_policy": "reference", "sight": "quantised"} if policy != "servo" else {}
     try:
         figures = variant("standard", **{**defaults, **parameters})
     except ValueError as error:
