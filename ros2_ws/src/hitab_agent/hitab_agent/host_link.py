@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -21,17 +22,37 @@ LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers the last percepts, not those that have gone by."""
 
 
+COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "restart")
+"""What all percepts of a cycle have in common."""
+
+
 class Perceiver(Protocol):
     """What a host needs of an agent's node."""
 
     agent_name: str
     agent: Agent
 
-    def take_in(self, percept: msg.Percept) -> None:
+    def take_in(self, percept: msg.Percept | PerceptOfBatch) -> None:
         """Perceive; an agent takes values and messages out of the percept, which is used again."""
 
-    def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+    def answer(self, percept: msg.Percept | PerceptOfBatch) -> tuple[Sequence[float], str]:
         """Act on what was perceived, unless the percept is only to be looked at."""
+
+
+class PerceptOfBatch:
+    """What agents take out of a `msg.Percept`, without the checks made when its fields are set."""
+
+    __slots__ = (*COMMON, "heard", "values")
+
+    stamp: Time
+    sequence: int
+    cycle: int
+    episode: int
+    seed: int
+    look: bool
+    restart: bool
+    values: Sequence[float]
+    heard: Sequence[str]
 
 
 class HostLink:
@@ -54,7 +75,7 @@ class HostLink:
         self._name = name
         self._outbox = outbox
         self._perceivers: list[Perceiver] = []
-        self._percept = msg.Percept()
+        self._percept = PerceptOfBatch()
         self._troupes = Troupes()
         self._episode: tuple[int, int] | None = None
         self._actions = host.create_publisher(
@@ -92,7 +113,7 @@ class HostLink:
         if batch.roster != answers.roster:
             return  # meant for the process of this name that was here before
         percept = self._percept
-        for field in ("stamp", "sequence", "cycle", "episode", "seed", "look", "restart"):
+        for field in COMMON:
             setattr(percept, field, getattr(batch, field))
         # One that came too late for the world is skipped, and what it began with it.
         episode = (batch.seed, batch.episode)
