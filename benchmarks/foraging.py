@@ -141,7 +141,9 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
         axis.bar(places, large, bottom=small, color="#c2703d", label="for 25")
         errors = [s["boxes"]["ci95"] for s in swarms.values()]
         axis.errorbar(places, both, yerr=errors, fmt="none", ecolor="black", capsize=4)
-        axis.set_xticks(list(places), [SWARMS[s].replace(" of ", "\nof ") for s in swarms], fontsize=8)
+        axis.set_xticks(
+            list(places), [SWARMS[s].replace(" of ", "\nof ") for s in swarms], fontsize=8
+        )
         axis.set_title(TITLES[field], fontsize=10)
         axis.spines[["top", "right"]].set_visible(False)
     axes[0].set_ylabel(f"boxes brought home in {figures['seconds']:g} s")
