@@ -120,6 +120,7 @@ def _await_all(
 ) -> tuple[SwarmClient, WorldClient]:
     """Wait until everybody is heard of, and until the world hears everybody."""
     agents = SwarmClient(link, record.agents)
+    agents.watch_all()
     world = WorldClient(link)
     total = len(record.agents) + record.world
     next_look = time.monotonic()

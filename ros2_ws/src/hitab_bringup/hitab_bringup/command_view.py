@@ -37,21 +37,28 @@ class CommandView:
             if not topic.startswith(self._prefix + "/") or not topic.endswith(ending):
                 continue
             name = topic[len(self._prefix) + 1 : -len(ending)]
-            if "/" not in name and name not in self._watched:
-                self._watched.add(name)
-                self._link.subscribe(
-                    CommanderStatus,
-                    names.of_agent(name, GROUP, self._prefix),
-                    lambda group: self.groups.__setitem__(group.commander, group),
-                    qos.LATCHED,
-                )
+            if "/" not in name:
+                self._watch(name)
+
+    def _watch(self, commander: str) -> None:
+        if commander not in self._watched:
+            self._watched.add(commander)
+            self._link.subscribe(
+                CommanderStatus,
+                names.of_agent(commander, GROUP, self._prefix),
+                lambda group: self.groups.__setitem__(group.commander, group),
+                qos.LATCHED,
+            )
 
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders that are there, or are expected, have told."""
         wanted = set(expected)
+        for commander in wanted:
+            self._watch(commander)
 
         def complete() -> bool:
-            self.discover()
+            if not wanted:
+                self.discover()
             known = wanted or self._watched
             return bool(known) and known <= self.groups.keys()
 

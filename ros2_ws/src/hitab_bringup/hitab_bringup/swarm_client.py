@@ -31,6 +31,12 @@ from hitab_ros import qos
 DISCOVERY_SECONDS = 8.0
 """Nodes mostly find each other within a second, but it may take several."""
 
+DISCOVERY_SECONDS_EACH = 0.02
+"""More, for each agent of a swarm: it is told of all before it is told of the one."""
+
+WATCHED_MAX = 100
+"""In a larger swarm only those are watched that somebody asks for."""
+
 SETTLE_SECONDS = 1.5
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
@@ -87,13 +93,18 @@ class SwarmClient:
         self._publishers: dict[str, Any] = {}
         self._acks: dict[tuple[int, str], DistributionAck] = {}
         self._sequence = 0
-        for agent in self.expected:
-            self._watch(agent)
+        if len(self.expected) <= WATCHED_MAX:
+            self.watch_all()
         link.subscribe(
             DistributionAck, names.of_swarm("distribution_ack", prefix), self._take_ack, qos.EVENTS
         )
 
     # -- who is there -----------------------------------------------------------------------
+
+    def watch_all(self) -> None:
+        """Watch all that are expected, however many."""
+        for agent in self.expected:
+            self._watch(agent)
 
     def _watch(self, agent: str) -> None:
         if agent not in self._watched:
@@ -127,18 +138,22 @@ class SwarmClient:
         If nobody knows who is to be expected, wait until nobody new has turned up for a while.
         """
         wanted = set(agents or self.expected)
+        for agent in wanted:
+            self._watch(agent)
         newest = (0, time.monotonic())
+        few = bool(agents) and len(self.expected) > WATCHED_MAX
 
         def complete() -> bool:
             nonlocal newest
-            self.discover()
+            if not few:
+                self.discover()
             if wanted:
                 return wanted <= self.statuses.keys()
             if len(self.statuses) != newest[0]:
                 newest = (len(self.statuses), time.monotonic())
             return newest[0] > 0 and time.monotonic() > newest[1] + SETTLE_SECONDS
 
-        self.link.spin_until(complete, seconds)
+        self.link.spin_until(complete, seconds + DISCOVERY_SECONDS_EACH * len(self.expected))
         return self.agents()
 
     def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:

@@ -28,7 +28,7 @@ from hitab_core.errors import has
 from hitab_core.use import NAME
 from hitab_core.yaml_places import Complaints, read_yaml
 
-RESERVED = (WORLD, "distribution", "distribution_ack", "clock")
+RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"
 AGENT = "{agent}"
 """Stands for the agent's name in a path."""
