@@ -62,8 +62,7 @@ class CommandView:
             known = wanted or self._watched
             return bool(known) and known <= self.groups.keys()
 
-        self._link.spin_until(complete, seconds)
-        if not wanted:
+        if not self._link.spin_until(complete, seconds) or not wanted:
             # Whoever is discovered a little later has its place in the tree, too.
             self._link.spin_until(lambda: False, LATER_SECONDS)
             self.discover()
