@@ -1,5 +1,6 @@
 """Foragers and their commanders over real topics: as in one process, and as they were taught."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -102,7 +103,13 @@ def test_the_foragers_lessons_teach_what_is_shipped(home, tmp_path):
     assert taught == examples_of(shipped("libraries") / "foraging", load_domain("foraging"))
 
 
-@pytest.mark.parametrize("name", ["foraging_squad", "foraging_company"])
+LONG = pytest.mark.skipif(
+    not os.environ.get("HITAB_LONG_TESTS"),
+    reason="takes a minute; set HITAB_LONG_TESTS=1 to have it played",
+)
+
+
+@pytest.mark.parametrize("name", ["foraging_squad", pytest.param("foraging_company", marks=LONG)])
 def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, name):
     folder = shipped("libraries") / name
     domain = commander_domain(read_kind(folder / FILE_NAME))
