@@ -196,7 +196,7 @@ class SwarmLink:
         wanted = {agent for agents in list(self._focus.values()) for agent in agents}
         for agent in wanted & statuses.keys() - self._watches.keys():
             self._watches[agent] = Watch(
-                connected.link, agent, partial(statuses.get, agent), store.touch
+                connected.link, agent, partial(statuses.get, agent), partial(self._knows, agent)
             )
         for agent in self._watches.keys() - wanted:
             self._watches.pop(agent).close()
@@ -206,6 +206,12 @@ class SwarmLink:
         for agent, watch in self._watches.items():
             watch.look()
             self._keep_situations(agent, watch)
+
+    def _knows(self, agent: str) -> None:
+        # At once: in a paused world the next placement is a moment of the same cycle.
+        if (watch := self._watches.get(agent)) is not None:
+            self._keep_situations(agent, watch)
+        self.store.touch()
 
     def _keep_situations(self, agent: str, watch: Watch) -> None:
         training = watch.known.training

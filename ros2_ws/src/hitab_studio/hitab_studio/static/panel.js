@@ -1,5 +1,25 @@
 // A part of the page that the server describes as HTML. What is there is changed into what should
 // be there piece by piece, so that focus, scrolling and what was typed stay.
+//
+// Nothing moves under a finger: while the pointer is down, what is there stays until the click that
+// it may become has been heard.
+let pressed = false;
+const waiting = new Set();
+function press() {
+  pressed = true;
+}
+function release() {
+  if (!pressed) return;
+  // A click comes right after the pointer has gone up.
+  setTimeout(() => {
+    pressed = false;
+    for (const patch of waiting) patch();
+    waiting.clear();
+  });
+}
+addEventListener("pointerdown", press, true);
+for (const name of ["pointerup", "pointercancel", "blur"]) addEventListener(name, release, true);
+
 export default {
   template: "<div></div>",
   props: { html: String },
@@ -13,6 +33,10 @@ export default {
   },
   methods: {
     patch() {
+      if (pressed) {
+        waiting.add(this.patch);
+        return;
+      }
       const wanted = document.createElement("template");
       wanted.innerHTML = this.html || "";
       patchChildren(this.$el, wanted.content);
@@ -20,8 +44,11 @@ export default {
   },
 };
 
+// What does something else is another element: a button never becomes the one beside it.
 function keyOf(node) {
-  return node.nodeType === 1 ? node.getAttribute("data-key") || node.id || "" : "";
+  if (node.nodeType !== 1) return "";
+  const { key, do: does, name, number } = node.dataset;
+  return key || node.id || (does ? `${does} ${name || ""} ${number || ""}` : "");
 }
 
 function alike(a, b) {
