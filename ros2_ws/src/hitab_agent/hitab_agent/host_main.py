@@ -32,6 +32,9 @@ from hitab_ros.spinning import Spinner, make_node, run
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
 """A service that every node has, and nobody uses."""
 
+GARBAGE = (10_000, 20, 100)
+"""New objects until the youngest are searched for garbage; searches until older ones are."""
+
 
 def start(spinning: Spinner) -> None:
     """Make all agents that the command line describes."""
@@ -65,9 +68,11 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
-    # What was made so far stays: searching it for garbage would take longer than a cycle.
+    # What was made so far stays: searching it for garbage would take longer than a cycle. What a
+    # cycle leaves behind goes by itself, but for errors: there is no hurry to look for those.
     gc.collect()
     gc.freeze()
+    gc.set_threshold(*GARBAGE)
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType
@@ -9,24 +10,26 @@ from rclpy.node import Node
 
 
 class Later:
-    """Calls what was put into it within a period, all together, and then rests.
+    """Calls what was put into it, in order, a period later, and rests when there is nothing left.
 
-    Attributes:
-        period_s: how late things are done at most.
+    Where things are many, only so many are done in a period: what is urgent, such as an order,
+    gets its turn in between.
     """
 
-    def __init__(self, node: Node, period_s: float) -> None:
-        self.period_s = period_s
-        self._calls: list[Callable[[], None]] = []
+    def __init__(self, node: Node, period_s: float, at_most: int | None = None) -> None:
+        """Make it.
+
+        Args:
+            node: to make the timer on.
+            period_s: between two turns.
+            at_most: how many things are done in one turn; None: all.
+        """
+        self._at_most = at_most
+        self._calls: deque[Callable[[], None]] = deque()
         self._timer = node.create_timer(
             period_s, self._due, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
         self._timer.cancel()
-
-    def slow_down(self, period_s: float) -> None:
-        """Do things later than that."""
-        self.period_s = period_s
-        self._timer.timer_period_ns = round(period_s * 1e9)
 
     def call(self, call: Callable[[], None]) -> None:
         """Call a function soon."""
@@ -35,7 +38,9 @@ class Later:
         self._calls.append(call)
 
     def _due(self) -> None:
-        self._timer.cancel()
-        calls, self._calls = self._calls, []
-        for call in calls:
-            call()
+        calls = self._calls
+        due = len(calls) if self._at_most is None else min(self._at_most, len(calls))
+        for _ in range(due):
+            calls.popleft()()
+        if not calls:
+            self._timer.cancel()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,6 +10,7 @@ from rclpy.node import Node
 from hitab_agent.distribution import DistributionDesk
 from hitab_agent.host_link import HostLink
 from hitab_agent.later import Later
+from hitab_agent.order_desk import OrderDesk
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.services_on_demand import (
     LOOK_AT_PER_S,
@@ -29,8 +28,9 @@ STATUS_PERIOD_S = 0.05
 REPORTS_PERIOD_S = 0.01
 """How long a report waits for others of the same host."""
 
-STATUSES_PER_S = 500.0
-"""A host publishes no more of them: watching must not cost more than what is watched."""
+STATUSES_AT_ONCE = 15
+"""A host publishes no more of them in a period, 300 a second: watching must not cost more than
+what is watched."""
 
 
 @dataclass(slots=True)
@@ -40,6 +40,7 @@ class Shared:
     Attributes:
         ticker: calls at fixed rates.
         statuses: publishes, a little later, the statuses that have changed.
+        orders: hears those of commanders.
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
         host: the node of the host, if it is one.
@@ -47,11 +48,11 @@ class Shared:
         on_demand: offers services when somebody asks; None: each agent offers its own at once.
         domains: the domains that were loaded, by name.
         libraries: those that were opened, by folder and domain.
-        worker: does what is slow; made when first needed.
     """
 
     ticker: Ticker
     statuses: Later
+    orders: OrderDesk
     outbox: ReportOutbox
     distributions: DistributionDesk
     host: Node | None = None
@@ -59,13 +60,16 @@ class Shared:
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
     libraries: dict[tuple[Path, str], BehaviorLibrary] = field(default_factory=dict)
-    worker: ThreadPoolExecutor | None = None
 
     @classmethod
     def on(cls, node: Node) -> Shared:
         """Return what a node needs for itself, or a host's for the agents of its process."""
         return cls(
-            Ticker(node), Later(node, STATUS_PERIOD_S), ReportOutbox(node), DistributionDesk(node)
+            Ticker(node),
+            Later(node, STATUS_PERIOD_S, STATUSES_AT_ONCE),
+            OrderDesk(node),
+            ReportOutbox(node),
+            DistributionDesk(node),
         )
 
     @classmethod
@@ -74,7 +78,6 @@ class Shared:
         shared = cls.on(node)
         shared.host = node
         shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
-        shared.statuses.slow_down(max(STATUS_PERIOD_S, agents / STATUSES_PER_S))
         shared.on_demand = ServicesOnDemand(node)
         shared.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), shared.on_demand.look)
         return shared
@@ -92,12 +95,6 @@ class Shared:
         if key not in self.libraries:
             self.libraries[key] = BehaviorLibrary(folder, domain)
         return self.libraries[key]
-
-    def aside(self, do: Callable[[], None]) -> None:
-        """Do something slow in a thread, all of it one after the other."""
-        if self.worker is None:
-            self.worker = ThreadPoolExecutor(1)
-        self.worker.submit(do)
 
     def domain(self, name: str) -> Domain:
         """Return the installed domain of a name; see `load_domain`.

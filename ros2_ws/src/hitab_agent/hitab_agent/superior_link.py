@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING
 from hitab_msgs import msg
 
 from hitab_agent.report_outbox import ReportOutbox, reports_topic
-from hitab_core.order import Report
+from hitab_core.order import Order, Report
 from hitab_core.subordinate import Subordinate
-from hitab_ros import names, qos
-from hitab_ros.conversions import order_of
 
 if TYPE_CHECKING:
     from hitab_agent.agent_node import AgentNode
@@ -33,14 +31,12 @@ class SuperiorLink:
         self._topic = reports_topic(node, commander)
         self._seconds = 0.0
         outbox.open(self._topic)
-        node.create_subscription(
-            msg.Order, names.in_swarm(node, commander, names.ORDER), self._on_order, qos.LATCHED
-        )
+        node.shared.orders.listen(node, commander, self._on_order)
 
-    def _on_order(self, message: msg.Order) -> None:
+    def _on_order(self, order: Order) -> None:
         with self._outbox.held():
             subordinate = self.subordinate
-            if subordinate.take(order_of(message)):
+            if subordinate.take(order):
                 self._node.ordered()
                 self.tell()
 

@@ -10,6 +10,10 @@ from rclpy.node import Node
 
 Call = Callable[[], None]
 
+TURN_S = 0.02
+"""The functions of one rate are called in turns, this far apart or further: a host with hundreds
+of them must not keep an order waiting until all are through."""
+
 
 class Ticker:
     """Makes timers on a node; the agents of a host share one of these, and so their timers.
@@ -21,24 +25,39 @@ class Ticker:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._calls: dict[float, list[Call]] = {}
-        self._timers: list[Any] = []
+        self._rates: dict[float, _Rate] = {}
 
     def every(self, seconds: float, call: Call) -> None:
         """Call a function every so many seconds, from now on."""
-        calls = self._calls.get(seconds)
-        if calls is None:
-            calls = self._calls[seconds] = []
-            self._timers.append(
-                self._node.create_timer(seconds, lambda: _all(calls), clock=self._clock)
-            )
-        calls.append(call)
+        if seconds not in self._rates:
+            self._rates[seconds] = _Rate(self._node, self._clock, seconds)
+        self._rates[seconds].add(call)
 
     def seconds(self) -> float:
         """Return the time, s, from an arbitrary beginning; it never goes back."""
         return float(self._clock.now().nanoseconds) * 1e-9
 
 
-def _all(calls: list[Call]) -> None:
-    for call in calls:
-        call()
+class _Rate:
+    """Functions that are called equally often."""
+
+    def __init__(self, node: Node, clock: Clock, seconds: float) -> None:
+        self._seconds = seconds
+        self._calls: list[Call] = []
+        self._turns = 1
+        self._turn = 0
+        self._timer: Any = node.create_timer(seconds, self._next, clock=clock)
+
+    def add(self, call: Call) -> None:
+        self._calls.append(call)
+        turns = min(len(self._calls), max(1, int(self._seconds / TURN_S)))
+        if turns != self._turns:
+            self._turns = turns
+            self._timer.timer_period_ns = round(self._seconds / turns * 1e9)
+            self._timer.reset()
+
+    def _next(self) -> None:
+        calls, turns = self._calls, self._turns
+        turn = self._turn = (self._turn + 1) % turns
+        for call in calls[len(calls) * turn // turns : len(calls) * (turn + 1) // turns]:
+            call()

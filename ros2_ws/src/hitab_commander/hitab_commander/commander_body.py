@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hitab_commander.aggregation import mean_position, observed, summed_up
 from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
@@ -75,7 +75,13 @@ class CommanderBody:
 
     def _blank(self, epoch: int) -> Order:
         kind = self.kind
-        return Order(epoch, 0, "", {}, kind.asked, self._asks_position, kind.report_period)
+        return Order(
+            epoch,
+            report=kind.asked,
+            report_position=self._asks_position,
+            report_states=kind.asks_states,
+            report_period=kind.report_period,
+        )
 
     # -- a body -----------------------------------------------------------------------------
 
@@ -215,15 +221,11 @@ class CommanderBody:
 
     def put_in_force(self, label: str, behaviors: Mapping[str, str]) -> None:
         """Publish an order as the next one, whatever was in force before."""
-        before = self.order
         self.given = label
-        self.order = Order(
-            before.epoch,
-            before.sequence + 1,
-            label,
-            dict(behaviors),
-            before.report,
-            before.report_position,
-            before.report_period,
+        self.order = replace(
+            self.order,
+            sequence=self.order.sequence + 1,
+            name=label,
+            behaviors=dict(behaviors),
         )
         self.on_order(self.order)

@@ -38,9 +38,7 @@ class CommanderLink:
         self._agent = node.agent
         self._on_percept = on_percept
         self.body: CommanderBody = node.agent.body
-        # Whoever has a superior will hear the order again, so an order need not wait for a file.
-        aside = {"aside": node.shared.aside} if node.settings.commander else {}
-        self._memory = OrderMemory(node.state_folder, **aside)
+        self._memory = OrderMemory(node.state_folder)
         self._kept: tuple[str, int] = ("", -1)
         self.seconds = 0.0
         self._unheard: set[str] = set()
@@ -148,7 +146,12 @@ class CommanderLink:
         if (performed, body.order.sequence) != self._kept:
             self._kept = (performed, body.order.sequence)
             order = body.order
-            self._memory.keep(Remembered(order.epoch, performed, order.name, order.behaviors))
+            try:
+                self._memory.keep(Remembered(order.epoch, performed, order.name, order.behaviors))
+            except OSError as error:
+                self._node.get_logger().warning(
+                    f'a restart would forget the order "{order.name}": {error}'
+                )
 
 
 def _roles(node: CommanderNode) -> dict[str, str]:

@@ -136,6 +136,13 @@ class CommanderKind:
         return tuple(dict.fromkeys(feature for feature in looked_at if feature))
 
     @property
+    def asks_states(self) -> bool:
+        """Whether subordinates have to report what is active inside their top-level behavior."""
+        return any(
+            of.active for of in [f.of for f in self.features] + [t.of for t in self.targets]
+        )
+
+    @property
     def asks_position(self) -> bool:
         """Whether subordinates have to report where they are."""
         return any(feature.over is Over.GROUP for feature in self.features)

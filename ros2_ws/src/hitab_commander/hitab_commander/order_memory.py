@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -29,31 +29,28 @@ class Remembered:
     behaviors: Mapping[str, str] = field(default_factory=dict)
 
 
-def _now(do: Callable[[], None]) -> None:
-    do()
-
-
 class OrderMemory:
-    """A small file in a commander's state folder.
+    """A small file in a commander's state folder; its first line is what counts.
 
-    It is as good as its last line: what cannot be read is taken for a commander that has ordered
-    nothing yet, since its superior or a person will order again.
+    It has to survive the process, not the machine, and an order must not wait for it: a line is
+    written over the one before in one go, which takes microseconds, and what is longer stays
+    behind it. What cannot be read is taken for a commander that has ordered nothing yet, since its
+    superior or a person will order again.
     """
 
-    def __init__(self, folder: Path, aside: Callable[[Callable[[], None]], object] = _now) -> None:
+    def __init__(self, folder: Path) -> None:
         """Read it.
 
         Args:
-            folder: where the file is.
-            aside: does the writing; one after the other, but perhaps not at once.
+            folder: where the file is; it is made when there is something to remember.
         """
         self._path = folder / FILE_NAME
-        self._aside = aside
         self.remembered = self._read()
 
     def _read(self) -> Remembered:
         try:
-            said = json.loads(self._path.read_text(encoding="utf-8"))
+            with self._path.open(encoding="utf-8") as file:
+                said = json.loads(file.readline())
             return Remembered(
                 int(said["epoch"]),
                 str(said["behavior"]),
@@ -68,17 +65,17 @@ class OrderMemory:
         return max(time.time_ns(), self.remembered.epoch + 1)
 
     def keep(self, remembered: Remembered) -> None:
-        """Write down what is in force now.
-
-        It has to survive the process, not the machine: an order must not wait for a disk.
-        """
+        """Write down what is in force now."""
         if remembered == self.remembered:
             return
         self.remembered = remembered
-        self._aside(lambda: self._write(remembered))
-
-    def _write(self, remembered: Remembered) -> None:
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        beside = self._path.with_suffix(".partial")
-        beside.write_text(json.dumps(asdict(remembered)) + "\n", encoding="utf-8")
-        os.replace(beside, self._path)
+        line = json.dumps(asdict(remembered)) + "\n"
+        try:
+            file = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o644)
+        except FileNotFoundError:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            file = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o644)
+        try:
+            os.write(file, line.encode())
+        finally:
+            os.close(file)

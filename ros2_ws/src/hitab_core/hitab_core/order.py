@@ -24,6 +24,7 @@ class Order:
             name, else a role, else `OTHERS`. Empty text: perform nothing.
         report: features whose values the subordinates are to report.
         report_position: whether they are to report where they are.
+        report_states: whether they are to report what is active inside their top-level behavior.
         report_period: s of a subordinate's own time between two reports of values that change.
     """
 
@@ -33,6 +34,7 @@ class Order:
     behaviors: Mapping[str, str] = field(default_factory=dict)
     report: tuple[str, ...] = ()
     report_position: bool = False
+    report_states: bool = False
     report_period: float = 0.5
 
     @property
@@ -57,7 +59,8 @@ class Report:
         epoch, sequence: of the last order that it has heard; 0: none.
         waits: whether that order has not been taken up yet.
         mode: of the agent.
-        path: its top-level behavior and the active states inwards; empty if it is idle.
+        path: its top-level behavior and, if asked for, the active states inwards; empty if it is
+            idle.
         flags: raised by its top-level behavior since that order.
         values: of the features that the commander has asked for; NaN: has no such value.
         position: x and y, m; empty: not asked for, or unknown.

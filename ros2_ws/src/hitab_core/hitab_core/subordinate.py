@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.errors import HitabError
@@ -135,14 +134,17 @@ class Subordinate:
         """Return what the agent does, but for values and the cycle, which change all the time."""
         agent = self.agent
         epoch, sequence = self.order.number if self.order is not None else (0, 0)
-        idle = agent.mode is Mode.IDLE
+        path: tuple[str, ...] = ()
+        if agent.mode is not Mode.IDLE:
+            inside = self.order is not None and self.order.report_states
+            path = (agent.behavior, *(agent.active_path if inside else ()))
         return Report(
             agent.name,
             epoch,
             sequence,
             self.waits,
             agent.mode.value,
-            () if idle else (agent.behavior, *agent.active_path),
+            path,
             tuple(sorted(agent.raised)),
             episode=self.episode,
             seed=self.seed,
@@ -151,11 +153,19 @@ class Subordinate:
     def _report(self, doing: Report) -> Report:
         self._told = doing
         self._beaten = True
-        return replace(
-            doing,
-            values=tuple(NAN if read is None else _value(read) for read in self._readers),
-            position=self._position(),
-            cycle=self.agent.cycle,
+        return Report(
+            doing.agent,
+            doing.epoch,
+            doing.sequence,
+            doing.waits,
+            doing.mode,
+            doing.path,
+            doing.flags,
+            tuple(NAN if read is None else _value(read) for read in self._readers),
+            self._position(),
+            self.agent.cycle,
+            doing.episode,
+            doing.seed,
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:

@@ -54,6 +54,7 @@ def order_message(commander: str, order: Order) -> msg.Order:
         behaviors=list(order.behaviors.values()),
         report=list(order.report),
         report_position=order.report_position,
+        report_states=order.report_states,
         report_period=order.report_period,
     )
 
@@ -67,6 +68,7 @@ def order_of(message: msg.Order) -> Order:
         dict(zip(message.receivers, message.behaviors, strict=False)),
         tuple(message.report),
         message.report_position,
+        message.report_states,
         message.report_period,
     )
 

@@ -1,0 +1,55 @@
+"""Hearing the orders of commanders on behalf of all agents of one process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hitab_msgs import msg
+from rclpy.node import Node
+
+from hitab_core.order import Order
+from hitab_ros import names, qos
+from hitab_ros.conversions import order_of
+
+Take = Callable[[Order], None]
+
+
+class OrderDesk:
+    """Has one subscription for each commander and hands its orders to all who are under it.
+
+    Orders pass down through a process as fast as it can read them, and reading one costs more
+    than obeying it: a squad that lives in one process reads once.
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Make it.
+
+        Args:
+            node: to subscribe on.
+        """
+        self._node = node
+        self._takers: dict[str, list[Take]] = {}
+        self._last: dict[str, Order] = {}
+
+    def listen(self, node: Node, commander: str, take: Take) -> None:
+        """Call ``take`` with the order in force, if one was heard, and with all that come.
+
+        Args:
+            node: of the swarm.
+            commander: whose orders.
+            take: what to do with them.
+        """
+        topic = names.in_swarm(node, commander, names.ORDER)
+        if topic in self._takers:
+            self._takers[topic].append(take)
+            if topic in self._last:
+                take(self._last[topic])
+            return
+        takers = self._takers[topic] = [take]
+
+        def on_order(message: msg.Order) -> None:
+            order = self._last[topic] = order_of(message)
+            for taker in takers:
+                taker(order)
+
+        self._node.create_subscription(msg.Order, topic, on_order, qos.LATCHED)
