@@ -1,7 +1,7 @@
 """Measures swarms from ten to thousands of agents under a tree of commanders, in real time.
 
 Each agent and each commander is a ROS 2 node with its own automaton; a few host processes run
-them all. While the swarm plays at 10 Hz, an order is given to the commander at the root every
+them all. While the swarm plays at 10 Hz, an order is given to the commander at the root twice a
 second, and the time is taken until the last agent has reported that it performs it.
 
     scripts/python benchmarks/scale.py --sizes 10,100,1000 --json scale.json --plot scale.png
@@ -9,6 +9,8 @@ second, and the time is taken until the last agent has reported that it performs
 
 from __future__ import annotations
 
+import json as json_module
+import math
 import os
 import sys
 import tempfile
@@ -26,7 +28,9 @@ from rich.table import Table
 
 from swarms import FAN_OUT, ORDERS, commanders, description, levels
 
+SIZES = "10,30,100,300,1000,2000,5000"
 WARM_UP_S = 5.0
+ORDER_PERIOD_S = 0.5
 ORDER_TIMEOUT_S = 5.0
 
 
@@ -189,7 +193,7 @@ def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figu
                 taken = []
                 while time.perf_counter() - began < seconds:
                     taken.append(orders.give(ORDERS[len(taken) % len(ORDERS)]))
-                    due = began + len(taken) - time.perf_counter()
+                    due = began + len(taken) * ORDER_PERIOD_S - time.perf_counter()
                     link.spin_until(lambda: False, max(due, 0.0))
                 lasted = time.perf_counter() - began
                 (first, cycle, late), (last, last_cycle, last_late) = (
@@ -224,18 +228,19 @@ def show(results: list[Figures]) -> None:
     table = Table(title=f"Agents under commanders of {FAN_OUT}, in real time at 10 Hz")
     columns: list[tuple[str, Callable[[Figures], str]]] = [
         ("agents", lambda f: f"{f.agents:,}"),
-        ("commanders", lambda f: f"{f.commanders:,}"),
-        ("start s", lambda f: f"{f.start_s:.1f}"),
-        ("cycles", lambda f: f"{f.cycles}"),
-        ("late answers", lambda f: f"{f.late_answers:,}"),
+        ("hosts", lambda f: f"{f.hosts}"),
+        ("com-\nmanders", lambda f: f"{f.commanders:,}"),
+        ("start\ns", lambda f: f"{f.start_s:.1f}"),
+        ("cycles\nlost", lambda f: f"{f.behind}"),
+        ("late\nanswers", lambda f: f"{f.late_answers:,}"),
         ("order ms\nmedian", lambda f: f"{f.order_ms_median:.0f}"),
         ("\np99", lambda f: f"{f.order_ms_p99:.0f}"),
-        ("CPU cores\nworld", lambda f: f"{f.cpu_world:.2f}"),
+        ("cores\nworld", lambda f: f"{f.cpu_world:.2f}"),
         ("\nhosts", lambda f: f"{f.cpu_hosts:.2f}"),
-        ("\nms/s per agent", lambda f: f"{f.cpu_ms_per_agent:.2f}"),
-        ("memory MB\nworld", lambda f: f"{f.memory_world:.0f}"),
+        ("ms/s per\nagent", lambda f: f"{f.cpu_ms_per_agent:.2f}"),
+        ("MB\nworld", lambda f: f"{f.memory_world:.0f}"),
         ("\nhosts", lambda f: f"{f.memory_hosts:.0f}"),
-        ("\nper agent", lambda f: f"{f.memory_per_agent:.2f}"),
+        ("\nagent", lambda f: f"{f.memory_per_agent:.2f}"),
     ]
     for title, _ in columns:
         table.add_column(title, justify="right")
@@ -275,8 +280,8 @@ def plot(results: list[Figures], path: Path) -> None:
 
 
 def main(
-    sizes: Annotated[str, typer.Option(help="Numbers of agents.")] = "10,30,100,300,1000",
-    hosts: Annotated[int, typer.Option(help="Processes that run the agents.")] = 2,
+    sizes: Annotated[str, typer.Option(help="Numbers of agents.")] = SIZES,
+    per_host: Annotated[int, typer.Option(help="Agents in a process; at least two run.")] = 500,
     seconds: Annotated[float, typer.Option(help="How long each is measured.")] = 60.0,
     preferred: Annotated[
         bool,
@@ -290,19 +295,14 @@ def main(
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH"))))
     results = []
     for size in [int(text) for text in sizes.split(",")]:
-        used = min(hosts, max(1, size // 5))
-        results.append(measure(size, used, seconds, preferred=preferred))
-        show(results[-1:])
-    if len(results) > 1:
+        hosts = max(2, math.ceil(size / per_host))
+        results.append(measure(size, hosts, seconds, preferred=preferred))
         show(results)
-    if json:
-        import json as writer
-
-        Path(json).write_text(
-            writer.dumps([asdict(f) for f in results], indent=2) + "\n", encoding="utf-8"
-        )
-    if plot_to:
-        plot(results, Path(plot_to))
+        if json:
+            figures = [asdict(result) for result in results]
+            Path(json).write_text(json_module.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        if plot_to:
+            plot(results, Path(plot_to))
 
 
 if __name__ == "__main__":

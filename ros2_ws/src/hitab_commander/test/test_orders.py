@@ -95,6 +95,14 @@ def test_the_orders_of_a_restarted_commander_are_newer_and_it_goes_on_where_it_w
     troop.until(lambda: troop.performs("a") == "Search")
 
 
+def test_a_commander_that_cannot_remember_its_orders_gives_them_all_the_same(troop):
+    (troop.folder / "file").touch()
+    squad(troop, state_dir=str(troop.folder / "file" / "state"))
+    troop.ant("a", "chief", "scout")
+    assert troop.perform("chief", "Attack").success
+    troop.until(lambda: troop.performs("a") == "Search")
+
+
 def test_a_commander_that_ordered_nothing_leaves_its_subordinates_alone(troop):
     troop.ant("a", "chief", "scout", behavior="Wait")
     squad(troop)

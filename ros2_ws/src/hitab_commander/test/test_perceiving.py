@@ -86,6 +86,28 @@ def test_active_states_at_any_level_are_seen_as_soon_as_they_change(troop):
     await_value(troop, "Searching", 0.5)
 
 
+def test_states_inside_the_ordered_behavior_are_reported_only_to_a_commander_that_looks_at_them(
+    troop,
+):
+    library = teach_errand(troop)
+    looks = "  Searching: {fraction: {active: Search}}\n"
+    for name, kind in (("chief", CREW), ("other", CREW.replace(looks, ""))):
+        ant = {"chief": "b", "other": "c"}[name]
+        troop.commander(name, kind, [ant])
+        troop.ant(ant, name, library=library)
+        troop.perform(name, "Run")
+        troop.until(lambda ant=ant: troop.performs(ant) == "Errand")
+        troop.perceive(ant, 0.0, 0.0, 0.0)
+        troop.until(lambda ant=ant: troop.statuses[ant].active_path == ["Search"])
+        await_value(troop, "MeanX", 0.0, name)
+    heard = {"chief": "b", "other": "c"}
+    paths = {
+        name: list(troop.nodes[name].agent.body.members[ant].report.path)
+        for name, ant in heard.items()
+    }
+    assert paths == {"chief": ["Errand", "Search"], "other": ["Errand"]}
+
+
 def test_a_subordinate_that_falls_silent_is_left_out_and_counted(troop):
     crew(troop)
     for name, x in (("a", 1.0), ("b", 5.0)):

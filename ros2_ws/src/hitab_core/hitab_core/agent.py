@@ -192,10 +192,7 @@ class Agent:
         Raises:
             VocabularyError: if there is no such behavior or target.
         """
-        performance = None
-        if use is not None:
-            self._check_performable(use)
-            performance = self._prepared(use)
+        performance = None if use is None else self._prepared(use)
         self._stop()
         self.top = use
         self._performance = performance
@@ -205,9 +202,11 @@ class Agent:
 
     def _prepared(self, use: Use) -> Running:
         """Return what performs a behavior; it is kept, since orders come again."""
-        if use not in self._performances:
-            self._performances[use] = self._stage.perform(use)
-        return self._performances[use]
+        performance = self._performances.get(use)
+        if performance is None:
+            self._check_performable(use)
+            performance = self._performances[use] = self._stage.perform(use)
+        return performance
 
     def _check_performable(self, use: Use) -> None:
         if use.name not in self.repertoire:
