@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from foraging_world import action
 from foraging_world.bodies import Bodies
 from foraging_world.laying_out import box_place, obstacle_places, start_places
-from foraging_world.parameters import ForagingParameters, ParameterError
+from foraging_world.parameters import ForagingParameters
 from foraging_world.percept import FAR
+from hitab_world.parameters import ParameterError
 
 Floats = NDArray[np.float64]
 
@@ -229,6 +230,8 @@ class Field:
         for name in self.ARRAYS:
             now = getattr(self, name)
             arrays[name] = np.array(state[name], now.dtype).reshape(now.shape)
+            if not np.all(np.isfinite(arrays[name])):
+                raise ValueError(f"{name} is not finite")
         random = PCG64(0)
         random.state = state["random"]
         if np.any(arrays["held"] >= len(self.large)) or np.any(arrays["held"] < NOTHING):

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from foraging_world.parameters import ForagingParameters, ParameterError
+from foraging_world.parameters import ForagingParameters
+from hitab_world.parameters import ParameterError
 
 Floats = NDArray[np.float64]
 

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
-from typing import Any
+from dataclasses import dataclass
+from types import MappingProxyType
 
-from hitab_core.errors import has
-
-
-class ParameterError(ValueError):
-    """A figure that cannot be; the message names it and what it may be."""
+from hitab_world.parameters import NOT_NEGATIVE, ParameterError, Parameters, at_least
 
 
 @dataclass(frozen=True)
-class ForagingParameters:
+class ForagingParameters(Parameters):
     """Figures of the field, the boxes and the robots.
 
     Attributes:
@@ -39,6 +34,14 @@ class ForagingParameters:
         noise: standard deviation of what each turn and each distance covered differ by, as a
             part of them.
     """
+
+    WORLD = "foraging"
+    LIMITS = MappingProxyType(
+        {
+            **dict.fromkeys(("width", "height"), at_least(10.0, "m")),
+            **dict.fromkeys(("obstacles", "small_boxes", "large_boxes", "noise"), NOT_NEGATIVE),
+        }
+    )
 
     foragers: int = 50
     squad_size: int = 5
@@ -68,8 +71,7 @@ class ForagingParameters:
 
     def __post_init__(self) -> None:
         """Refuse figures that mean nothing, or that leave no room."""
-        for field in fields(self):
-            self._check(field.name, str(field.type), getattr(self, field.name))
+        super().__post_init__()
         if self.foragers * 4.0 * self.forager_radius**2 > 0.5 * self.width * self.height:
             raise ParameterError(
                 f"foragers is {self.foragers}: they do not fit into half of the field of "
@@ -82,28 +84,6 @@ class ForagingParameters:
                     f"{size}_pullers is {pullers}: so many robots do not fit around a box with a "
                     f"radius of {getattr(self, f'{size}_radius'):g} m; make {size}_radius larger"
                 )
-
-    def _check(self, name: str, kind: str, value: Any) -> None:
-        if kind == "bool":
-            if not isinstance(value, bool):
-                raise ParameterError(f"{name} is {value!r}; it must be true or false")
-            return
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if kind == "int":
-            least = 0 if name in ("obstacles", "small_boxes", "large_boxes") else 1
-            if not number or not isinstance(value, int) or value < least:
-                raise ParameterError(
-                    f"{name} is {value!r}; it must be a whole number from {least} on"
-                )
-            return
-        if not number or not math.isfinite(value):
-            raise ParameterError(f"{name} is {value!r}; it must be a finite number")
-        least_figure = 10.0 if name in ("width", "height") else 0.0
-        if value < least_figure or (value == 0.0 and name != "noise"):
-            above = f"at least {least_figure:g}" if least_figure else "above 0"
-            raise ParameterError(
-                f"{name} is {value:g}; it must be {'0 or more' if name == 'noise' else above}"
-            )
 
     def places_around(self, radius: float) -> int:
         """Return how many robots fit side by side around a box with this radius, m."""
@@ -118,20 +98,3 @@ class ForagingParameters:
     def largest_radius(self) -> float:
         """Of a large box with its ring of pulling robots, m."""
         return max(self.small_radius, self.large_radius) + self.ring_width
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the values by name, as `from_dict` takes them."""
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> ForagingParameters:
-        """Return parameters with these values, the rest as by default.
-
-        Raises:
-            ParameterError: if there is no such parameter, or the value cannot be used.
-        """
-        known = [field.name for field in fields(cls)]
-        for name in values:
-            if name not in known:
-                raise ParameterError(f'there is no foraging parameter "{name}" {has(known)}')
-        return cls(**values)

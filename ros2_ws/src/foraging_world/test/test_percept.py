@@ -5,9 +5,10 @@ import math
 import pytest
 
 from foraging_world.body import ForagerBody
-from foraging_world.parameters import ForagingParameters, ParameterError
+from foraging_world.parameters import ForagingParameters
 from foraging_world.percept import FAR
 from foraging_world.world import ForagingWorld
+from hitab_world.parameters import ParameterError
 from hitab_world.world import Placement, WorldError
 
 

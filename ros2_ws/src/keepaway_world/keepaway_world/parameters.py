@@ -6,23 +6,34 @@ Simulator (rcssserver 19) whose server parameters most of these are.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
+
+from hitab_core.errors import has
+from hitab_world.parameters import (
+    FRACTION,
+    NOT_NEGATIVE,
+    ParameterError,
+    Parameters,
+    at_least,
+    one_of,
+)
 
 SIGHTS = ("quantised", "full")
 RESET_ANGLES = ("drawn", "kept")
 TAKER_POLICIES = ("intercept", "reference")
 
 
-class ParameterError(ValueError):
-    """A keepaway parameter that cannot be used; the message names it and what it may be."""
+_FROM_0 = (
+    *("takers", "taker_speed", "movement_noise", "kick_noise", "turn_noise"),
+    *("say_range", "stuck_area", "player_rand", "ball_rand", "kick_rand", "inertia"),
+)
 
 
 @dataclass(frozen=True)
-class KeepawayParameters:
+class KeepawayParameters(Parameters):
     """Figures of the game, the mechanics and the senses.
 
     Attributes:
@@ -49,6 +60,19 @@ class KeepawayParameters:
     The rest are mechanics of rcssserver; `dash_rate`, `kick_rate` and `inertia` are its
     ``dash_power_rate``, ``kick_power_rate`` and ``inertia_moment``.
     """
+
+    WORLD = "keepaway"
+    LIMITS = MappingProxyType(
+        {
+            "keepers": at_least(2),
+            **dict.fromkeys(("width", "height"), at_least(12.0, "m")),
+            **dict.fromkeys(_FROM_0, NOT_NEGATIVE),
+            **dict.fromkeys(("player_decay", "ball_decay"), FRACTION),
+            "sight": one_of(*SIGHTS),
+            "reset_angles": one_of(*RESET_ANGLES),
+            "taker_policy": one_of(*TAKER_POLICIES),
+        }
+    )
 
     keepers: int = 3
     takers: int = 2
@@ -85,47 +109,6 @@ class KeepawayParameters:
     kick_rate: float = 0.027
     inertia: float = 5.0
 
-    def __post_init__(self) -> None:
-        """Refuse values that mean nothing."""
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.type == "bool":
-                if not isinstance(value, bool):
-                    raise ParameterError(f"{field.name} is {value!r}; it must be true or false")
-            elif field.type == "int":
-                least = 2 if field.name == "keepers" else 0 if field.name == "takers" else 1
-                if not isinstance(value, int) or isinstance(value, bool) or value < least:
-                    raise ParameterError(
-                        f"{field.name} is {value!r}; it must be a whole number from {least} on"
-                    )
-            elif field.type == "float":
-                self._check_figure(field.name, value)
-        for name, allowed in (
-            ("sight", SIGHTS),
-            ("reset_angles", RESET_ANGLES),
-            ("taker_policy", TAKER_POLICIES),
-        ):
-            if getattr(self, name) not in allowed:
-                raise ParameterError(
-                    f"{name} is {getattr(self, name)!r}; it must be one of: {', '.join(allowed)}"
-                )
-
-    def _check_figure(self, name: str, value: Any) -> None:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ParameterError(f"{name} is {value!r}; it must be a number")
-        if not math.isfinite(value):
-            raise ParameterError(f"{name} is {value}; it must be finite")
-        if name in ("width", "height"):
-            if value < 12.0:
-                raise ParameterError(f"{name} is {value}; the box must be at least 12 m wide")
-        elif name.endswith("_decay"):
-            if not 0.0 < value < 1.0:
-                raise ParameterError(f"{name} is {value}; it must lie between 0 and 1")
-        elif value < 0.0:
-            raise ParameterError(f"{name} is {value}; it must not be negative")
-        elif value == 0.0 and name.endswith(("_radius", "_max", "_rate", "kickable_margin")):
-            raise ParameterError(f"{name} is 0; it must be positive")
-
     @property
     def contact(self) -> float:
         """Distance between the centres of a player and the ball when they touch, m."""
@@ -135,25 +118,6 @@ class KeepawayParameters:
     def kickable(self) -> float:
         """Largest distance between the centres at which a player can kick the ball, m."""
         return self.contact + self.kickable_margin
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the values by name, as `from_dict` takes them."""
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> KeepawayParameters:
-        """Return the parameters with these values, the rest as in the paper.
-
-        Raises:
-            ParameterError: if there is no such parameter, or the value cannot be used.
-        """
-        known = [field.name for field in fields(cls)]
-        for name in values:
-            if name not in known:
-                raise ParameterError(
-                    f'there is no keepaway parameter "{name}" (has: {", ".join(known)})'
-                )
-        return cls(**values)
 
 
 PAPER = KeepawayParameters()
@@ -172,7 +136,5 @@ def variant(name: str, **changes: Any) -> KeepawayParameters:
         ParameterError: if there is no such variant or parameter.
     """
     if name not in VARIANTS:
-        raise ParameterError(
-            f'there is no keepaway variant "{name}" (has: {", ".join(sorted(VARIANTS))})'
-        )
+        raise ParameterError(f'there is no keepaway variant "{name}" {has(VARIANTS)}')
     return KeepawayParameters.from_dict({**VARIANTS[name].as_dict(), **changes})

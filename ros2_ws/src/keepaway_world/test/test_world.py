@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hitab_world.parameters import ParameterError
 from hitab_world.world import Placement, World, WorldError
 from keepaway_world.parameters import (
     PAPER,
     KeepawayParameters,
-    ParameterError,
     variant,
 )
 from keepaway_world.world import KeepawayWorld

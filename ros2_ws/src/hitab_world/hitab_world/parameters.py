@@ -1,0 +1,123 @@
+"""The figures of a kind of world: a frozen dataclass that refuses what cannot be, by name.
+
+For example::
+
+    @dataclass(frozen=True)
+    class PuddleParameters(Parameters):
+        WORLD = "puddle"
+        LIMITS = {"width": at_least(2.0, "m"), "leaves": NOT_NEGATIVE}
+
+        width: float = 5.0
+        leaves: int = 3
+        rain: bool = False
+
+Knows no ROS; `hitab_world.figures` makes such figures the parameters of a node.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, fields
+from types import MappingProxyType
+from typing import Any, ClassVar, Self
+
+from hitab_core.errors import has
+
+
+class ParameterError(ValueError):
+    """A figure of a world that cannot be; the message names it and what it may be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """What a figure may be.
+
+    Attributes:
+        words: go on with "it must", such as ``be at least 2 m``.
+        holds: whether a value, which is of the right kind, is within the limit.
+    """
+
+    words: str
+    holds: Callable[[Any], bool]
+
+
+POSITIVE = Limit("be above 0", lambda value: bool(value > 0))
+NOT_NEGATIVE = Limit("not be negative, but 0 or more", lambda value: bool(value >= 0))
+FRACTION = Limit("lie between 0 and 1", lambda value: bool(0 < value < 1))
+
+
+def at_least(least: float, unit: str = "") -> Limit:
+    """Return the limit of a number that begins with one, which has a unit or none."""
+    return Limit(f"be at least {least:g} {unit}".rstrip(), lambda value: bool(value >= least))
+
+
+def one_of(*names: str) -> Limit:
+    """Return the limit of a text that is one of several."""
+    return Limit(f"be one of: {', '.join(names)}", lambda value: value in names)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Base of the figures of a kind of world: fields of type bool, int, float or str.
+
+    A subclass gives every field a default. What concerns several figures at once it checks in a
+    ``__post_init__`` of its own, after this one.
+
+    Attributes:
+        WORLD: what the world is called in errors.
+        LIMITS: of single figures, by name; all other numbers must be above 0.
+    """
+
+    WORLD: ClassVar[str]
+    LIMITS: ClassVar[Mapping[str, Limit]] = MappingProxyType({})
+
+    def __post_init__(self) -> None:
+        """Refuse values that mean nothing.
+
+        Raises:
+            ParameterError: naming the figure and what it may be.
+        """
+        for figure in fields(self):
+            value = getattr(self, figure.name)
+            # Types are text in modules with "from __future__ import annotations".
+            kind = getattr(figure.type, "__name__", figure.type)
+            limit = self.LIMITS.get(figure.name, POSITIVE if kind in ("int", "float") else None)
+            must = _wrong_kind(kind, value)
+            if limit is not None and (kind == "str" or not must):  # which texts says more
+                must = "" if limit.holds(value) else limit.words
+            if must:
+                raise ParameterError(f"{figure.name} is {value!r}; it must {must}")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the values by name, as `from_dict` takes them."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """Return parameters with these values, the rest as by default.
+
+        Raises:
+            ParameterError: if there is no such parameter, or the value cannot be used.
+        """
+        known = [figure.name for figure in fields(cls)]
+        for name in values:
+            if name not in known:
+                raise ParameterError(f'there is no {cls.WORLD} parameter "{name}" {has(known)}')
+        return cls(**values)
+
+
+def _wrong_kind(kind: Any, value: Any) -> str:
+    """Return what a value must be to be of the kind of its field, "" if it is."""
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    if kind == "bool":
+        return "" if isinstance(value, bool) else "be true or false"
+    if kind == "int":
+        return "" if whole else "be a whole number"
+    if kind == "float":
+        if not whole and not isinstance(value, float):
+            return "be a number"
+        return "" if math.isfinite(value) else "be finite"
+    if kind == "str":
+        return "" if isinstance(value, str) else "be text"
+    return ""
