@@ -13,6 +13,7 @@ from foraging_world.field import Field, Floats
 from foraging_world.parameters import ForagingParameters
 from foraging_world.percept import perceive_all
 from hitab_core.seeding import world_seed
+from hitab_world import snapshots
 from hitab_world.world import (
     Action,
     Entity,
@@ -217,57 +218,25 @@ class ForagingWorld:
 
     def snapshot(self) -> dict[str, Any]:
         """Return the complete state, random generator included, as JSON-able data."""
-        return {
-            "world": self.name,
-            "version": SNAPSHOT_VERSION,
-            "parameters": self.parameters.as_dict(),
-            "seed": self.seed,
-            "episode": self.episode,
-            "cycle": self.cycle,
-            "episode_cycle": self.episode_cycle,
-            "ended": self.ended,
-            "field": self._field.state(),
-        }
+        return {**snapshots.header(self, SNAPSHOT_VERSION), "field": self._field.state()}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
         """Bring back a state that `snapshot` returned.
 
         Raises:
-            WorldError: if it is of another kind of world or of one with other parameters.
+            WorldError: if it is of another kind of world, of one with other parameters, or
+                damaged; then nothing has changed.
         """
-        for key, mine in (
-            ("world", self.name),
-            ("version", SNAPSHOT_VERSION),
-            ("parameters", self.parameters.as_dict()),
-        ):
-            if snapshot.get(key) != mine:
-                raise WorldError(
-                    f"the snapshot's {key} is {snapshot.get(key)}, this world's is {mine}; "
-                    "restore it in a world like the one that it was taken of"
-                )
-        try:
-            figures = [int(snapshot[k]) for k in ("seed", "episode", "cycle", "episode_cycle")]
-            ended = str(snapshot["ended"])
+        with snapshots.reading(snapshot, self, SNAPSHOT_VERSION) as moment:
             self._field.restore(snapshot["field"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise WorldError(
-                f"the snapshot is damaged: {type(error).__name__} {error}; take another one"
-            ) from None
-        self.seed, self.episode, self.cycle, self.episode_cycle = figures
-        self.ended = ended
-        self.refused = {}
+        moment.bring_back(self)
         self._perceived = None
 
     def result(self) -> EpisodeResult:
         """Return how the present episode went so far: boxes that came home, by size."""
         small, large = self._field.collected.tolist()
-        return EpisodeResult(
-            self.episode,
-            self.seed,
-            self.episode_cycle,
-            self.episode_cycle * self.cycle_seconds,
-            self.ended,
-            {"boxes": float(small + large), "small": float(small), "large": float(large)},
+        return EpisodeResult.of(
+            self, {"boxes": float(small + large), "small": float(small), "large": float(large)}
         )
 
 

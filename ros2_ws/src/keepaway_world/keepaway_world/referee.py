@@ -6,10 +6,11 @@ The rules are those of rcssserver's keepaway mode, mirrored to y pointing up.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from random import Random
 from typing import Any
 
+from hitab_world.snapshots import finite, whole
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import Mover, Physics
 
@@ -106,13 +107,20 @@ class Referee:
             "stuck_for": self._stuck_for,
         }
 
-    def restore(self, state: dict[str, Any], players: Sequence[Mover]) -> None:
-        """Bring back what `state` returned."""
-        self.possession, self.passes = state["possession"], state["passes"]
-        x, y = state["stuck_at"]
-        self._stuck_at, self._stuck_for = (x, y), state["stuck_for"]
-        by_name = {player.name: player for player in players}
-        self._last_kick = by_name.get(state["last_kick"])
+    def restore(self, state: Mapping[str, Any], players: Sequence[Mover]) -> None:
+        """Bring back what `state` returned.
+
+        Raises:
+            KeyError, TypeError, ValueError: if it is not such a state; then nothing has changed.
+        """
+        possession, passes, stuck_for = (
+            whole(state[name]) for name in ("possession", "passes", "stuck_for")
+        )
+        x, y = map(finite, state["stuck_at"])
+        kickers = {"": None, **{player.name: player for player in players}}
+        self._last_kick = kickers[state["last_kick"]]
+        self.possession, self.passes = possession, passes
+        self._stuck_at, self._stuck_for = (x, y), stuck_for
 
 
 def drop_ball(physics: Physics) -> None:

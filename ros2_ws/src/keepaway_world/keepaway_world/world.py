@@ -8,6 +8,8 @@ from random import Random
 from typing import Any
 
 from hitab_core.seeding import world_seed
+from hitab_world import snapshots
+from hitab_world.snapshots import finite, text, texts
 from hitab_world.world import (
     Action,
     Entity,
@@ -227,14 +229,7 @@ class KeepawayWorld:
         """Return the complete state, random generator included, as JSON-able data."""
         version, internal, gauss = self._random.getstate()
         return {
-            "world": self.name,
-            "version": SNAPSHOT_VERSION,
-            "parameters": self.parameters.as_dict(),
-            "seed": self.seed,
-            "episode": self.episode,
-            "cycle": self.cycle,
-            "episode_cycle": self.episode_cycle,
-            "ended": self.ended,
+            **snapshots.header(self, SNAPSHOT_VERSION),
             "movers": {m.name: [m.x, m.y, m.heading, m.vx, m.vy] for m in self._physics.movers},
             "said": dict(self._said),
             "heard": {name: list(messages) for name, messages in self._heard.items()},
@@ -246,45 +241,42 @@ class KeepawayWorld:
         """Bring back a state that `snapshot` returned.
 
         Raises:
-            WorldError: if it is of another kind of world or of one with other parameters.
+            WorldError: if it is of another kind of world, of one with other parameters, or
+                damaged; then nothing has changed.
         """
-        for key, mine in (
-            ("world", self.name),
-            ("version", SNAPSHOT_VERSION),
-            ("parameters", self.parameters.as_dict()),
-        ):
-            if snapshot.get(key) != mine:
-                raise WorldError(
-                    f"the snapshot's {key} is {snapshot.get(key)}, this world's is {mine}; "
-                    "restore it in a world like the one that it was taken of"
-                )
-        version, internal, gauss = snapshot["random"]
-        self._random.setstate((version, tuple(internal), gauss))
-        for name, (x, y, heading, vx, vy) in snapshot["movers"].items():
-            self._physics.put(self._movers[name], x, y, heading, vx, vy)
-        self._referee.restore(snapshot["referee"], self._physics.players)
+        with snapshots.reading(snapshot, self, SNAPSHOT_VERSION) as moment:
+            places = {m.name: _place(snapshot["movers"][m.name]) for m in self._physics.movers}
+            said = {self._keepers[n].name: text(m) for n, m in snapshot["said"].items()}
+            heard = {self._keepers[n].name: texts(m) for n, m in snapshot["heard"].items()}
+            random = _random_state(*snapshot["random"])
+            self._referee.restore(snapshot["referee"], self._physics.players)
+        self._random.setstate(random)
+        for name, place in places.items():
+            self._physics.put(self._movers[name], *place)
         self._team.begin()
-        self.seed, self.episode = snapshot["seed"], snapshot["episode"]
-        self.cycle, self.episode_cycle = snapshot["cycle"], snapshot["episode_cycle"]
-        self.ended = snapshot["ended"]
-        self._said = dict(snapshot["said"])
-        self._heard = {name: list(messages) for name, messages in snapshot["heard"].items()}
-        self.refused = {}
+        moment.bring_back(self)
+        self._said, self._heard = said, heard
 
     def result(self) -> EpisodeResult:
         """Return how the present episode went so far; its measure is the number of passes."""
-        return EpisodeResult(
-            self.episode,
-            self.seed,
-            self.episode_cycle,
-            self.episode_cycle * self.cycle_seconds,
-            self.ended,
-            {"passes": float(self._referee.passes)},
-        )
+        return EpisodeResult.of(self, {"passes": float(self._referee.passes)})
 
 
 def _distance(a: Mover, b: Mover) -> float:
     return math.hypot(a.x - b.x, a.y - b.y)
+
+
+def _place(figures: Iterable[Any]) -> tuple[float, float, float, float, float]:
+    """Return a snapshot's x, y, heading, vx, vy of a body."""
+    x, y, heading, vx, vy = map(finite, figures)
+    return x, y, heading, vx, vy
+
+
+def _random_state(version: Any, internal: Any, gauss: Any) -> tuple[Any, ...]:
+    """Return a snapshot's state of a generator, which has been tried."""
+    state = version, tuple(internal), None if gauss is None else finite(gauss)
+    Random().setstate(state)
+    return state
 
 
 def _or(value: float, otherwise: float) -> float:

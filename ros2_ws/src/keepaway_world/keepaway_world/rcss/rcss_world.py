@@ -170,14 +170,7 @@ class RcssWorld:
         return self._result or self._result_with(self._game.passes)
 
     def _result_with(self, passes: int) -> EpisodeResult:
-        return EpisodeResult(
-            self.episode,
-            self.seed,
-            self.episode_cycle,
-            self.episode_cycle * self.cycle_seconds,
-            self.ended,
-            {"passes": float(passes)},
-        )
+        return EpisodeResult.of(self, {"passes": float(passes)})
 
     # -- cycles -----------------------------------------------------------------------------
 
