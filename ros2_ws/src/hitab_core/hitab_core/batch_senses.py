@@ -124,13 +124,8 @@ class BatchSenses:
     def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
         """Return those of some agents whose value can be read, and their values."""
         column = self._columns[slot]
-        if not column.whole:
-            if column.read_all is not None and not self.from_bodies:
-                # A copy: what is read one by one is written into it.
-                column.values = np.array(column.read_all(), np.float64)
-                self._inspect(column)
-            else:
-                self._read(column, rows)
+        if not column.whole and not self._read_all(column):
+            self._read(column, rows)
         values = column.values.take(rows)
         if column.wrong:
             missing = values != values
@@ -148,6 +143,21 @@ class BatchSenses:
         if not len(values):
             raise self.errors[row]
         return float(values[0])
+
+    def _read_all(self, column: _Column) -> bool:
+        """Read a column for all agents at once; return whether that can be done."""
+        if column.read_all is None or self.from_bodies or column.known is not None:
+            return False
+        try:
+            # A copy: what is read one by one is written into it.
+            values = np.array(column.read_all(), np.float64)
+            if values.shape != (self._size,):
+                raise ValueError(f"shape {values.shape}, not {(self._size,)}")
+        except Exception:  # of the domain's code: reading one by one tells whose it is, and why
+            return False
+        column.values = values
+        self._inspect(column)
+        return True
 
     def _inspect(self, column: _Column) -> None:
         """Find impossible values in a column that is whole."""

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior
 from hitab_core.repertoire import Repertoire
-from hitab_core.senses import Senses, resolved
+from hitab_core.senses import Senses, resolved, value_or_nan
 from hitab_core.transition_function import Decide, Explanation, TransitionFunction
 from hitab_core.use import Use
 
@@ -254,8 +254,11 @@ class RunningAutomaton:
         return [self._read(slot) for slot in self._slots]
 
     def last_features(self) -> list[float]:
-        """Return the values of all features as the last decision saw them, flags included."""
-        return [self._read(slot) for slot in self._slots]
+        """Return the values of all features as the last decision saw them, flags included.
+
+        NaN for those without a value, which the decision did not look at.
+        """
+        return [value_or_nan(self._read, slot) for slot in self._slots]
 
     def explain(self, state: str, values: Sequence[float]) -> Explanation | None:
         """Explain what ``state``'s transition function decides; None where it has none."""

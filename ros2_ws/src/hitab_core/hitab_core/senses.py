@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -83,6 +84,14 @@ class Senses:
     def forget(self) -> None:
         """Forget all values: a new percept has come."""
         self.values[:] = self._blank
+
+
+def value_or_nan(read: Callable[[int], float], slot: int) -> float:
+    """Return the value in a slot; NaN if it has none or cannot be read."""
+    try:
+        return read(slot)
+    except Exception:  # of the domain's code
+        return math.nan
 
 
 def checked(read: Callable[[], float], name: str, categories: int) -> float:

@@ -78,9 +78,10 @@ class Subordinate:
             use = Use.parse(self.ordered) if self.ordered else None
             if not self._performs(use):
                 agent.perform(use)
-        except HitabError as error:
+        except Exception as error:  # starting and stopping run a domain's code, a user's
             name = self.order.name if self.order is not None else ""
-            self.refusal = f'cannot obey the order "{name}": {error}'
+            why = str(error) if isinstance(error, HitabError) else repr(error)
+            self.refusal = f'cannot obey the order "{name}": {why}'
             return False
         self.waits, self.refusal = False, ""
         return True

@@ -17,6 +17,7 @@ from hitab_core.batch_automaton import NOTHING, BatchAutomaton, BatchLevel, draw
 from hitab_core.batch_senses import BatchSenses
 from hitab_core.gain_ratio import Booleans, Integers
 from hitab_core.running_automaton import Condition, RunningBasicBehavior, Stage
+from hitab_core.senses import value_or_nan
 from hitab_core.transition_function import Explanation
 from hitab_core.use import Use
 
@@ -227,16 +228,25 @@ class LevelOfMember:
         """
         child = self.child
         raised = child._level.raised_by(self._row) if child is not None else set()
+        # By the agent's own senses: those of the troupe are of the last decision, and a paused
+        # world shows itself without one.
+        senses = self._troupe.stages[self._row].senses
         return [
             float(feature.name in raised)
             if feature.name in FLAGS
-            else self._troupe.senses.value(slot, self._row)
-            for slot, feature in zip(self._level.slots, self.automaton.features, strict=True)
+            else senses.read(senses.slot(feature.bound(self.bindings)))
+            for feature in self.automaton.features
         ]
 
     def last_features(self) -> list[float]:
-        """Return the values of all features as the last decision saw them, flags included."""
-        return [self._troupe.senses.value(slot, self._row) for slot in self._level.slots]
+        """Return the values of all features as the last decision saw them, flags included.
+
+        NaN for those without a value, which the decision did not look at.
+        """
+        return [value_or_nan(self._read, slot) for slot in self._level.slots]
+
+    def _read(self, slot: int) -> float:
+        return self._troupe.senses.value(slot, self._row)
 
     def explain(self, state: str, values: Sequence[float]) -> Explanation | None:
         """Explain what a state's transition function decides; None where it has none."""

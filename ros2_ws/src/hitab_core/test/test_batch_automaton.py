@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind, Target
 from hitab_core.errors import FeatureValueError
+from hitab_core.live_features import live_features
 from hitab_core.repertoire import Repertoire
 from hitab_core.running_automaton import RunningAutomaton, Stage
 from hitab_core.senses import Senses
@@ -284,3 +285,82 @@ def test_a_basic_behavior_is_not_performed_in_batches() -> None:
     agent = Alone(Repertoire(robot(False)), Use("Wait"), 1)
     with pytest.raises(TypeError, match="only automata"):
         Troupe([agent.stage], Use("Wait"))
+
+
+def watchers(
+    size: int, last: Sequence[Feature], transitions: dict[str, HandWritten]
+) -> list[Alone]:
+    """Return agents with the automaton ``L1`` of Wait and Kick; observers look at all features."""
+    domain = robot(True)
+    domain = Domain.of(
+        "logging",
+        "1",
+        domain.body,
+        behaviors=list(domain.behaviors.values()),
+        features=[*(f for f in domain.features.values() if f.name != last[0].name), *last],
+        targets=list(domain.targets.values()),
+    )
+    features = (Use("Lit"), Use(last[0].name))
+    automaton = Automaton("L1", (Use("Wait"), Use("Kick")), features, transitions)
+    repertoire = Repertoire(domain, {"L1": automaton})
+    return [Alone(repertoire, Use("L1"), seed) for seed in range(size)]
+
+
+def test_observing_does_not_need_features_that_the_decision_did_not_look_at() -> None:
+    goes = TransitionTree([robot(True).features["Lit"].scale, robot(True).features["Role"].scale])
+    automaton = {START: goes.fit([[0.0, 0.0], [1.0, 0.0]], ["Wait", "Kick"])}
+    role = robot(True).features["Role"]
+    agents = watchers(2, [role], automaton)
+    told: list[list[float]] = []
+    for agent in agents:
+        stage = replace(
+            agent.stage,
+            observe=lambda level, source, to: told.append(level.last_features()),
+        )
+        agent.stage, agent.running = stage, stage.perform(Use("L1"))
+        agent.body.values = [0.0, 0.0, 0.0, 0.0, NAN, 1.0]  # without a role
+    agents[0].running.start()
+    agents[0].running.tick()
+    percepts = BatchPercepts(np.array([agents[1].body.values]))
+    troupe = Troupe([agents[1].stage], Use("L1"), percepts)
+    troupe.members[0].start()
+    troupe.decide(np.arange(1))
+    troupe.members[0].tick()
+    assert troupe.members[0].active_path == agents[0].running.active_path == ["Kick"]
+    assert [(values[0], np.isnan(values[1])) for values in told] == [(1.0, True)] * 2
+
+
+def test_a_feature_that_cannot_be_read_for_all_is_read_for_each_and_stops_nobody_else() -> None:
+    def read(body: LoggingBody) -> float:
+        return body.values[6]
+
+    def read_all(percepts: BatchPercepts) -> np.ndarray:
+        return percepts.values[:, 6]  # there is no such column
+
+    goes = HandWritten(lambda lit, beat: "Kick" if beat else "Wait", (0, 1))
+    beat = Feature("Beat", read, FeatureKind.CONTINUOUS, read_all=read_all)
+    agents = watchers(2, [beat], {START: goes})
+    percepts = BatchPercepts(np.zeros((2, 6)))
+    troupe = Troupe([agent.stage for agent in agents], Use("L1"), percepts)
+    agents[0].body.values, agents[1].body.values = [0.0] * 6, [1.0] * 7
+    for member in troupe.members:
+        member.start()
+    troupe.decide(np.arange(2))
+    with pytest.raises(IndexError):
+        troupe.members[0].tick()
+    troupe.members[1].tick()
+    assert [member.active_path for member in troupe.members] == [["Start"], ["Kick"]]
+
+
+def test_what_a_member_perceives_now_is_told_also_when_nothing_has_been_decided_on_it() -> None:
+    goes = HandWritten(lambda lit, role: "Wait", (0, 1))
+    (agent,) = watchers(1, [robot(True).features["Role"]], {START: goes})
+    percepts = BatchPercepts(np.array([[0.0, 0.0, 0.0, 0.0, 1.0, 0.0]]))
+    troupe = Troupe([agent.stage], Use("L1"), percepts)
+    troupe.members[0].start()
+    agent.body.values = percepts.values[0].tolist()
+    troupe.decide(np.arange(1))
+    troupe.members[0].tick()
+    agent.body.values = [0.0, 0.0, 0.0, 0.0, 2.0, 0.0]  # a paused world was rearranged
+    agent.senses.forget()
+    assert [value for _, _, value in live_features(troupe.members[0], agent.stage)] == [0.0, 2.0]
