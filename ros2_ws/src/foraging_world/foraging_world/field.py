@@ -229,7 +229,10 @@ class Field:
         arrays = {}
         for name in self.ARRAYS:
             now = getattr(self, name)
-            arrays[name] = np.array(state[name], now.dtype).reshape(now.shape)
+            given = np.array(state[name])
+            if given.size and not np.can_cast(given.dtype, now.dtype, "same_kind"):
+                raise TypeError(f"{name} has {given.dtype} for {now.dtype}")
+            arrays[name] = given.astype(now.dtype).reshape(now.shape)
             if not np.all(np.isfinite(arrays[name])):
                 raise ValueError(f"{name} is not finite")
         random = PCG64(0)

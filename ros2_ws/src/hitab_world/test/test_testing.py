@@ -5,6 +5,7 @@ from random import Random, random
 
 import pytest
 
+from hitab_world.snapshots import finite, text, whole
 from hitab_world.testing import Wandering, check_world
 from hitab_world.world import Entity, EpisodeResult, WorldError
 
@@ -96,11 +97,26 @@ class Line:
     def restore(self, snapshot):
         if snapshot.get("world") != self.name:
             raise WorldError("not a snapshot of a line")
-        self.x, self.ended, self.refused = dict(snapshot["x"]), snapshot["ended"], {}
-        self.seed, self.episode, self.cycle, self.episode_cycle = snapshot["counts"]
-        if "random" in snapshot:
-            version, state, gauss = snapshot["random"]
-            self.random.setstate((version, tuple(state), gauss))
+        random = Random()
+        try:
+            if self.flaw == "restores half":
+                self.cycle = whole(snapshot["counts"][2])
+            x = {name: finite(snapshot["x"][name]) for name in self.agents}
+            counts, ended = [whole(count) for count in snapshot["counts"]], text(snapshot["ended"])
+            if self.flaw != "forgets its random numbers":
+                version, state, gauss = snapshot["random"]
+                random.setstate((version, tuple(state), gauss))
+                if gauss is not None:
+                    finite(gauss)
+        except (KeyError, TypeError, ValueError) as error:
+            if self.flaw == "falls over damaged snapshots":
+                raise
+            if self.flaw == "believes in damaged snapshots":
+                return
+            raise WorldError(f"damaged: {error}") from None
+        self.x, self.ended, self.refused = x, ended, {}
+        self.seed, self.episode, self.cycle, self.episode_cycle = counts
+        self.random.setstate(random.getstate())
 
     def result(self):
         seconds = self.episode_cycle * self.cycle_seconds
@@ -129,6 +145,9 @@ def test_a_world_that_keeps_its_promises_passes():
         ("perceiving changes something", "looking must not change what happens"),
         ("forgets its random numbers", "goes on the same"),
         ("believes in NaN", "is told in `refused`"),
+        ("restores half", "changes nothing"),
+        ("falls over damaged snapshots", "raises a WorldError"),
+        ("believes in damaged snapshots", "raises a WorldError"),
         ("goes on after the end", "after the end of an episode raises"),
         ("places half", "nothing is placed if anything is refused"),
         ("batches in another order", "in the order of `agents`"),

@@ -101,6 +101,46 @@ def test_a_snapshot_of_another_game_is_refused():
     assert world.snapshot() == before
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("movers", {"ball": [0.0, 0.0, 0.0, 0.0, 0.0]}),
+        ("said", {"keeper_9": "hello"}),
+        ("heard", {"keeper_1": "hello"}),
+        ("random", [3, [1, 2, 3], None]),
+        ("cycle", 2.5),
+    ],
+)
+def test_a_damaged_snapshot_is_refused_and_the_world_stays_as_it_was(key, value):
+    world = KeepawayWorld(seed=4)
+    kept = world.snapshot()
+    wander(world, 30)
+    before = world.snapshot()
+    with pytest.raises(WorldError, match=r"the snapshot is damaged: .*; take another one"):
+        world.restore({**kept, key: value})
+    assert world.snapshot() == before
+
+
+@pytest.mark.parametrize(
+    ("part", "key", "value"),
+    [
+        ("movers", "taker_1", [0.0, math.nan, 0.0, 0.0, 0.0]),
+        ("movers", "taker_1", [0.0, 0.0]),
+        ("referee", "last_kick", "keeper_9"),
+        ("referee", "stuck_at", [0.0]),
+        ("referee", "possession", None),
+    ],
+)
+def test_a_snapshot_damaged_within_a_part_is_refused_as_a_whole(part, key, value):
+    world = KeepawayWorld(seed=4)
+    kept = world.snapshot()
+    wander(world, 30)
+    before = world.snapshot()
+    with pytest.raises(WorldError, match="the snapshot is damaged"):
+        world.restore({**kept, part: {**kept[part], key: value}})
+    assert world.snapshot() == before
+
+
 def test_placing_moves_what_is_named_and_keeps_what_is_not_given():
     world = KeepawayWorld(seed=2)
     before = {e.name: e for e in world.entities()}
