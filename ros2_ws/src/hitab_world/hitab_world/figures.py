@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, Field, fields
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 
 from hitab_core.errors import HitabError, has
@@ -21,25 +22,45 @@ def declare_figures(node: Node, kind: type[Figures]) -> Figures:
     Args:
         node: the world's node.
         kind: a dataclass whose fields all have defaults and whose construction raises a
-            ValueError, naming the figure, for what cannot be.
+            ValueError, naming the figure, for what cannot be; see `hitab_world.parameters`.
 
     Raises:
         HitabError: for a figure that cannot be or that there is not.
     """
-    values: dict[str, Any] = {}
-    for figure in fields(kind):  # type: ignore[arg-type]
-        default = figure.default if figure.default is not MISSING else None
-        name = f"{GROUP}.{figure.name}"
-        values[figure.name] = node.declare_parameter(
-            name, default, ParameterDescriptor(read_only=True)
-        ).value
+    figures: Figures
+    (figures,) = declare_all_figures(node, kind)
+    return figures
+
+
+def declare_all_figures(node: Node, *kinds: type[Any]) -> tuple[Any, ...]:
+    """Return the figures of several dataclasses, of which no two have a field of one name.
+
+    Args:
+        node: the world's node.
+        kinds: as in `declare_figures`.
+
+    Raises:
+        HitabError: for a figure that cannot be or that there is not.
+    """
+    values = [{figure.name: _declare(node, figure) for figure in fields(kind)} for kind in kinds]
+    known = {name for one in values for name in one}
     # rclpy tells of overrides only what was declared; a misspelt one would go unnoticed.
-    overrides = getattr(node, "_parameter_overrides", {})
-    for name in overrides:
-        group, _, figure_name = name.partition(".")
-        if group == GROUP and figure_name not in values:
-            raise HitabError(f'this world has no figure "{figure_name}" {has(values)}')
+    for override in getattr(node, "_parameter_overrides", {}):
+        group, _, name = override.partition(".")
+        if group == GROUP and name not in known:
+            raise HitabError(f'this world has no figure "{name}" {has(known)}')
     try:
-        return kind(**values)
+        return tuple(kind(**one) for kind, one in zip(kinds, values, strict=True))
     except ValueError as error:
         raise HitabError(str(error)) from error
+
+
+def _declare(node: Node, figure: Field[Any]) -> Any:
+    default = figure.default if figure.default is not MISSING else None
+    name = f"{GROUP}.{figure.name}"
+    try:
+        return node.declare_parameter(name, default, ParameterDescriptor(read_only=True)).value
+    except InvalidParameterTypeException as error:
+        raise HitabError(
+            f"{figure.name} is of the wrong kind; give a value such as -p {name}:={default}"
+        ) from error

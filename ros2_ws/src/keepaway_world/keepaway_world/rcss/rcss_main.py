@@ -16,13 +16,12 @@ import sys
 
 from rclpy.node import Node
 
-from hitab_core.errors import HitabError
 from hitab_ros.spinning import Loop, Spinner, run
+from hitab_world.figures import declare_all_figures
 from hitab_world.world_node import run_world
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.rcss.rcss_world import RcssWorld
-from keepaway_world.rcss.server_settings import ServerSettings, settings_from_dict
-from keepaway_world.world_main import declared_figures
+from keepaway_world.rcss.server_settings import ServerSettings
 
 
 def make_world(node: Node, seed: int) -> RcssWorld:
@@ -31,11 +30,8 @@ def make_world(node: Node, seed: int) -> RcssWorld:
     Raises:
         HitabError: if a parameter cannot be.
     """
-    values = declared_figures(node, ServerSettings, KeepawayParameters)
-    try:
-        return RcssWorld(*settings_from_dict(values), seed)
-    except ValueError as error:
-        raise HitabError(str(error)) from error
+    server, parameters = declare_all_figures(node, ServerSettings, KeepawayParameters)
+    return RcssWorld(server, parameters, seed)
 
 
 def _start(spinning: Spinner) -> Loop:
