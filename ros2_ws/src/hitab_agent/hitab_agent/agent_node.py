@@ -71,6 +71,7 @@ class AgentNode(Node):
             observe=self.transition_log.observe,
         )
         self._tick_error = ""
+        self._error = ""
         self._recent = RecentCommands()
         self._last_path: list[str] = []
         self._percept_stamp = msg.AgentStatus().stamp
@@ -202,11 +203,17 @@ class AgentNode(Node):
 
     def ordered(self) -> None:
         """Do what has to be done when an order was heard: it has been taken up, or waits."""
-        superior = self.superior
-        if superior is not None and superior.subordinate.refusal:
-            self.report_error(superior.subordinate.refusal)
+        if self._refusal:
+            self.get_logger().warning(self._refusal)
+            self._error = ""
+            self.publish_status()
         else:
             self._publish_status_soon()
+
+    @property
+    def _refusal(self) -> str:
+        """Why an order waits that cannot be obeyed; empty if there is none."""
+        return "" if self.superior is None else self.superior.subordinate.refusal
 
     def settle(self) -> None:
         """Take up an order that waits, now that a demonstrator has changed something."""
@@ -240,10 +247,13 @@ class AgentNode(Node):
     # -- status -----------------------------------------------------------------------------
 
     def report_error(self, text: str) -> None:
-        """Publish the status with an error, or without one."""
+        """Publish the status with an error, or without one.
+
+        Without one it tells why an order waits, if it cannot be obeyed.
+        """
         if text:
             self.get_logger().warning(text)
-        self._status.last_error = text
+        self._error = text
         self.publish_status()
 
     def report_distribution(self, sequence: int, error: str) -> None:
@@ -264,6 +274,7 @@ class AgentNode(Node):
         status.default_examples = session.log.defaults if session else 0
         status.cycle = agent.cycle
         status.library_digest = agent.library_digest
+        status.last_error = self._error or self._refusal
         if self.superior is not None:
             subordinate = self.superior.subordinate
             status.superior = self.superior.commander

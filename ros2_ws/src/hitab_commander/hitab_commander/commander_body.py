@@ -116,6 +116,7 @@ class CommanderBody:
         return (
             before.sequence != report.sequence
             or before.epoch != report.epoch
+            or before.waits != report.waits
             or list(before.flags) != list(report.flags)
             or list(before.path) != list(report.path)
         )
@@ -211,13 +212,17 @@ class CommanderBody:
         label = f"{order.name}({chosen})" if order.parameter else order.name
         if label == self.given:
             return
-        behaviors: dict[str, str] = {}
-        for receiver, behavior in order.behaviors.items():
-            if order.parameter and receiver == order.parameter:
-                receiver = chosen or OTHERS
-            if behavior is not None:
-                behaviors[receiver] = behavior
-        self.put_in_force(label, behaviors)
+        ordered = {
+            chosen or OTHERS if order.parameter and receiver == order.parameter else receiver: what
+            for receiver, what in order.behaviors.items()
+        }
+        if ordered.get(OTHERS) is not None and None in ordered.values():
+            # A message cannot tell some to go on and all others to do something: it names these.
+            ordered = {
+                name: next(ordered[r] for r in (name, member.role, OTHERS) if r in ordered)
+                for name, member in self.members.items()
+            }
+        self.put_in_force(label, {r: what for r, what in ordered.items() if what is not None})
 
     def put_in_force(self, label: str, behaviors: Mapping[str, str]) -> None:
         """Publish an order as the next one, whatever was in force before."""

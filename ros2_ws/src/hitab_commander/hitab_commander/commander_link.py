@@ -14,7 +14,7 @@ from hitab_commander.group_status import GroupStatus
 from hitab_commander.order_memory import OrderMemory, Remembered
 from hitab_core.agent import Mode
 from hitab_core.errors import HitabError
-from hitab_core.order import Order
+from hitab_core.order import Order, Report
 from hitab_core.use import Use
 from hitab_ros import names, qos
 from hitab_ros.conversions import order_message
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 EPISODES_KNOWN = 8
 """So many episodes back a late report does not pass for that of a new one."""
+
+Episode = tuple[int, int]
+"""Seed of the run, and number."""
 
 
 class CommanderLink:
@@ -42,7 +45,8 @@ class CommanderLink:
         self._kept: tuple[str, int] = ("", -1)
         self.seconds = 0.0
         self._unheard: set[str] = set()
-        self._episodes: list[tuple[int, int]] = []
+        self._episode: Episode | None = None
+        self._episodes: list[Episode] = []
         self._percept = msg.Percept()
         self._decided = False
         self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
@@ -68,9 +72,10 @@ class CommanderLink:
     def _take_up(self, remembered: Remembered) -> None:
         """Go on where the process before this one ended, or tell that nothing is ordered yet."""
         agent = self._agent
-        if remembered.behavior and agent.mode in (Mode.IDLE, Mode.PERFORMING):
+        if remembered.epoch and agent.mode in (Mode.IDLE, Mode.PERFORMING):
+            behavior = remembered.behavior
             try:
-                agent.perform(Use.parse(remembered.behavior))
+                agent.perform(Use.parse(behavior) if behavior else None)
             except HitabError as error:
                 self._node.get_logger().warning(f"cannot take up what was performed: {error}")
         if remembered.label:
@@ -87,24 +92,33 @@ class CommanderLink:
         for report in message.reports:
             changed |= body.hear(report, now)
             self._unheard.discard(report.agent)
-            restart |= self._is_new(report.seed, report.episode)
+            restart |= report.agent in body.members and self._begins_episode(report)
+        present = dict(body.present())
         # What all of them have seen; the world's cycle, once all reports of it are here.
-        self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
-        everybody = not self._unheard
+        self._percept.cycle = min((r.cycle for r in present.values()), default=0)
+        # Who has fallen silent is not waited for.
+        everybody = self._unheard.isdisjoint(present)
         if everybody:
             self.seconds += body.kind.report_period
-            self._unheard = {name for name, _ in body.present()}
+            self._unheard = {*present}
         self.group.changed |= changed
         if changed or everybody or restart:
             self.decide(restart=restart)
         else:
             self._agent.sense((), (), self._percept.cycle)
 
-    def _is_new(self, seed: int, episode: int) -> bool:
-        """Whether the world in which the subordinates live has begun an episode."""
-        found = (seed, episode)
-        if found in self._episodes:
+    def _begins_episode(self, report: Report | msg.Report) -> bool:
+        """Whether a report tells that the subordinates' world has begun an episode."""
+        found = (report.seed, report.episode)
+        if found == self._episode:
             return False
+        if self._episode is not None and not (any(found) or report.cycle):
+            return False  # it has just been started, and has not perceived anything yet
+        if found in self._episodes and any(
+            (other.seed, other.episode) != found for _, other in self.body.present()
+        ):
+            return False  # a late one; an episode that is played again is told by all of them
+        self._episode = found
         self._episodes = [*self._episodes[1 - EPISODES_KNOWN :], found]
         self._percept.seed, self._percept.episode = found
         return True
@@ -131,16 +145,17 @@ class CommanderLink:
             else:
                 self._agent.sense((), (), percept.cycle)
                 self._node.tell()
-        self._remember()
+        self.remember()
 
     # -- ordering ---------------------------------------------------------------------------
 
     def _on_order(self, order: Order) -> None:
         self._orders.publish(order_message(self._node.agent_name, order))
         self.group.changed = True
-        self._remember()
+        self.remember()
 
-    def _remember(self) -> None:
+    def remember(self) -> None:
+        """Write down what is performed and ordered, if that has changed."""
         body, agent = self.body, self._agent
         performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
         if (performed, body.order.sequence) != self._kept:

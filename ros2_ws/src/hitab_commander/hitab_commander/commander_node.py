@@ -59,6 +59,9 @@ class CommanderNode(AgentNode):
             self.superior.tell()
 
     def _decide(self) -> None:
-        deciding = self.agent.mode in (Mode.PERFORMING, Mode.TESTING)
-        if self._link is not None and deciding:
+        if self._link is None:
+            return
+        if self.agent.mode in (Mode.PERFORMING, Mode.TESTING):
             self._link.decide()
+        else:
+            self._link.remember()

@@ -1,5 +1,7 @@
 """Orders over topics: latched, numbered, obeyed on arrival, by role, to any depth."""
 
+from dataclasses import replace
+
 from hitab_msgs import msg, srv
 
 from hitab_ros import names, qos
@@ -175,3 +177,69 @@ def test_an_order_can_be_about_one_subordinate(troop):
     assert troop.orders["chief"][-1].order == "Send(b)"
     troop.perceive("a", 2.0, 0.0, 0.0)
     troop.until(lambda: troop.performs("a") == "Search")
+
+
+def test_who_is_to_go_on_goes_on_though_all_others_get_an_order(troop):
+    kind = (
+        "commander: Squad\n"
+        "orders:\n  Home: {scout: keep, others: Home}\n  Spare(A): {A: keep, others: Wait}\n"
+        "targets:\n  first: {number: 1}\n"
+    )
+    troop.commander("chief", kind, ["a", "b", "c"], roles=["scout", "carrier", ""])
+    for name, role in (("a", "scout"), ("b", "carrier"), ("c", "")):
+        troop.ant(name, "chief", role, behavior="Search")
+    troop.perform("chief", "Home")
+    troop.until(lambda: [troop.performs(name) for name in "bc"] == ["Home", "Home"])
+    troop.perform("chief", "Spare(first)")
+    troop.until(lambda: [troop.performs(name) for name in "bc"] == ["Wait", "Wait"])
+    troop.until(lambda: list(troop.groups["chief"].obeying) == [True, True, True])
+    assert troop.begun("a") == ["Search"]
+
+
+def test_a_commander_that_was_made_idle_is_idle_after_a_restart(troop):
+    squad(troop, behavior="Attack")
+    troop.ant("a", "chief", "scout")
+    troop.until(lambda: troop.performs("a") == "Search")
+    troop.perform("chief", "")
+    troop.until(lambda: troop.groups["chief"].mode == "idle")
+    before = troop.orders["chief"][-1]
+    troop.end("chief")
+    squad(troop, behavior="Attack")
+    troop.until(lambda: troop.orders["chief"][-1].epoch > before.epoch)
+    troop.until(lambda: list(troop.groups["chief"].obeying)[:1] == [True])
+    assert (troop.performs("chief"), troop.performs("a")) == ("", "Search")
+
+
+def test_that_an_order_does_not_wait_any_more_is_told_though_nothing_else_has_changed(troop):
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.perceive("a", 0.0, 0.0, 0.0)
+    troop.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Search2", features=["X"])
+    troop.perform("chief", "Attack")
+    troop.until(lambda: troop.statuses["a"].order_waits)
+    report = troop.nodes["a"].superior.subordinate.report()
+    body = troop.nodes["chief"].agent.body
+    waiting = replace(report, waits=True)
+    body.hear(waiting, body.now)
+    assert not body.hear(waiting, body.now)
+    assert body.hear(replace(report, waits=False), body.now)
+
+
+def test_an_order_that_waits_tells_why_as_long_as_it_does(troop):
+    kind = "commander: Squad\norders: {Sing: Sing, Retreat: Home}\n"
+    troop.commander("chief", kind, ["a"])
+    troop.ant("a", "chief")
+    troop.perceive("a", 0.0, 0.0, 0.0)
+    troop.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
+    troop.perform("chief", "Sing")
+    troop.until(lambda: troop.statuses["a"].order_waits)
+    assert troop.statuses["a"].last_error == ""
+    why = 'cannot obey the order "Sing": unknown behavior "Sing"'
+    troop.ask(srv.SetMode, "a", names.SET_MODE, mode="idle")
+    troop.until(lambda: why in troop.statuses["a"].last_error)
+    troop.ask(srv.LoadLibrary, "a", names.LOAD_LIBRARY)
+    troop.until(lambda: troop.statuses["a"].mode == "idle")
+    assert why in troop.statuses["a"].last_error
+    troop.perform("chief", "Retreat")
+    troop.until(lambda: troop.statuses["a"].behavior == "Home")
+    assert not troop.statuses["a"].last_error

@@ -2,9 +2,9 @@
 
 import math
 
-from hitab_msgs import srv
+from hitab_msgs import msg, srv
 
-from hitab_ros import names
+from hitab_ros import names, qos
 
 CREW = """\
 commander: Crew
@@ -228,3 +228,57 @@ def test_the_automaton_of_a_commander_begins_at_start_with_each_episode(troop):
     troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Search"])
     troop.perceive("a", 1.0, 0.0, 0.0, episode=1)
     troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Start"])
+
+
+def begin_plan(troop):
+    """Have the chief of a and b train a plan, in the state Search."""
+    crew(troop)
+    for name in ANTS:
+        troop.ant(name, "chief")
+        troop.perceive(name, 1.0, 0.0, 0.0, episode=3)
+    await_value(troop, "MeanX", 1.0)
+    troop.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
+    search(troop)
+
+
+def search(troop):
+    troop.command("chief", "Search")
+    troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Search"])
+
+
+def test_reports_of_strangers_and_of_those_just_started_begin_no_episode(troop):
+    begin_plan(troop)
+    stranger = troop.link.create_publisher(msg.Reports, f"/chief/{names.REPORTS}", qos.EVENTS)
+    troop.until(lambda: stranger.get_subscription_count() > 0)
+    reports = [msg.Report(agent="stranger", episode=9, cycle=1), msg.Report(agent="a")]
+    stranger.publish(msg.Reports(reports=reports))
+    body = troop.nodes["chief"].agent.body
+    troop.until(lambda: not body.members["a"].report.cycle)
+    troop.until(lambda: body.members["a"].report.cycle)
+    assert troop.nodes["chief"].agent.active_path == ["Search"]
+
+
+def test_an_episode_that_is_played_again_begins_at_start_once_all_have_told_of_it(troop):
+    begin_plan(troop)
+    for name in ANTS:
+        troop.perceive(name, 1.0, 0.0, 0.0, episode=4)
+    troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Start"])
+    search(troop)
+    body = troop.nodes["chief"].agent.body
+    for name, path in (("a", ["Search"]), ("b", ["Start"])):
+        troop.perceive(name, 1.0, 0.0, 0.0, episode=3)
+        troop.until(lambda name=name: body.members[name].report.episode == 3)
+        assert troop.nodes["chief"].agent.active_path == path
+
+
+def test_the_time_of_a_commander_goes_on_when_a_subordinate_is_gone(troop):
+    crew(troop)
+    for name in ANTS:
+        troop.ant(name, "chief")
+        troop.perceive(name, 1.0, 0.0, 0.0)
+    await_value(troop, "MeanX", 1.0)
+    troop.end("b")
+    await_value(troop, "FractionSilent", 0.5)
+    link = troop.nodes["chief"]._link
+    begun = link.seconds
+    troop.until(lambda: link.seconds > begun + 3 * link.body.kind.report_period)
