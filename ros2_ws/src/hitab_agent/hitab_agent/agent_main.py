@@ -8,6 +8,7 @@ For example::
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 
 from hitab_msgs.msg import AgentStatus
 
@@ -16,17 +17,28 @@ from hitab_ros.name_guard import refuse_second_of_name
 from hitab_ros.spinning import Spinner, run
 
 
-def start(spinning: Spinner) -> None:
-    """Make the agent that the command line describes."""
-    node = AgentNode()
-    spinning.executor.add_node(node)
-    refuse_second_of_name(spinning, [node], AgentStatus)
-    node.join()
+def run_agent(make: Callable[[], AgentNode]) -> int:
+    """Be the main function of the process of one agent, of whatever kind.
+
+    Args:
+        make: the class of its node, which reads its parameters from the command line.
+
+    Returns:
+        The exit code.
+    """
+
+    def start(spinning: Spinner) -> None:
+        node = make()
+        spinning.executor.add_node(node)
+        refuse_second_of_name(spinning, [node], AgentStatus)
+        node.join()
+
+    return run(start)
 
 
 def main() -> None:
     """Run until told to stop."""
-    sys.exit(run(start))
+    sys.exit(run_agent(AgentNode))
 
 
 if __name__ == "__main__":
