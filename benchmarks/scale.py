@@ -182,7 +182,7 @@ def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figu
                 _hurry([*world, *host_processes, psutil.Process()])
             with RosLink(id_) as link:
                 orders = Orders(link, agents)
-                if not orders.ready(30.0):
+                if not orders.ready(30.0 + 0.05 * agents):
                     raise SystemExit("the root's services do not answer")
                 link.spin_until(lambda: False, WARM_UP_S)
                 for order in ORDERS:

@@ -150,9 +150,10 @@ class CommanderLink:
     # -- ordering ---------------------------------------------------------------------------
 
     def _on_order(self, order: Order) -> None:
+        # First, so that a process that is killed in between does not go back to the order before.
+        self.remember()
         self._orders.publish(order_message(self._node.agent_name, order))
         self.group.changed = True
-        self.remember()
 
     def remember(self) -> None:
         """Write down what is performed and ordered, if that has changed."""
