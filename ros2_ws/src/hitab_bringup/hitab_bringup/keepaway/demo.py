@@ -57,6 +57,7 @@ def run_demo(
     _make_folder(out)
     parameters = {"taker_speed": paper.TAKER_SPEED}
     with contextlib.ExitStack() as stack:
+        stack.callback(_remove_if_empty, out)
         with console.progress("starting a world and three keepers") as advance:
             running = stack.enter_context(
                 temporary_swarm(trained_keepers(None, "", parameters), progress=advance)
@@ -100,6 +101,12 @@ def _make_folder(out: Path) -> None:
         raise HitabError(
             f"{out} cannot be made ({error.strerror}); choose another folder with --out"
         ) from None
+
+
+def _remove_if_empty(out: Path) -> None:
+    """Leave nothing behind if the demo was interrupted before there was anything to keep."""
+    with contextlib.suppress(OSError):
+        out.rmdir()
 
 
 def _train(running: RunningSwarm) -> list[LessonReport]:
