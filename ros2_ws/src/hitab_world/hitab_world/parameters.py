@@ -44,12 +44,17 @@ class Limit:
 
 POSITIVE = Limit("be above 0", lambda value: bool(value > 0))
 NOT_NEGATIVE = Limit("not be negative, but 0 or more", lambda value: bool(value >= 0))
-FRACTION = Limit("lie between 0 and 1", lambda value: bool(0 < value < 1))
+FRACTION = Limit("lie between 0 and 1, and be neither", lambda value: bool(0 < value < 1))
 
 
 def at_least(least: float, unit: str = "") -> Limit:
     """Return the limit of a number that begins with one, which has a unit or none."""
     return Limit(f"be at least {least:g} {unit}".rstrip(), lambda value: bool(value >= least))
+
+
+def between(low: int, high: int) -> Limit:
+    """Return the limit of a number that may be either of two, or between them."""
+    return Limit(f"lie between {low} and {high}", lambda value: bool(low <= value <= high))
 
 
 def one_of(*names: str) -> Limit:

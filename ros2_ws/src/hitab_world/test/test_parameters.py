@@ -13,6 +13,7 @@ from hitab_world.parameters import (
     ParameterError,
     Parameters,
     at_least,
+    between,
     one_of,
 )
 
@@ -24,12 +25,14 @@ class PuddleParameters(Parameters):
         "width": at_least(2.0, "m"),
         "leaves": NOT_NEGATIVE,
         "damping": FRACTION,
+        "ducks": between(0, 9),
         "weather": one_of("sun", "rain"),
     }
 
     width: float = 5.0
     leaves: int = 3
     frogs: int = 1
+    ducks: int = 0
     damping: float = 0.5
     weather: str = "sun"
     name: str = ""
@@ -41,6 +44,7 @@ class PuddleParameters(Parameters):
         PuddleParameters,
         width=st.floats(2.0, 1e9) | st.integers(2, 9),
         leaves=st.integers(0),
+        ducks=st.integers(0, 9),
         damping=st.floats(0.0, 1.0, exclude_min=True, exclude_max=True),
         weather=st.sampled_from(["sun", "rain"]),
         name=st.text(),
@@ -63,12 +67,13 @@ def test_figures_come_back_from_their_dictionary(figures):
         ({"leaves": 2.0}, "leaves is 2.0; it must be a whole number"),
         ({"leaves": True}, "leaves is True; it must be a whole number"),
         ({"frogs": 0}, "frogs is 0; it must be above 0"),
+        ({"ducks": 10}, "ducks is 10; it must lie between 0 and 9"),
         ({"damping": 1.0}, "damping is 1.0; it must lie between 0 and 1"),
         ({"weather": "fog"}, "weather is 'fog'; it must be one of: sun, rain"),
         ({"weather": 3}, "weather is 3; it must be one of: sun, rain"),
         ({"name": 3}, "name is 3; it must be text"),
         ({"frozen": 1}, "frozen is 1; it must be true or false"),
-        ({"depth": 1.0}, 'there is no puddle parameter "depth" (has: damping, frogs, frozen, '),
+        ({"depth": 1.0}, 'there is no puddle parameter "depth" (has: damping, ducks, frogs, '),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(figures, message):

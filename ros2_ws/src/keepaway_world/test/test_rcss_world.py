@@ -378,6 +378,7 @@ def test_a_host_that_does_not_exist_is_told():
     [
         ({"port": 0}, "port is 0"),
         ({"trainer_port": 70000}, "trainer_port is 70000"),
+        ({"port": "six thousand"}, "port is 'six thousand'; it must be a whole number"),
         ({"team": "too long a team's name"}, "a team has a name of"),
         ({"taker_team": "keepers"}, "both teams"),
         ({"percepts": "heard"}, "must be one of: fullstate, see"),

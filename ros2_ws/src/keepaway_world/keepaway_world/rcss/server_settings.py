@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from types import MappingProxyType
 from typing import Any
 
+from hitab_world.parameters import ParameterError, Parameters, between, one_of
 from keepaway_world.parameters import KeepawayParameters
 
 FULL_STATE, SEE = "fullstate", "see"
@@ -16,7 +18,7 @@ _TEAM = re.compile(r"[-+_a-zA-Z0-9]{1,15}")
 
 
 @dataclass(frozen=True)
-class ServerSettings:
+class ServerSettings(Parameters):
     """Which server, and what we are on it.
 
     Attributes:
@@ -30,6 +32,15 @@ class ServerSettings:
             as `KeepawayParameters.sight` says; or "see", what the server lets each of them see.
     """
 
+    WORLD = "rcssserver"
+    LIMITS = MappingProxyType(
+        {
+            "port": between(1, 65535),
+            "trainer_port": between(0, 65535),
+            "percepts": one_of(*PERCEPTS),
+        }
+    )
+
     host: str = "127.0.0.1"
     port: int = 6000
     trainer_port: int = 0
@@ -41,22 +52,15 @@ class ServerSettings:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be an address, the name of a team or a kind of percept."""
-        for name, least in (("port", 1), ("trainer_port", 0)):
-            port = getattr(self, name)
-            if not least <= port <= 65535:
-                raise ValueError(f"{name} is {port}; it must lie between {least} and 65535")
+        super().__post_init__()
         for name in ("team", "taker_team"):
             if not _TEAM.fullmatch(getattr(self, name)):
-                raise ValueError(
+                raise ParameterError(
                     f'{name} is "{getattr(self, name)}"; a team has a name of 1 to 15 letters, '
                     "digits, _, + and -"
                 )
         if self.team == self.taker_team:
-            raise ValueError(f'both teams are called "{self.team}"; give one another name')
-        if self.percepts not in PERCEPTS:
-            raise ValueError(
-                f'percepts is "{self.percepts}"; it must be one of: {", ".join(PERCEPTS)}'
-            )
+            raise ParameterError(f'both teams are called "{self.team}"; give one another name')
 
     @property
     def where(self) -> str:
