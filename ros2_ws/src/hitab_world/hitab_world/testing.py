@@ -13,13 +13,13 @@ is not kept. The idea is that of PettingZoo's ``api_test`` and ``seed_test``.
 
 from __future__ import annotations
 
-import copy
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any
 
+from hitab_world.damage import damaged_copies
 from hitab_world.world import Action, Entity, EpisodeResult, Placement, World, WorldError
 
 MakeWorld = Callable[[int], World]
@@ -214,7 +214,7 @@ def check_damaged_snapshots(world: World, wandering: Wandering, cycles: int) -> 
     kept = json.loads(json.dumps(world.snapshot()))
     wander(world, wandering, cycles)
     before = world.snapshot()
-    for what, damaged in _damaged(kept):
+    for what, damaged in damaged_copies(kept):
         try:
             refused = _refusal(lambda damaged=damaged: world.restore(damaged))  # type: ignore[misc]
         except Exception as error:
@@ -279,32 +279,3 @@ def _refusal(call: Callable[[], object]) -> str | None:
     except WorldError as error:
         return str(error)
     return None
-
-
-def _damaged(snapshot: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield damaged copies of a JSON-able snapshot, and in words what was done to each."""
-    for key in snapshot:
-        yield f'without "{key}"', {k: value for k, value in snapshot.items() if k != key}
-    alike: dict[tuple[str, ...], list[_Path]] = {}
-    for path in _leaves(snapshot):
-        alike.setdefault(tuple(key for key in path if isinstance(key, str)), []).append(path)
-    random = Random(0)
-    for paths in alike.values():  # of long lists, a few numbers will do
-        for path in random.sample(paths, min(len(paths), 3)):
-            damaged = part = copy.deepcopy(snapshot)
-            for key in path[:-1]:
-                part = part[key]
-            part[path[-1]] = 0.5 if isinstance(part[path[-1]], str) else "damaged"
-            yield f"with {part[path[-1]]!r} at {'/'.join(map(str, path))}", damaged
-
-
-_Path = tuple[Any, ...]  # of keys and indices
-
-
-def _leaves(part: Any, path: _Path = ()) -> Iterator[_Path]:
-    """Yield where in nested dictionaries and lists there is anything else."""
-    if isinstance(part, dict | list):
-        for key, value in part.items() if isinstance(part, dict) else enumerate(part):
-            yield from _leaves(value, (*path, key))
-    else:
-        yield path

@@ -154,7 +154,8 @@ class World(Protocol):
         """Bring back a state that `snapshot` returned.
 
         Raises:
-            WorldError: if the snapshot is not of such a world; then nothing has changed.
+            WorldError: if the snapshot is not of such a world, or damaged; then nothing has
+                changed. See `hitab_world.snapshots`.
         """
 
     def result(self) -> EpisodeResult:
