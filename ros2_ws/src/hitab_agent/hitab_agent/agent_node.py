@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
@@ -141,8 +142,8 @@ class AgentNode(Node):
         self.take_in(percept)
         return self.answer(percept)
 
-    def take_in(self, percept: msg.Percept) -> None:
-        """Perceive."""
+    def take_in(self, percept: msg.Percept) -> bool:
+        """Perceive; return whether that went well."""
         log, agent = self.transition_log, self.agent
         log.cycle = percept.cycle
         log.stamp = self._percept_stamp = percept.stamp
@@ -154,6 +155,7 @@ class AgentNode(Node):
             self._sensed = True
         except Exception as error:
             self._tick_failed(what_went_wrong(error))
+        return self._sensed
 
     def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
         """Act on the percept that was taken in, unless it is only to be looked at."""
@@ -185,7 +187,7 @@ class AgentNode(Node):
             return _NO_ACTION
         try:
             agent.tick()
-            action = agent.act()
+            action = _action(*agent.act())
         except Exception as error:
             self._tick_failed(what_went_wrong(error))
             return _NO_ACTION
@@ -291,6 +293,23 @@ class AgentNode(Node):
         self._status_is_due = False
         self.transition_log.look()
         self.publish_status()
+
+
+def _action(values: Sequence[float], say: str) -> tuple[Sequence[float], str]:
+    """Return what a body does and says, as messages need it.
+
+    Raises:
+        HitabError: if it is something else than numbers and a text.
+    """
+    try:
+        if isinstance(say, str):
+            return array("d", values), say
+    except TypeError:
+        pass
+    raise HitabError(
+        f"act() of its body returned {(values, say)!r}; "
+        "it must return numbers, and a text to say, empty for nothing"
+    )
 
 
 def _link_class(domain: Domain) -> Any:

@@ -32,8 +32,11 @@ class Perceiver(Protocol):
     agent_name: str
     agent: Agent
 
-    def take_in(self, percept: msg.Percept | PerceptOfBatch) -> None:
-        """Perceive; an agent takes values and messages out of the percept, which is used again."""
+    def take_in(self, percept: msg.Percept | PerceptOfBatch) -> bool:
+        """Perceive; return whether that went well.
+
+        An agent takes values and messages out of the percept, which is used again.
+        """
 
     def answer(self, percept: msg.Percept | PerceptOfBatch) -> tuple[Sequence[float], str]:
         """Act on what was perceived, unless the percept is only to be looked at."""
@@ -112,6 +115,13 @@ class HostLink:
         answers = self._answers
         if batch.roster != answers.roster:
             return  # meant for the process of this name that was here before
+        if not _is_sound(batch, len(self._perceivers)):
+            self._host.get_logger().warning(
+                f"left out percepts of cycle {batch.cycle} whose agents, counts and values do not "
+                "fit together; whoever sends them must send them as msg/PerceptBatch tells",
+                throttle_duration_sec=5.0,
+            )
+            return
         percept = self._percept
         for field in COMMON:
             setattr(percept, field, getattr(batch, field))
@@ -122,17 +132,19 @@ class HostLink:
         acting = [self._perceivers[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, end, heard_end = batch.values, 0, 0
+        perceived: list[int] = []
         with self._outbox.held():
-            for perceiver, count, n_heard in zip(
-                acting, batch.value_counts, heard_counts, strict=True
+            for place, (perceiver, count, n_heard) in enumerate(
+                zip(acting, batch.value_counts, heard_counts, strict=True)
             ):
                 begin, end = end, end + count
                 heard, heard_end = heard_end, heard_end + n_heard
                 percept.values = values[begin:end]
                 percept.heard = batch.heard[heard:heard_end]
-                perceiver.take_in(percept)
+                if perceiver.take_in(percept):
+                    perceived.append(place)
             if not batch.look:
-                self._decide([perceiver.agent for perceiver in acting], batch)
+                self._decide([acting[place].agent for place in perceived], perceived, batch)
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, perceiver in zip(batch.agents, acting, strict=True):
@@ -150,7 +162,10 @@ class HostLink:
         answers.said = said
         self._actions.publish(answers)
 
-    def _decide(self, agents: Sequence[Agent], batch: msg.PerceptBatch) -> None:
+    def _decide(
+        self, agents: Sequence[Agent], places: Sequence[int], batch: msg.PerceptBatch
+    ) -> None:
+        """Decide for agents that have perceived what is at their places in a batch."""
         counts = batch.value_counts
         alike = bool(counts) and min(counts) == max(counts)
         values = np.asarray(batch.values).reshape(len(counts), -1) if alike else None
@@ -160,4 +175,19 @@ class HostLink:
             begin, end = end, end + count
             if count:
                 heard[place] = batch.heard[begin:end]
+        if len(places) < len(counts):
+            values = None if values is None else values[places]
+            heard = {i: heard[place] for i, place in enumerate(places) if place in heard}
         self._troupes.decide(agents, values, heard)
+
+
+def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:
+    """Whether a batch for so many agents is what its counts say."""
+    counts, heard_counts = batch.value_counts, batch.heard_counts
+    return (
+        len(counts) == len(batch.agents)
+        and len(heard_counts) in (0, len(counts))
+        and max(batch.agents, default=0) < agents
+        and sum(counts) == len(batch.values)
+        and sum(heard_counts) == len(batch.heard)
+    )

@@ -22,6 +22,7 @@ class _Cast:
     def __init__(self, agents: Sequence[Agent]) -> None:
         first = agents[0]
         assert first.top is not None
+        self._digest = first.library_digest
         self.agents = tuple(agents)
         self.percepts = BatchPercepts(np.zeros((len(agents), 0)))
         self.troupe = Troupe([agent.stage for agent in agents], first.top, self.percepts)
@@ -30,6 +31,11 @@ class _Cast:
             assert isinstance(performance, RunningAutomaton | TroupeMember)
             member.go_on_from(performance.condition())
             agent.hand_over(member)
+
+    @property
+    def is_current(self) -> bool:
+        """Whether any member still has the library that this was made of."""
+        return any(agent.library_digest == self._digest for agent in self.agents)
 
     def has(self, agents: Sequence[Agent]) -> bool:
         """Whether these agents are members."""
@@ -89,6 +95,8 @@ class Troupes:
             if len(alike) >= WORTH_IT and (cast is None or not cast.has(alike)):
                 self._casts[same] = _Cast(alike)
         self._known = {agent: agent.performance for agent in agents}
+        # What was made of a library that nobody has any more is never performed again.
+        self._casts = {same: cast for same, cast in self._casts.items() if cast.is_current}
 
 
 def _same(agent: Agent) -> Hashable:

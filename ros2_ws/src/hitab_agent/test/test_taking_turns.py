@@ -1,65 +1,14 @@
 """What a host does for many agents is done in turns, and what many need is heard once."""
 
-import contextlib
-import os
 from collections import Counter
-from collections.abc import Callable, Iterator
 from typing import Any
 
-import pytest
-import rclpy
-from domain_coordinator import domain_id
 from hitab_msgs import msg
-from rclpy.clock import Clock, ClockType
-from rclpy.context import Context
-from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 
 from hitab_agent.later import Later
 from hitab_agent.order_desk import OrderDesk
 from hitab_agent.ticker import Ticker
 from hitab_ros import names, qos
-
-SECONDS = 20.0
-
-
-class Process:
-    """One node in a ROS domain of its own."""
-
-    def __init__(self, node: Node, executor: EventsExecutor) -> None:
-        self.node = node
-        self._executor = executor
-
-    def until(self, condition: Callable[[], Any]) -> None:
-        clock = Clock(clock_type=ClockType.STEADY_TIME)
-        deadline = clock.now().nanoseconds + int(SECONDS * 1e9)
-        while not condition():
-            assert clock.now().nanoseconds < deadline, "it did not happen in time"
-            self._executor.spin_once(timeout_sec=0.02)
-
-    def meanwhile(self, done: list[Any], seconds: float = 0.005) -> None:
-        """Do something else, again and again."""
-        clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self.node.create_timer(seconds, lambda: done.append("something else"), clock=clock)
-
-
-@pytest.fixture
-def process() -> Iterator[Process]:
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    with contextlib.ExitStack() as stack:
-        context = Context()
-        rclpy.init(
-            context=context,
-            domain_id=stack.enter_context(domain_id()),
-            signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
-        )
-        stack.callback(context.try_shutdown)
-        node = rclpy.create_node("host", context=context, enable_rosout=False)
-        executor = EventsExecutor(context=context)
-        executor.add_node(node)
-        stack.callback(executor.shutdown)
-        stack.callback(node.destroy_node)
-        yield Process(node, executor)
 
 
 def test_what_is_put_off_is_done_in_order_with_room_for_something_else_in_between(process):

@@ -1,0 +1,210 @@
+"""A host goes on whatever is wrong with percepts and bodies, and forgets what is over."""
+
+import gc
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hitab_msgs import msg
+from rclpy.parameter import Parameter
+
+from hitab_agent.agent_node import AgentNode
+from hitab_agent.shared import Shared
+from hitab_agent.troupes import WORTH_IT
+from hitab_core.agent import Agent
+from hitab_core.automaton import START, Automaton
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.transition_function import HandWritten
+from hitab_core.troupe import Troupe
+from hitab_core.use import Use
+from hitab_ros import names, qos
+
+SIZE = WORTH_IT + 2
+
+
+class Body:
+    """A body that perceives one number, and does or says what it is told by it."""
+
+    def __init__(self, name: str) -> None:
+        self.value = 0.0
+        self.pulses = 0
+        self.answer: Any = None
+
+    def sense(self, values: Any, heard: Any) -> None:
+        self.value = values[0]
+
+    def act(self) -> Any:
+        return self.answer or ((float(self.pulses),), "")
+
+
+def _pulse(body: Body) -> None:
+    body.pulses += 1
+
+
+def _domain(behavior: str) -> Domain:
+    chooses = HandWritten(lambda x: "Go" if x > 0.0 else "Wait", (0,))
+    return Domain.of(
+        "bodies",
+        "1",
+        Body,
+        behaviors=[BasicBehavior("Go", _pulse), BasicBehavior("Wait")],
+        features=[Feature("X", lambda body: body.value, read_all=lambda p: p.values[:, 0])],
+        automata=[
+            Automaton(
+                behavior,
+                (Use("Go"), Use("Wait")),
+                (Use("X"),),
+                {START: chooses, "Go": chooses, "Wait": chooses},
+            )
+        ],
+    )
+
+
+class Swarm:
+    """A host with agents, and the side of the world."""
+
+    def __init__(self, process: Any, folder: Path) -> None:
+        self._process = process
+        self.desk = desk = process.node
+        shared = Shared.of_host(desk, SIZE)
+        shared.domains["bodies"] = _domain("Choose")
+        self.nodes = []
+        for number in range(SIZE):
+            node = AgentNode(
+                namespace=f"/agent_{number}",
+                context=desk.context,
+                parameter_overrides=[
+                    Parameter("domain", value="bodies"),
+                    Parameter("behavior", value="Choose"),
+                    Parameter("state_dir", value=str(folder)),
+                    Parameter("library", value=str(folder / "library")),
+                ],
+                use_global_arguments=False,
+                shared=shared,
+            )
+            process.add(node)
+            node.join()
+            self.nodes.append(node)
+        (self.link,) = shared.links.values()
+        self.rosters: list[msg.HostRoster] = []
+        self.answers: list[msg.ActionBatch] = []
+        desk.create_subscription(
+            msg.HostRoster, f"/{names.HOSTS}", self.rosters.append, qos.LATCHED
+        )
+        desk.create_subscription(
+            msg.ActionBatch, f"/world/{names.ACTION_BATCHES}", self.answers.append, qos.CYCLE
+        )
+        self.link.announce()
+        process.until(lambda: self.rosters)
+        topic = f"/{self.rosters[0].host}/{names.PERCEPTS}"
+        self.arrived: list[msg.PerceptBatch] = []
+        desk.create_subscription(msg.PerceptBatch, topic, self.arrived.append, 10)
+        self.fences: list[msg.HostRoster] = []
+        desk.create_subscription(msg.HostRoster, "fence", self.fences.append, 10)
+        self._fence = desk.create_publisher(msg.HostRoster, "fence", 10)
+        self._percepts = desk.create_publisher(msg.PerceptBatch, topic, 10)
+        process.until(lambda: self._percepts.get_subscription_count() == 2)
+        process.until(lambda: self._fence.get_subscription_count() == 1)
+        self._sequence = 0
+
+    def send(self, values: list[float], **fields: Any) -> None:
+        self._sequence += 1
+        batch = {
+            "agents": range(SIZE),
+            "value_counts": [1] * SIZE,
+            "sequence": self._sequence,
+            "cycle": self._sequence,
+            **fields,
+        }
+        self._percepts.publish(
+            msg.PerceptBatch(roster=self.rosters[0].number, values=values, **batch)
+        )
+
+    def send_and_wait(self, values: list[float], **fields: Any) -> None:
+        """Send percepts, and something else that is handled after them; wait for both."""
+        before = len(self.arrived), len(self.fences)
+        self.send(values, **fields)
+        self._process.until(lambda: len(self.arrived) > before[0])
+        self._fence.publish(msg.HostRoster())
+        self._process.until(lambda: len(self.fences) > before[1])
+
+    def act(self, values: list[float], **fields: Any) -> list[list[float]]:
+        """Send percepts; return what all do."""
+        self.send(values, **fields)
+        self._process.until(lambda: self.answers and self.answers[-1].sequence == self._sequence)
+        answer = self.answers[-1]
+        ends = np.cumsum(answer.value_counts)
+        return [part.tolist() for part in np.split(np.array(answer.values), ends[:-1])]
+
+
+@pytest.fixture
+def swarm(process: Any, tmp_path: Path) -> Swarm:
+    return Swarm(process, tmp_path)
+
+
+def test_percepts_that_do_not_fit_together_are_left_out_and_end_nothing(swarm):
+    ones = [1.0] * SIZE
+    assert swarm.act(ones) == [[1.0]] * SIZE
+    for fields in (
+        {"agents": range(1, SIZE + 1)},
+        {"agents": range(SIZE - 1)},
+        {"value_counts": [2] * SIZE},
+        {"value_counts": [1] * (SIZE + 1)},
+        {"heard_counts": [1]},
+        {"heard_counts": [1] * SIZE, "heard": ["one alone"]},
+    ):
+        swarm.send_and_wait(ones, **fields)
+        assert swarm.act(ones, look=True) == [[]] * SIZE
+    assert swarm.act(ones) == [[2.0]] * SIZE
+
+
+def test_who_cannot_perceive_does_nothing_and_nothing_is_decided_for_him(swarm):
+    few = [1] * SIZE
+    few[3] = 0
+    done = swarm.act([1.0] * (SIZE - 1), value_counts=few)
+    assert done == [[1.0]] * 3 + [[]] + [[1.0]] * (SIZE - 4)
+    assert swarm.nodes[3].agent.active_path == [START]
+    assert swarm.act([1.0] * SIZE)[3] == [1.0]
+    # He fails alone where the values are laid out alike, too.
+    body = swarm.nodes[3].agent.body
+    body.sense = lambda values, heard: 1 / 0
+    assert swarm.act([-1.0] * SIZE) == [[2.0 if n != 3 else 0.0][: n != 3] for n in range(SIZE)]
+    assert swarm.nodes[3].agent.active_path == ["Go"]
+    assert swarm.nodes[2].agent.active_path == ["Wait"]
+
+
+@pytest.mark.parametrize("wrong", [(("left",), ""), ((1.0,), None), (None, ""), (1.0, "")])
+def test_a_body_that_returns_no_action_does_nothing_and_it_is_told(swarm, wrong):
+    swarm.nodes[1].agent.body.answer = wrong
+    swarm.nodes[2].agent.body.answer = ((1, True), "")
+    told: list[msg.AgentStatus] = []
+    swarm.desk.create_subscription(
+        msg.AgentStatus, f"/agent_1/{names.STATUS}", told.append, qos.LATCHED
+    )
+    assert swarm.act([1.0] * SIZE)[:4] == [[1.0], [], [1.0, 1.0], [1.0]]
+    swarm._process.until(lambda: told and told[-1].last_error)
+    assert "act() of its body returned" in told[-1].last_error
+    assert "it must return numbers, and a text to say" in told[-1].last_error
+
+
+def troupes_of(agent: Agent) -> int:
+    gc.collect()
+    found = [thing for thing in gc.get_objects() if isinstance(thing, Troupe)]
+    return sum(stage.body is agent.body for troupe in found for stage in troupe.stages)
+
+
+def test_what_was_made_of_libraries_that_nobody_has_any_more_is_forgotten(swarm):
+    agents = [node.agent for node in swarm.nodes]
+    library = agents[0].library
+    chooses = agents[0].domain.automata["Choose"]
+    for number in range(4):
+        saved = replace(chooses, name=f"Saved{number}", transitions={}, examples=())
+        agents[0].repertoire.add(saved)
+        library.save(saved, agent="a", classifier="tree")
+        for agent in agents:
+            agent.reload()
+        assert len({agent.library_digest for agent in agents}) == 1
+        swarm.act([1.0] * SIZE)
+        assert troupes_of(agents[0]) == 1
