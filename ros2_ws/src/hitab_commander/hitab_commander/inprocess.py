@@ -15,6 +15,7 @@ Example::
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -24,9 +25,13 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind
 from hitab_core.agent import Agent
 from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.errors import FeatureValueError
 from hitab_core.order import Order, Report
 from hitab_core.subordinate import Subordinate
 from hitab_core.use import Use
+
+SIGN_OF_LIFE_S = 1.0
+"""At least so often a commander hears of each subordinate, in the world's time."""
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,7 @@ class _Node:
         self.agent = agent
         self.subordinate = Subordinate(agent)
         self.superior: _CommanderNode | None = None
+        self._told_at = -math.inf
         if behavior:
             agent.perform(Use.parse(behavior))
 
@@ -137,11 +143,18 @@ class _Node:
             self.superior.restart(seed, episode)
 
     def tell(self, seconds: float) -> None:
-        """Report to the commander if there is news."""
-        if self.superior is not None:
-            report = self.subordinate.news(seconds)
-            if report is not None:
-                self.superior.hear(report, seconds)
+        """Report to the commander if there is news, or has been none for a while."""
+        self.report(self.subordinate.news(seconds), seconds)
+
+    def report(self, news: Report | None, now: float) -> None:
+        """Hand news to the commander; if there is none, a sign of life once a second."""
+        if self.superior is None:
+            return
+        if news is None and now - self._told_at >= SIGN_OF_LIFE_S:
+            news = self.subordinate.report()
+        if news is not None:
+            self._told_at = now
+            self.superior.hear(news, now)
 
     def take(self, order: Order, seconds: float) -> None:
         """Obey an order, and say so."""
@@ -189,15 +202,16 @@ class _CommanderNode(_Node):
             return
         self._deciding = True
         self.agent.sense((), ())
-        self.agent.tick()
-        self._deciding = False
+        try:
+            self.agent.tick()
+        except FeatureValueError:  # then it does nothing this time, as its node would
+            pass
+        finally:
+            self._deciding = False
         self.tell(self._seconds)
 
     def tell(self, seconds: float) -> None:
-        if self.superior is not None:
-            report = self.subordinate.news(self._seconds)
-            if report is not None:
-                self.superior.hear(report, self._now)
+        self.report(self.subordinate.news(self._seconds), self._now)
 
     def take(self, order: Order, seconds: float) -> None:
         """Pass an order on at once: decide now what the subordinates are to do for it."""

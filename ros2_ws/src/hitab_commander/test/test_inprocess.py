@@ -1,0 +1,84 @@
+"""Swarms with commanders in one process do as they do over topics."""
+
+import math
+
+from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, Member, Troop
+from hitab_commander.kind_reader import parse_kind
+from hitab_core.automaton import START, Automaton
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.transition_function import HandWritten
+from hitab_core.use import Use
+
+
+class Ant:
+    """A body that perceives one number."""
+
+    value = 0.0
+
+    def sense(self, values, heard):
+        self.value = values[0]
+
+    def act(self):
+        return (), ""
+
+
+_TURNS = HandWritten(lambda x: "Wait" if x % 2.0 else "Search", (0,))
+ANT = Domain.of(
+    "ant",
+    "1",
+    lambda name: Ant(),
+    behaviors=[BasicBehavior("Search"), BasicBehavior("Wait")],
+    features=[Feature("X", lambda body: body.value)],
+    automata=[
+        Automaton(
+            "Turns",
+            (Use("Search"), Use("Wait")),
+            (Use("X"),),
+            dict.fromkeys((START, "Search", "Wait"), _TURNS),
+        )
+    ],
+)
+
+
+def troop(folder, features, behavior="Turns"):
+    """Return ants a, which performs a behavior, and b, which always waits, and their chief."""
+    wrong = []
+    described = {"orders": {"Rest": "nothing"}, "features": features}
+    kind = parse_kind("Chief", described, lambda place, text: wrong.append(text))
+    assert not wrong
+    library = BehaviorLibrary(folder / "ants", ANT)
+    chiefs = BehaviorLibrary(folder / "chief", commander_domain(kind))
+    return Troop(
+        [Member("a", library, behavior), Member("b", library, "Wait")],
+        [Commander("chief", kind, chiefs, "", ("a", "b"))],
+    )
+
+
+def play(made, values):
+    for value in values:
+        for player in made.players.values():
+            player.sense((value,), ())
+            player.tick()
+            player.act()
+
+
+def test_who_has_no_news_is_not_taken_for_silent(tmp_path):
+    made = troop(tmp_path, {"Waiting": {"count": {"active": "Wait"}}})
+    play(made, range(100))  # 10 s
+    body = made.agents["chief"].body
+    assert [name for name, _ in body.present()] == ["a", "b"]
+    assert body.fraction_silent == 0.0
+
+
+def test_a_commander_whose_feature_has_no_value_does_nothing_until_it_has_one(tmp_path):
+    made = troop(tmp_path, {"MeanX": {"mean": "X"}}, "Wait")
+    chief = made.agents["chief"]
+    rests = HandWritten(lambda x: "Rest", (0,))
+    chief.repertoire.add(Automaton("Plan", (Use("Rest"),), (Use("MeanX"),), {START: rests}))
+    chief.perform(Use("Plan"))
+    play(made, [math.nan] * 10)
+    assert chief.active_path == ["Start"]
+    play(made, [1.0] * 10)
+    assert chief.active_path == ["Rest"]
