@@ -59,6 +59,9 @@ class SuperiorLink:
             subordinate.episode, subordinate.seed = percept.episode, percept.seed
             changed = True
         self._seconds = seconds
+        if subordinate.refusal and subordinate.settle():
+            self._node.ordered()  # what was in the way may have been that it saw nothing yet
+            changed = True
         if percept.look:
             # Whoever arranges a paused world wants the commander to see it, too.
             self._send(subordinate.report())

@@ -243,3 +243,17 @@ def test_an_order_that_waits_tells_why_as_long_as_it_does(troop):
     troop.perform("chief", "Retreat")
     troop.until(lambda: troop.statuses["a"].behavior == "Home")
     assert not troop.statuses["a"].last_error
+
+
+def test_an_order_that_could_not_be_begun_is_begun_with_a_later_percept(troop):
+    squad(troop)
+    body = troop.ant("a", "chief", "scout").agent.body
+    body.begun = None  # its Search cannot be begun like this
+    troop.perform("chief", "Attack")
+    troop.until(lambda: 'cannot obey the order "Attack"' in troop.statuses["a"].last_error)
+    body.begun = []
+    troop.perceive("a", 0.0, 0.0, 0.0)
+    troop.until(lambda: troop.statuses["a"].behavior == "Search")
+    troop.until(lambda: list(troop.groups["chief"].obeying)[:1] == [True])
+    assert body.begun == ["Search"]
+    assert not troop.statuses["a"].last_error

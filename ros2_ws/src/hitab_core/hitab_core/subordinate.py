@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.errors import HitabError
@@ -80,7 +81,11 @@ class Subordinate:
                 agent.perform(use)
         except Exception as error:  # starting and stopping run a domain's code, a user's
             name = self.order.name if self.order is not None else ""
-            why = str(error) if isinstance(error, HitabError) else repr(error)
+            why = str(error)
+            if not isinstance(error, HitabError):
+                why = f'"{self.ordered}" could not be begun: {error!r}'
+                with suppress(Exception):
+                    agent.perform(None)  # rather than something that is only half begun
             self.refusal = f'cannot obey the order "{name}": {why}'
             return False
         self.waits, self.refusal = False, ""

@@ -32,11 +32,14 @@ CART = Domain.of(
 )
 
 
-def test_a_behavior_that_fails_to_start_does_not_end_the_agent_and_is_told(tmp_path):
+def test_a_behavior_that_fails_to_start_waits_and_tells_why_until_it_can_be_started(tmp_path):
     agent = Agent("cart", CART, BehaviorLibrary(tmp_path, CART))
     subordinate = Subordinate(agent)
     assert subordinate.take(Order(1, 1, "Go", {OTHERS: "Drive"}))
     assert subordinate.waits
-    assert 'cannot obey the order "Go": IndexError' in subordinate.refusal
-    assert subordinate.take(Order(1, 2, "Halt", {OTHERS: "Park"}))
-    assert (agent.mode, agent.behavior, subordinate.refusal) == (Mode.PERFORMING, "Park", "")
+    why = 'cannot obey the order "Go": "Drive" could not be begun: IndexError'
+    assert why in subordinate.refusal
+    assert agent.mode is Mode.IDLE
+    agent.sense((1.0,), ())
+    assert subordinate.settle()
+    assert (agent.mode, agent.behavior, subordinate.refusal) == (Mode.PERFORMING, "Drive", "")
