@@ -222,15 +222,27 @@ class CommanderBody:
                 name: next(ordered[r] for r in (name, member.role, OTHERS) if r in ordered)
                 for name, member in self.members.items()
             }
-        self.put_in_force(label, {r: what for r, what in ordered.items() if what is not None})
-
-    def put_in_force(self, label: str, behaviors: Mapping[str, str]) -> None:
-        """Publish an order as the next one, whatever was in force before."""
         self.given = label
         self.order = replace(
             self.order,
             sequence=self.order.sequence + 1,
             name=label,
-            behaviors=dict(behaviors),
+            behaviors={r: what for r, what in ordered.items() if what is not None},
         )
         self.on_order(self.order)
+
+    def give_again(self, label: str) -> bool:
+        """Give the order that was called so before a restart, with the meaning that it has now.
+
+        Returns:
+            whether there is still such an order, and whom it is about.
+        """
+        for order in self.kind.orders:
+            if not order.parameter and label == order.name:
+                self.give(order)
+                return True
+            for name in self.members if order.parameter else ():
+                if label == f"{order.name}({name})":
+                    self.give(order, name)
+                    return True
+        return False

@@ -78,9 +78,12 @@ class CommanderLink:
                 agent.perform(Use.parse(behavior) if behavior else None)
             except HitabError as error:
                 self._node.get_logger().warning(f"cannot take up what was performed: {error}")
-        if remembered.label:
-            self.body.put_in_force(remembered.label, remembered.behaviors)
-        elif not self.body.order.sequence:
+        if remembered.label and not self.body.give_again(remembered.label):
+            self._node.get_logger().warning(
+                f'there is no order "{remembered.label}" any more, which was in force; '
+                "subordinates go on with it until another one is given"
+            )
+        if not self.body.order.sequence:
             self._on_order(self.body.order)
 
     # -- hearing ----------------------------------------------------------------------------
@@ -163,7 +166,7 @@ class CommanderLink:
             self._kept = (performed, body.order.sequence)
             order = body.order
             try:
-                self._memory.keep(Remembered(order.epoch, performed, order.name, order.behaviors))
+                self._memory.keep(Remembered(order.epoch, performed, order.name))
             except OSError as error:
                 self._node.get_logger().warning(
                     f'a restart would forget the order "{order.name}": {error}'

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 FILE_NAME = "orders.json"
@@ -19,14 +18,12 @@ class Remembered:
     Attributes:
         epoch: of that process; 0: there was none.
         behavior: the top-level behavior that the commander performed; empty: none.
-        label: of the order; empty: none was given.
-        behaviors: what it had the subordinates perform, by receiver.
+        label: of the order; empty: none was given. What it means is told by the kind.
     """
 
     epoch: int = 0
     behavior: str = ""
     label: str = ""
-    behaviors: Mapping[str, str] = field(default_factory=dict)
 
 
 class OrderMemory:
@@ -51,13 +48,8 @@ class OrderMemory:
         try:
             with self._path.open(encoding="utf-8") as file:
                 said = json.loads(file.readline())
-            return Remembered(
-                int(said["epoch"]),
-                str(said["behavior"]),
-                str(said["label"]),
-                {str(receiver): str(what) for receiver, what in said["behaviors"].items()},
-            )
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return Remembered(int(said["epoch"]), str(said["behavior"]), str(said["label"]))
+        except (OSError, ValueError, KeyError, TypeError):
             return Remembered()
 
     def next_epoch(self) -> int:

@@ -257,3 +257,27 @@ def test_an_order_that_could_not_be_begun_is_begun_with_a_later_percept(troop):
     troop.until(lambda: list(troop.groups["chief"].obeying)[:1] == [True])
     assert body.begun == ["Search"]
     assert not troop.statuses["a"].last_error
+
+
+def test_an_order_that_is_described_otherwise_after_a_restart_means_what_it_does_now(troop):
+    kind = (
+        "commander: Squad\norders:\n  Go: Search\n  Send(A): {A: Search, others: keep}\n"
+        "targets:\n  first: {number: 1}\n"
+    )
+    troop.commander("chief", kind, ["a"])
+    troop.ant("a", "chief")
+    for order, given in (("Go", "Go"), ("Send(first)", "Send(a)")):
+        troop.perform("chief", order)
+        troop.until(lambda: troop.performs("a") == "Search")
+        troop.end("chief")
+        troop.commander("chief", kind.replace("Search", "Follow"), ["a"])
+        troop.until(lambda: troop.performs("a") == "Follow")
+        assert troop.orders["chief"][-1].order == given
+        troop.end("chief")
+        troop.commander("chief", kind, ["a"])
+    troop.end("chief")
+    troop.commander("chief", "commander: Squad\norders: {Stay: Wait}\n", ["a"])
+    troop.until(lambda: not troop.orders["chief"][-1].sequence)
+    assert troop.performs("chief") == ""
+    troop.perform("chief", "Stay")
+    troop.until(lambda: troop.performs("a") == "Wait")
