@@ -6,6 +6,7 @@ takes all files or none, and answers on another topic.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -76,8 +77,9 @@ class Distributor:
                 f'"{use.name}" is not in the library of {agent.name}; save it first'
             )
         bundle = make_bundle(agent.library.texts(), agent.repertoire, use.name)
-        # The time makes it unique in the swarm, whoever else distributes.
-        sequence = self._node.get_clock().now().nanoseconds
+        # The time of day makes it unique in the swarm, whoever else distributes; simulated time,
+        # which a node may go by, stands still while a world is paused.
+        sequence = time.time_ns()
         self._outgoing.publish(
             msg.Distribution(
                 sequence=sequence,
