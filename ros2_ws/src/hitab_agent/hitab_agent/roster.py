@@ -53,10 +53,7 @@ def read_roster(host: Node) -> list[Entry]:
 
 def _read_file(path: Path) -> list[Entry]:
     try:
-        return [
-            Entry(entry["name"], _node_class(entry.get("node", "")), entry.get("parameters", {}))
-            for entry in json.loads(path.read_text(encoding="utf-8"))
-        ]
+        return [_entry(**entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
     except (OSError, ValueError, KeyError, TypeError, AttributeError, ImportError) as error:
         raise HitabError(
             f"{path}: is not a roster of agents: {type(error).__name__}: {error}; see "
@@ -64,9 +61,17 @@ def _read_file(path: Path) -> list[Entry]:
         ) from None
 
 
+def _entry(name: str, node: str = "", parameters: Mapping[str, Any] | None = None) -> Entry:
+    if not isinstance(name, str) or not isinstance(parameters, dict | None):
+        raise TypeError(f"{name!r} must be a name, and its parameters {parameters!r} a mapping")
+    return Entry(name, _node_class(node), parameters or {})
+
+
 def _node_class(name: str) -> type[AgentNode]:
     if not name:
         return AgentNode
     module, _, attribute = name.partition(":")
-    found: type[AgentNode] = getattr(import_module(module), attribute)
+    found = getattr(import_module(module), attribute)
+    if not (isinstance(found, type) and issubclass(found, AgentNode)):
+        raise TypeError(f'"{name}" is not the class of an agent\'s node')
     return found

@@ -13,6 +13,7 @@ from hitab_commander.commander_link import CommanderLink
 from hitab_commander.kind_reader import read_kind
 from hitab_core.agent import Mode
 from hitab_core.domain import Domain
+from hitab_core.errors import HitabError
 
 
 class CommanderNode(AgentNode):
@@ -34,6 +35,11 @@ class CommanderNode(AgentNode):
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain of the kind of commander in the file ``name``."""
+        if not name:
+            raise HitabError(
+                f"the commander {self.agent_name} was not told of what kind it is; "
+                "give it -p domain:=captain.yaml, a file that describes it"
+            )
         domains = self.shared.domains
         if name not in domains:
             domains[name] = commander_domain(read_kind(Path(name)))

@@ -56,6 +56,12 @@ OTHERS_WORD = "others"
 FILE_NAME = "commander.yaml"
 """The file that tells, in a commander's library folder, what its kind is."""
 
+FASTEST = 1000.0
+"""Hz; the highest rate at which a commander may be asked to decide."""
+
+LONGEST = 1e6
+"""s; the longest time that means anything here, and its inverse the lowest rate and time."""
+
 _KEYS = ("commander", "orders", "features", "targets", "deadline", "rate", "report_period")
 
 
@@ -100,7 +106,7 @@ def parse_kind(name: str, value: Any, complain: Complain) -> CommanderKind:
         tuple(reader.each(top, "features", reader.feature)),
         tuple(reader.each(top, "targets", reader.target)),
         reader.positive(top, "deadline", 3.0),
-        reader.positive(top, "rate", 10.0),
+        reader.positive(top, "rate", 10.0, FASTEST),
         reader.positive(top, "report_period", 0.5),
     )
     reader.refuse_doubles(kind)
@@ -126,10 +132,16 @@ class _Reader:
             if key not in keys:
                 self.complain((*place, key), f"`{key}:` is not known here {has(keys)}")
 
-    def positive(self, top: Mapping[str, Any], key: str, default: float) -> float:
+    def positive(
+        self, top: Mapping[str, Any], key: str, default: float, most: float = LONGEST
+    ) -> float:
         value = top.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not number or not value > 0:
             self.complain((key,), f"`{key}:` must be a number above 0, not {value!r}")
+            return default
+        if value > most or value < 1.0 / LONGEST:
+            self.complain((key,), f"`{key}:` must be from {1.0 / LONGEST:g} to {most:g}")
             return default
         return float(value)
 

@@ -120,6 +120,8 @@ def test_a_domain_depends_on_the_kind_alone_and_its_version_on_what_the_words_me
         ("targets: {t: {mean: X}}", "needs one of: minimum, maximum, number"),
         ("targets: {t: {number: 0}}", "`number:` must be 1, 2, 3, ..."),
         ("rate: 0", "`rate:` must be a number above 0, not 0"),
+        ("rate: .inf", "`rate:` must be from 1e-06 to 1000"),
+        ("deadline: 1e-9", "`deadline:` must be from 1e-06 to 1e+06"),
         ("order: {}", "`order:` is not known here (has: commander, deadline"),
         ("orders: [a]", "needs `key: value` lines here"),
     ],

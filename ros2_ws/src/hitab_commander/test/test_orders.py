@@ -2,8 +2,11 @@
 
 from dataclasses import replace
 
+import pytest
 from hitab_msgs import msg, srv
 
+from hitab_commander.commander_node import CommanderNode
+from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 
 SQUAD = """\
@@ -281,3 +284,8 @@ def test_an_order_that_is_described_otherwise_after_a_restart_means_what_it_does
     assert troop.performs("chief") == ""
     troop.perform("chief", "Stay")
     troop.until(lambda: troop.performs("a") == "Wait")
+
+
+def test_a_commander_of_no_kind_is_refused_with_the_way_out(troop):
+    with pytest.raises(HitabError, match="chief was not told of what kind it is; give it -p dom"):
+        CommanderNode(namespace="/chief", context=troop.context, use_global_arguments=False)

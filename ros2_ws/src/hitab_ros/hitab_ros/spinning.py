@@ -14,6 +14,7 @@ from types import FrameType
 from typing import Any
 
 import rclpy
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -116,6 +117,10 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
             return spinning.spin() if loop is None else loop(spinning)
     except HitabError as error:
         print(f"error: {error}", file=sys.stderr)
+        return 1
+    except (NameValidationException, ParameterException) as error:
+        why = " ".join(str(error).split())
+        print(f"error: {why}; look at the names and parameters that it is given", file=sys.stderr)
         return 1
     except (KeyboardInterrupt, ExternalShutdownException):
         return 0

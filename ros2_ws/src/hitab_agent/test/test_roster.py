@@ -1,0 +1,46 @@
+"""A roster tells whom a host runs; one that cannot be used is refused with the way out."""
+
+import json
+
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+
+from hitab_agent.agent_node import AgentNode
+from hitab_agent.roster import read_roster
+from hitab_core.errors import HitabError
+
+
+def read(process, folder, roster):
+    file = folder / "roster.json"
+    file.write_text(json.dumps(roster))
+    host = rclpy.create_node(
+        "host",
+        context=process.node.context,
+        parameter_overrides=[Parameter("roster", value=str(file))],
+        use_global_arguments=False,
+    )
+    process.add(host)
+    return read_roster(host)
+
+
+def test_a_roster_tells_names_nodes_and_parameters(process, tmp_path):
+    (entry,) = read(process, tmp_path, [{"name": "a", "parameters": {"seed": 3}}])
+    assert (entry.name, entry.node, entry.parameters) == ("a", AgentNode, {"seed": 3})
+
+
+@pytest.mark.parametrize(
+    ("entry", "why"),
+    [
+        ({"parameters": {}}, "name"),
+        ({"name": 3}, "3 must be a name"),
+        ({"name": "a", "parameters": ["seed"]}, "parameters .*'seed'.* a mapping"),
+        ({"name": "a", "node": "os:path"}, '"os:path" is not the class'),
+        ({"name": "a", "node": "nowhere:Node"}, "nowhere"),
+        ({"name": "a", "parametres": {}}, "parametres"),
+        ("a", "str"),
+    ],
+)
+def test_a_roster_that_cannot_be_used_is_refused_by_file(process, tmp_path, entry, why):
+    with pytest.raises(HitabError, match=rf"roster.json: is not a roster of agents: .*{why}"):
+        read(process, tmp_path, [entry])
