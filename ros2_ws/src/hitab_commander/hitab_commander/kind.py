@@ -23,9 +23,6 @@ class Over(StrEnum):
     GROUP = "group"  # of the positions: x, y, spread
 
 
-QUESTIONS = (Over.ANY, Over.ALL, Over.FRACTION, Over.COUNT)
-"""Those whose observation is true or false of each subordinate."""
-
 EXTREMES = (Over.MINIMUM, Over.MAXIMUM)
 GROUP_PARTS = ("x", "y", "spread")
 

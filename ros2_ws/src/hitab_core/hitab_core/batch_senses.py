@@ -60,7 +60,7 @@ class BatchSenses:
         Args:
             domain: whose features they are.
             size: how many agents, n.
-            bodies: of each agent; not needed for features given by `put` or read for all.
+            bodies: of each agent; not needed for features that are read for all.
             percepts: what the domain reads for all agents at once, see `Feature.read_all`;
                 None: nothing is read so.
         """
@@ -105,12 +105,6 @@ class BatchSenses:
     def put(self, slot: int, rows: Integers, values: Any) -> None:
         """Set the values of a flag's slot."""
         self._columns[slot].values[rows] = values
-
-    def give(self, use: Use, values: Floats) -> None:
-        """Set all values of a feature, shape (n,), until they are forgotten."""
-        column = self._columns[self.slot(use)]
-        column.values = np.array(values, np.float64)
-        self._inspect(column)
 
     def forget(self) -> None:
         """Forget all values but flags: new percepts have come."""
