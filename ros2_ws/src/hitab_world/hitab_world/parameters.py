@@ -43,7 +43,7 @@ class Limit:
 
 
 POSITIVE = Limit("be above 0", lambda value: bool(value > 0))
-NOT_NEGATIVE = Limit("not be negative, but 0 or more", lambda value: bool(value >= 0))
+NOT_NEGATIVE = Limit("not be negative (0 or more)", lambda value: bool(value >= 0))
 FRACTION = Limit("lie between 0 and 1, and be neither", lambda value: bool(0 < value < 1))
 
 
@@ -87,10 +87,7 @@ class Parameters:
             value = getattr(self, figure.name)
             # Types are text in modules with "from __future__ import annotations".
             kind = getattr(figure.type, "__name__", figure.type)
-            limit = self.LIMITS.get(figure.name, POSITIVE if kind in ("int", "float") else None)
-            must = _wrong_kind(kind, value)
-            if limit is not None and (kind == "str" or not must):  # which texts says more
-                must = "" if limit.holds(value) else limit.words
+            must = _missed(kind, value, self.LIMITS.get(figure.name))
             if must:
                 raise ParameterError(f"{figure.name} is {value!r}; it must {must}")
 
@@ -112,17 +109,22 @@ class Parameters:
         return cls(**values)
 
 
-def _wrong_kind(kind: Any, value: Any) -> str:
-    """Return what a value must be to be of the kind of its field, "" if it is."""
+def _missed(kind: Any, value: Any, limit: Limit | None) -> str:
+    """Return what the value of a field of some kind must be and is not, "" if it can be."""
     whole = isinstance(value, int) and not isinstance(value, bool)
     if kind == "bool":
         return "" if isinstance(value, bool) else "be true or false"
     if kind == "int":
-        return "" if whole else "be a whole number"
+        limit = limit or POSITIVE
+        fits = whole and limit.holds(value)
+        return "" if fits else f"be a whole number and {limit.words}"
     if kind == "float":
+        limit = limit or POSITIVE
         if not whole and not isinstance(value, float):
             return "be a number"
-        return "" if math.isfinite(value) else "be finite"
-    if kind == "str":
-        return "" if isinstance(value, str) else "be text"
-    return ""
+        if not math.isfinite(value):
+            return "be finite"
+        return "" if limit.holds(value) else limit.words
+    if limit is not None:
+        return "" if limit.holds(value) else limit.words
+    return "be text" if kind == "str" and not isinstance(value, str) else ""
