@@ -8,6 +8,9 @@ from collections.abc import Iterator
 FAN_OUT = 5
 """Subordinates of a commander."""
 
+OWN_ROOT_ABOVE = 2000
+"""Agents; in larger swarms the root has a process of its own."""
+
 ORDERS = ("Explore", "Patrol", "Wait")
 
 
@@ -42,5 +45,7 @@ def description(agents: int, hosts: int, world: str = "plain_world") -> str:
     ]
     for name, below, count in levels(agents):
         whom = below if count == 1 else f"{{{below}: {FAN_OUT}}}"
-        lines.append(f"  {name}: {{kind: Leader, commands: {whom}}}")
+        # Hosts of thousands are long busy with each other's topics before they offer services.
+        where = ", host: headquarters" if name == "root" and agents > OWN_ROOT_ABOVE else ""
+        lines.append(f"  {name}: {{kind: Leader, commands: {whom}{where}}}")
     return "\n".join(lines) + "\n"
