@@ -16,6 +16,7 @@ from typing import Any
 from hitab_core.automaton import Automaton
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.bundle import Bundle, bundle_digest, install
+from hitab_core.digests import digest_of
 from hitab_core.domain import Domain
 from hitab_core.errors import HitabError, LibraryError, TrainingError, VocabularyError, has
 from hitab_core.example import Example
@@ -88,7 +89,8 @@ class Agent:
         )
         self._journal_path = None if journal_folder is None else journal_folder / "training.jsonl"
         self._journal: ExampleJournal | None = None
-        self.library_digest = library.digest
+        self._checksums = _checksums(library)
+        self.library_digest = digest_of(self._checksums)
         self._resume_interrupted_training()
 
     # -- what it knows ----------------------------------------------------------------------
@@ -341,6 +343,7 @@ class Agent:
             if before is not None:
                 self.repertoire.add(before)
             raise
+        self._checksums[automaton.name] = self.library.file_digest(automaton.name)
         was_testing = self.mode is Mode.TESTING
         self._stop()
         self._close_journal()
@@ -423,6 +426,7 @@ class Agent:
         self._stop()
         self._stage = stage
         self.library = library
+        self._checksums = _checksums(library)
         self._rebuild()
         return sorted(library.names())
 
@@ -443,7 +447,8 @@ class Agent:
     def _rebuild(self) -> None:
         """Perform afresh, since behaviors may have changed underneath."""
         self._performances.clear()
-        self.library_digest = self.library.digest
+        # Of what it knows itself: others in this process may have added to the library they share.
+        self.library_digest = digest_of(self._checksums)
         if self.top is not None:
             self._performance = self._prepared(self.top)
             if self.mode is Mode.PERFORMING:
@@ -539,3 +544,8 @@ def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example
         )
         for e in earlier.examples
     )
+
+
+def _checksums(library: BehaviorLibrary) -> dict[str, str]:
+    """Return the checksum of each behavior in a library, by name."""
+    return {name: library.file_digest(name) for name in library.names()}

@@ -244,6 +244,26 @@ def fail_to_write(monkeypatch):
     monkeypatch.setattr("hitab_core.example_journal.write_all", full)
 
 
+def test_the_digest_is_of_what_the_agent_knows_also_where_agents_share_a_library(tmp_path):
+    shared = BehaviorLibrary(tmp_path / "library", domain())
+    ann, bob = (Agent(name, shared.domain, shared, tmp_path / name) for name in ("ann", "bob"))
+    see(ann, 0.0)
+    ann.begin(HOME)
+    ann.command(Use("Left"))
+    ann.save()
+    assert ann.library_digest != bob.library_digest
+    see(bob, 0.0)
+    bob.begin(Curriculum("Away", (Use("x"),)))
+    bob.command(Use("Right"))
+    bob.save()
+    assert "Home" not in bob.repertoire
+    assert bob.library_digest != shared.digest
+    ann.reload()
+    bob.reload()
+    assert ann.library_digest == bob.library_digest == shared.digest
+    assert "Home" in bob.repertoire
+
+
 def test_a_command_that_cannot_be_written_down_changes_nothing(make, monkeypatch):
     agent = make()
     teach_home(agent)
