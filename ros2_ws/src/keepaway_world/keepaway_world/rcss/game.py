@@ -81,18 +81,21 @@ class Game:
         self.time = link.time
         state = link.state()  # None if lost: the field then stays as it was
         mode = state.mode if state is not None else self.mode
-        over = any(text == EPISODE_OVER for _, text in link.referee)
+        said = [when for when, text in link.referee if text == EPISODE_OVER]
+        # Whoever is late takes in several cycles at once: when it was said is what counts.
+        at = max(said, default=self.time)
+        over = bool(said)
         if state is not None and self.mode == mode == PLAYING:
             over = over or self._watch.set_up_anew(state)
         began = over or (mode == PLAYING and self.mode == BEFORE_KICK_OFF)
         ended = self._watch.why_over() if over else ""
-        episode_cycle, passes = self.time - self._watch.began, self.passes
+        episode_cycle, passes = at - self._watch.began, self.passes
         if state is not None:
             kickers = self.field.take(state)
             if not began and mode == PLAYING:
                 self._watch.saw(kickers)
         if began:
-            self.begin()
+            self._watch.begin(at)
         for name, field in self._seen.items():
             sighting = link.clients[name].sighting
             if sighting is not None and (seen := sighting.state(mode)) is not None:
