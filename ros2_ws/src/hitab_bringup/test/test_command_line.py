@@ -101,7 +101,11 @@ def test_help_imports_nothing_that_takes_long():
         ),
         (["keepaway", "evaluate", "--keepers", "hand", "--pace", "lockstep"], 2, "in-process"),
         (["keepaway", "evaluate", "--keepers", "hand", "--set", "kick_nois=1"], 1, '"kick_noise"'),
-        (["keepaway", "evaluate", "--keepers", "hand", "--kickable-margin", "0"], 1, "positive"),
+        (
+            ["keepaway", "evaluate", "--keepers", "hand", "--kickable-margin", "0"],
+            1,
+            "it must be above 0",
+        ),
     ],
 )
 def test_a_users_mistake_is_told_in_words(arguments, code, expected):
