@@ -253,6 +253,7 @@ def plot(results: list[Figures], path: Path) -> None:
     """Draw how latency, CPU and memory grow."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
     figure = Figure(figsize=(12, 3.6), dpi=110, layout="tight")
     FigureCanvasAgg(figure)
@@ -274,6 +275,9 @@ def plot(results: list[Figures], path: Path) -> None:
     for axis in axes:
         axis.set_xscale("log")
         axis.set_yscale("log")
+        for side in (axis.xaxis, axis.yaxis):
+            side.set_major_formatter(StrMethodFormatter("{x:,g}"))
+            side.set_minor_formatter(NullFormatter())
         axis.set_xlabel("agents")
         axis.grid(alpha=0.3)
     figure.savefig(path)
