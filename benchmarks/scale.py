@@ -28,7 +28,7 @@ from rich.table import Table
 
 from swarms import FAN_OUT, ORDERS, commanders, description, levels
 
-SIZES = "10,30,100,300,1000,2000,5000"
+SIZES = "10,30,100,300,1000,2000"
 WARM_UP_S = 5.0
 ORDER_PERIOD_S = 0.5
 ORDER_TIMEOUT_S = 5.0
