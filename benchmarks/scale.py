@@ -303,7 +303,11 @@ def main(
         results.append(measure(size, hosts, seconds, preferred=preferred))
         show(results)
         if json:
-            figures = [asdict(result) for result in results]
+            # An order that the last agent never reported has taken no number of seconds.
+            figures = [
+                {k: None if v == math.inf else v for k, v in asdict(result).items()}
+                for result in results
+            ]
             Path(json).write_text(json_module.dumps(figures, indent=2) + "\n", encoding="utf-8")
         if plot_to:
             plot(results, Path(plot_to))
