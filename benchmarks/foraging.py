@@ -20,6 +20,7 @@ from statistics import mean, stdev
 from typing import Annotated, Any
 
 import typer
+from scipy.stats import t as student_t
 
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
@@ -94,25 +95,11 @@ def measure(seconds: float, run: tuple[str, str, int]) -> dict[str, float]:
 def interval(values: Sequence[float]) -> dict[str, float]:
     """Return the mean and half of its 95% confidence interval."""
     half = (
-        student_t(len(values) - 1) * stdev(values) / math.sqrt(len(values))
+        student_t.ppf(0.975, len(values) - 1) * stdev(values) / math.sqrt(len(values))
         if len(values) > 1
         else math.nan
     )
     return {"mean": mean(values), "ci95": half}
-
-
-def student_t(degrees: int) -> float:
-    """Return the 97.5% quantile of Student's t, to 0.2% from 4 degrees of freedom on.
-
-    Source: Abramowitz and Stegun, 26.7.5.
-    """
-    z = 1.959964
-    return (
-        z
-        + (z**3 + z) / (4 * degrees)
-        + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
-        + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * degrees**3)
-    )
 
 
 def compared(one: Sequence[float], other: Sequence[float]) -> dict[str, float]:

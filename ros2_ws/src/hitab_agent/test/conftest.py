@@ -1,17 +1,16 @@
 """A process for the tests: real nodes over real topics, handled by the test itself."""
 
 import contextlib
-import os
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 import rclpy
-from domain_coordinator import domain_id
 from rclpy.clock import Clock, ClockType
-from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+
+from hitab_ros.testing import context_of_its_own
 
 SECONDS = 20.0
 
@@ -51,17 +50,8 @@ class Process:
 
 @pytest.fixture
 def process() -> Iterator[Process]:
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    with contextlib.ExitStack() as stack:
-        context = Context()
-        rclpy.init(
-            context=context,
-            domain_id=stack.enter_context(domain_id()),
-            signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
-        )
-        stack.callback(context.try_shutdown)
+    with context_of_its_own() as context:
         node = rclpy.create_node("host", context=context, enable_rosout=False)
         executor = EventsExecutor(context=context)
-        made = Process(node, executor)
-        stack.callback(made.close)
-        yield made
+        with contextlib.closing(Process(node, executor)) as made:
+            yield made

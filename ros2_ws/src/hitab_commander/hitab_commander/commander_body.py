@@ -49,6 +49,7 @@ class CommanderBody:
         self.given = ""
         self.on_order: Callable[[Order], None] = lambda order: None
         self.now = 0.0
+        self._unheard: set[str] = set()
         self._asked = kind.asked
 
     def enlist(
@@ -105,6 +106,7 @@ class CommanderBody:
         A report of somebody who is not under this command is ignored.
         """
         self.now = now
+        self._unheard.discard(report.agent)
         member = self.members.get(report.agent)
         if member is None:
             return False
@@ -120,6 +122,17 @@ class CommanderBody:
             or list(before.flags) != list(report.flags)
             or list(before.path) != list(report.path)
         )
+
+    def round_ends(self) -> bool:
+        """Whether everybody has reported since this was last so; if so, another round begins.
+
+        Who has fallen silent is not waited for.
+        """
+        present = {name for name, _ in self.present()}
+        if not self._unheard.isdisjoint(present):
+            return False
+        self._unheard = present
+        return True
 
     def is_silent(self, name: str) -> bool:
         """Whether a subordinate was not heard of for longer than the deadline."""

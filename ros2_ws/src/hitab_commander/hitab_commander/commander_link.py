@@ -44,7 +44,6 @@ class CommanderLink:
         self._memory = OrderMemory(node.state_folder)
         self._kept: tuple[str, int] = ("", -1)
         self.seconds = 0.0
-        self._unheard: set[str] = set()
         self._episode: Episode | None = None
         self._episodes: list[Episode] = []
         self._percept = msg.Percept()
@@ -94,16 +93,12 @@ class CommanderLink:
         changed = restart = False
         for report in message.reports:
             changed |= body.hear(report, now)
-            self._unheard.discard(report.agent)
             restart |= report.agent in body.members and self._begins_episode(report)
-        present = dict(body.present())
         # What all of them have seen; the world's cycle, once all reports of it are here.
-        self._percept.cycle = min((r.cycle for r in present.values()), default=0)
-        # Who has fallen silent is not waited for.
-        everybody = self._unheard.isdisjoint(present)
+        self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
+        everybody = body.round_ends()
         if everybody:
             self.seconds += body.kind.report_period
-            self._unheard = {*present}
         self.group.changed |= changed
         if changed or everybody or restart:
             self.decide(restart=restart)

@@ -173,7 +173,6 @@ class _CommanderNode(_Node):
         self._now = 0.0
         self._seconds = 0.0
         self._deciding = False
-        self._unheard: set[str] = set()
         self.body.enlist(dict.fromkeys(subordinates, ""), 1)
         self.body.on_order = self._send
         for node in subordinates.values():
@@ -188,11 +187,9 @@ class _CommanderNode(_Node):
     def hear(self, report: Report, now: float) -> None:
         self._now = now
         changed = self.body.hear(report, now)
-        self._unheard.discard(report.agent)
-        everybody = not self._unheard
+        everybody = self.body.round_ends()
         if everybody:
             self._seconds += self.body.kind.report_period
-            self._unheard = {name for name, _ in self.body.present()}
         if changed or everybody:
             self.decide()
 

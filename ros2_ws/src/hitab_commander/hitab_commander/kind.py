@@ -127,17 +127,18 @@ class CommanderKind:
     report_period: float = 0.5
 
     @property
+    def _looked_at(self) -> tuple[Observation, ...]:
+        return (*(f.of for f in self.features), *(t.of for t in self.targets))
+
+    @property
     def asked(self) -> tuple[str, ...]:
         """The subordinates' features that are looked at, each once."""
-        looked_at = [f.of.feature for f in self.features] + [t.of.feature for t in self.targets]
-        return tuple(dict.fromkeys(feature for feature in looked_at if feature))
+        return tuple(dict.fromkeys(of.feature for of in self._looked_at if of.feature))
 
     @property
     def asks_states(self) -> bool:
         """Whether subordinates have to report what is active inside their top-level behavior."""
-        return any(
-            of.active for of in [f.of for f in self.features] + [t.of for t in self.targets]
-        )
+        return any(of.active for of in self._looked_at)
 
     @property
     def asks_position(self) -> bool:

@@ -1,7 +1,6 @@
 """A troop for the tests: commanders and agents, real nodes over real topics, in one process."""
 
 import contextlib
-import os
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,7 +9,6 @@ from typing import Any
 import pytest
 import rclpy
 from builtin_interfaces.msg import Time
-from domain_coordinator import domain_id
 from hitab_msgs import msg, srv
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
@@ -20,6 +18,7 @@ from hitab_agent.agent_node import AgentNode
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_ros import names, qos
+from hitab_ros.testing import context_of_its_own
 
 SECONDS = 20.0
 
@@ -241,15 +240,5 @@ class Troop:
 @pytest.fixture
 def troop(tmp_path: Path) -> Iterator[Troop]:
     """Nobody yet, in a ROS domain that nobody else uses."""
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    with contextlib.ExitStack() as stack:
-        context = Context()
-        rclpy.init(
-            context=context,
-            domain_id=stack.enter_context(domain_id()),
-            signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
-        )
-        stack.callback(context.try_shutdown)
-        made = Troop(tmp_path, context)
-        stack.callback(made.close)
+    with context_of_its_own() as context, contextlib.closing(Troop(tmp_path, context)) as made:
         yield made

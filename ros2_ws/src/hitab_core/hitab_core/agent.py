@@ -89,7 +89,7 @@ class Agent:
         )
         self._journal_path = None if journal_folder is None else journal_folder / "training.jsonl"
         self._journal: ExampleJournal | None = None
-        self._checksums = _checksums(library)
+        self._checksums = library.checksums
         self.library_digest = digest_of(self._checksums)
         self._resume_interrupted_training()
 
@@ -426,7 +426,7 @@ class Agent:
         self._stop()
         self._stage = stage
         self.library = library
-        self._checksums = _checksums(library)
+        self._checksums = library.checksums
         self._rebuild()
         return sorted(library.names())
 
@@ -544,8 +544,3 @@ def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example
         )
         for e in earlier.examples
     )
-
-
-def _checksums(library: BehaviorLibrary) -> dict[str, str]:
-    """Return the checksum of each behavior in a library, by name."""
-    return {name: library.file_digest(name) for name in library.names()}

@@ -116,7 +116,12 @@ class BehaviorLibrary:
     @property
     def digest(self) -> str:
         """Digest of all behaviors in `files`."""
-        return digest_of({name: file.checksum for name, file in self.files.items()})
+        return digest_of(self.checksums)
+
+    @property
+    def checksums(self) -> dict[str, str]:
+        """Checksum of each behavior in `files`, by name."""
+        return {name: file.checksum for name, file in self.files.items()}
 
     def file_digest(self, name: str) -> str:
         """Return the checksum of one behavior."""

@@ -86,10 +86,10 @@ class Senses:
         self.values[:] = self._blank
 
 
-def value_or_nan(read: Callable[[int], float], slot: int) -> float:
-    """Return the value in a slot; NaN if it has none or cannot be read."""
+def value_or_nan(read: Callable[..., float], *slot: int) -> float:
+    """Return a value, such as that in a slot; NaN if it has none or cannot be read."""
     try:
-        return read(slot)
+        return float(read(*slot))
     except Exception:  # of the domain's code
         return math.nan
 

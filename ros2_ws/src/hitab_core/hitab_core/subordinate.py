@@ -9,7 +9,7 @@ from contextlib import suppress
 from hitab_core.agent import Agent, Mode
 from hitab_core.errors import HitabError
 from hitab_core.order import Order, Report
-from hitab_core.senses import resolved
+from hitab_core.senses import resolved, value_or_nan
 from hitab_core.use import Use
 
 NAN = math.nan
@@ -159,6 +159,7 @@ class Subordinate:
     def _report(self, doing: Report) -> Report:
         self._told = doing
         self._beaten = True
+        # Written out: `dataclasses.replace` costs as much again, for each agent at each order.
         return Report(
             doing.agent,
             doing.epoch,
@@ -167,7 +168,7 @@ class Subordinate:
             doing.mode,
             doing.path,
             doing.flags,
-            tuple(NAN if read is None else _value(read) for read in self._readers),
+            tuple(NAN if read is None else value_or_nan(read) for read in self._readers),
             self._position(),
             self.agent.cycle,
             doing.episode,
@@ -196,11 +197,3 @@ class Subordinate:
             return () if position is None else (float(position[0]), float(position[1]))
         except Exception:  # a body without a position, or without a percept yet
             return ()
-
-
-def _value(read: Callable[[], float]) -> float:
-    """Return a feature's value; NaN if it has none now: a domain's code is a user's."""
-    try:
-        return float(read())
-    except Exception:
-        return NAN
