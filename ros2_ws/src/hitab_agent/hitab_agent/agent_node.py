@@ -106,8 +106,11 @@ class AgentNode(Node):
             self.shared.on_demand.add(self, self._offer_services)
         shared_link = None if self.agent.domain.link else self.shared.link(self.settings.world)
         if shared_link is None:
-            link = _link_class(self.agent.domain)
-            self._link = link(self, self.settings.world, self._on_percept)
+            if self.agent.domain.link:
+                link = _link_class(self.agent.domain)
+                self._link = link(self, self.settings.world, self._on_percept)
+            else:
+                self._link = WorldLink(self, self.settings.world)
         else:
             shared_link.add(self)
         if self.settings.commander:
@@ -155,6 +158,8 @@ class AgentNode(Node):
             self._sensed = True
         except Exception as error:
             self._tick_failed(what_went_wrong(error))
+        if percept.lockstep and self.superior is not None:
+            self.superior.round_begins(percept, self.seconds_of(percept))
         return self._sensed
 
     def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
@@ -171,7 +176,7 @@ class AgentNode(Node):
                 self._publish_status_soon()
         else:
             changed = percept.restart
-        if self.superior is not None:
+        if self.superior is not None and not percept.lockstep:
             self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
         return action
 
@@ -313,13 +318,11 @@ def _action(values: Sequence[float], say: str) -> tuple[Sequence[float], str]:
 
 
 def _link_class(domain: Domain) -> Any:
-    """Return the class that joins an agent of this domain to its robot or world.
+    """Return the class that joins an agent of this domain to its robot.
 
     Raises:
-        HitabError: if the domain names one that cannot be imported.
+        HitabError: if it cannot be imported.
     """
-    if not domain.link:
-        return WorldLink
     module, _, name = domain.link.partition(":")
     try:
         return getattr(import_module(module), name)

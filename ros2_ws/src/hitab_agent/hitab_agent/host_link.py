@@ -13,7 +13,10 @@ from hitab_msgs import msg
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from hitab_agent.order_desk import OrderDesk
 from hitab_agent.report_outbox import ReportOutbox
+from hitab_agent.round_gate import RoundGate
+from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.troupes import Troupes
 from hitab_core.agent import Agent
 from hitab_ros import names, qos
@@ -22,7 +25,7 @@ LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers the last percepts, not those that have gone by."""
 
 
-COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "restart")
+COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """What all percepts of a cycle have in common."""
 
 
@@ -31,6 +34,7 @@ class Perceiver(Protocol):
 
     agent_name: str
     agent: Agent
+    superior: SuperiorLink | None
 
     def take_in(self, percept: msg.Percept | PerceptOfBatch) -> bool:
         """Perceive; return whether that went well.
@@ -53,6 +57,7 @@ class PerceptOfBatch:
     episode: int
     seed: int
     look: bool
+    lockstep: bool
     restart: bool
     values: Sequence[float]
     heard: Sequence[str]
@@ -61,11 +66,13 @@ class PerceptOfBatch:
 class HostLink:
     """Answers the percepts of all agents of a host.
 
-    All perceive first, then all act; in between those that perform the same automaton are decided
-    for together.
+    All perceive first, then all act; in between, in lockstep, their commanders give orders, and
+    those that perform the same automaton are decided for together.
     """
 
-    def __init__(self, host: Node, name: str, world: str, outbox: ReportOutbox) -> None:
+    def __init__(
+        self, host: Node, name: str, world: str, outbox: ReportOutbox, orders: OrderDesk
+    ) -> None:
         """Make ready; nothing comes before `announce`.
 
         Args:
@@ -73,10 +80,12 @@ class HostLink:
             name: of the host, unique in the swarm.
             world: name of the world.
             outbox: of the process, held while all act.
+            orders: of the process.
         """
         self._host = host
         self._name = name
         self._outbox = outbox
+        self._gate = RoundGate(orders)
         self._perceivers: list[Perceiver] = []
         self._percept = PerceptOfBatch()
         self._troupes = Troupes()
@@ -133,7 +142,7 @@ class HostLink:
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, end, heard_end = batch.values, 0, 0
         perceived: list[int] = []
-        with self._outbox.held():
+        with self._outbox.at_once() if batch.lockstep else self._outbox.held():
             for place, (perceiver, count, n_heard) in enumerate(
                 zip(acting, batch.value_counts, heard_counts, strict=True)
             ):
@@ -143,6 +152,19 @@ class HostLink:
                 percept.heard = batch.heard[heard:heard_end]
                 if perceiver.take_in(percept):
                     perceived.append(place)
+        commanders: set[str] = set()
+        if batch.lockstep:
+            commanders = {p.superior.orders for p in acting if p.superior is not None}
+        self._gate.begin(
+            batch.sequence, commanders, lambda: self._answer(batch, acting, perceived)
+        )
+
+    def _answer(
+        self, batch: msg.PerceptBatch, acting: Sequence[Perceiver], perceived: Sequence[int]
+    ) -> None:
+        """Have all act that have taken in a percept of a batch, and answer it."""
+        answers, percept = self._answers, self._percept
+        with self._outbox.held():
             if not batch.look:
                 self._decide([acting[place].agent for place in perceived], perceived, batch)
             done, counts = array("d"), array("I")

@@ -8,10 +8,11 @@ from hitab_msgs import msg
 from rclpy.node import Node
 
 from hitab_core.order import Order
-from hitab_ros import names, qos
+from hitab_ros import qos
 from hitab_ros.conversions import order_of
 
 Take = Callable[[Order], None]
+Follow = Callable[[str, Order], None]
 
 
 class OrderDesk:
@@ -29,17 +30,16 @@ class OrderDesk:
         """
         self._node = node
         self._takers: dict[str, list[Take]] = {}
+        self._followers: dict[str, list[Follow]] = {}
         self._last: dict[str, Order] = {}
 
-    def listen(self, node: Node, commander: str, take: Take) -> None:
+    def listen(self, topic: str, take: Take) -> None:
         """Call ``take`` with the order in force, if one was heard, and with all that come.
 
         Args:
-            node: of the swarm.
-            commander: whose orders.
+            topic: of a commander's orders.
             take: what to do with them.
         """
-        topic = names.in_swarm(node, commander, names.ORDER)
         if topic in self._takers:
             self._takers[topic].append(take)
             if topic in self._last:
@@ -51,5 +51,11 @@ class OrderDesk:
             order = self._last[topic] = order_of(message)
             for taker in takers:
                 taker(order)
+            for follow in self._followers.get(topic, ()):
+                follow(topic, order)
 
         self._node.create_subscription(msg.Order, topic, on_order, qos.LATCHED)
+
+    def follow(self, topic: str, follow: Follow) -> None:
+        """Call ``follow`` with each order on a topic when all who are under it have taken it."""
+        self._followers.setdefault(topic, []).append(follow)

@@ -63,6 +63,13 @@ class ReportOutbox:
             if self._later is None:
                 self._flush()
 
+    @contextmanager
+    def at_once(self) -> Iterator[None]:
+        """Gather what is sent meanwhile, and send it at the end without waiting for others."""
+        with self.held():
+            yield
+        self._flush()
+
     def _flush(self) -> None:
         waiting, self._waiting = self._waiting, {}
         for topic, reports in waiting.items():

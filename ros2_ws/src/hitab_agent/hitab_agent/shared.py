@@ -86,7 +86,7 @@ class Shared:
         """Return the shared link to a world; None if this process is not a host."""
         if self.host is not None and world not in self.links:
             name = names.own_name(self.host)
-            self.links[world] = HostLink(self.host, name, world, self.outbox)
+            self.links[world] = HostLink(self.host, name, world, self.outbox, self.orders)
         return self.links.get(world)
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:

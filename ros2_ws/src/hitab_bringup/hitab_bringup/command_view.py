@@ -40,6 +40,16 @@ class CommandView:
             if "/" not in name:
                 self._watch(name)
 
+    def watch(self, commanders: Iterable[str]) -> None:
+        """Listen to commanders from now on."""
+        for commander in commanders:
+            self._watch(commander)
+
+    def incomplete(self, commanders: Iterable[str]) -> list[str]:
+        """Return the commanders that do not know of all their subordinates yet."""
+        groups = self.groups
+        return [name for name in commanders if name not in groups or any(groups[name].silent)]
+
     def _watch(self, commander: str) -> None:
         if commander not in self._watched:
             self._watched.add(commander)
@@ -53,8 +63,7 @@ class CommandView:
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders that are there, or are expected, have told."""
         wanted = set(expected)
-        for commander in wanted:
-            self._watch(commander)
+        self.watch(wanted)
 
         def complete() -> bool:
             if not wanted:

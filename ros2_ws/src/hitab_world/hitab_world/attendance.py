@@ -57,6 +57,9 @@ class Attendance:
         """Begin a round: forget the answers to the last one."""
         self._sequence = sequence
         self.answers = {}
+        if self._silent >= self.present:
+            # What all of them have waited for in vain, such as a commander, they have given up.
+            self._silent = set()
         self._awaited = self.present - self._silent
 
     def take(self, agent: str, sequence: int, answer: Answer) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 from hitab_msgs import msg
@@ -55,8 +56,10 @@ class WorldNode(Node):
         self.steps_left = 0
         self.episodes_left = 0
         self.disturbed = True
+        self._in_real_time = False
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._sequence = 0
+        # The time of day, so that the rounds of a world that is started again are new ones.
+        self._sequence = time.time_ns()
         self._restart = True
         self._note = ""
         self._error = ""
@@ -143,6 +146,7 @@ class WorldNode(Node):
     def _cycle(self, spinning: Spinner) -> None:
         self.disturbed = False
         lockstep = self.pace == msg.WorldStatus.LOCKSTEP
+        self._in_real_time |= not lockstep
         self._send_percepts(look=False)
         now = self._now_ns()
         if lockstep:
@@ -189,6 +193,7 @@ class WorldNode(Node):
             "episode": world.episode,
             "seed": world.seed,
             "look": look,
+            "lockstep": self.pace == msg.WorldStatus.LOCKSTEP,
             "restart": self._restart,
         }
         self._audience.send(common, world.percept)
@@ -223,6 +228,17 @@ class WorldNode(Node):
 
     # -- episodes ---------------------------------------------------------------------------
 
+    def begin_run(self, seed: int) -> None:
+        """Begin the first episode of a run, and to count what would make it another one."""
+        self.attendance.missed_deadlines = 0
+        self._in_real_time = False
+        self.begin_episode(0, seed)
+
+    @property
+    def reproducible(self) -> bool:
+        """Whether the same seed gives this run again: nobody was late, and no clock took part."""
+        return not (self._in_real_time or self.attendance.missed_deadlines)
+
     def _end_episode(self, ended: str) -> None:
         result = self.world.result()
         self._episodes.publish(
@@ -232,6 +248,7 @@ class WorldNode(Node):
                 cycles=result.cycles,
                 seconds=result.seconds,
                 ended=result.ended,
+                reproducible=self.reproducible,
                 measure_names=list(result.measures),
                 measures=[float(value) for value in result.measures.values()],
             )
@@ -278,6 +295,7 @@ class WorldNode(Node):
                 episode=world.episode,
                 seed=world.seed,
                 missed_deadlines=self.attendance.missed_deadlines,
+                reproducible=self.reproducible,
                 agents=list(world.agents),
                 missing=self.attendance.missing,
                 episodes_left=self.episodes_left,

@@ -66,6 +66,7 @@ class WorldServices:
                 if request.pace:
                     check_pace(request.pace)
                     node.pace = request.pace
+                    node.disturbed = True  # the agents have to know whether the world waits
                 if request.factor:
                     node.factor = request.factor
                 return f"pace {node.pace}, factor {node.factor:g}"
@@ -88,9 +89,8 @@ class WorldServices:
             raise HitabError(
                 f"no node answers for {', '.join(node.attendance.missing)}; start them first"
             )
-        node.attendance.missed_deadlines = 0
         node.episodes_left = request.episodes
-        node.begin_episode(0, request.seed)
+        node.begin_run(request.seed)
         node.paused = False
         node.steps_left = 0
         node.report_error("")
