@@ -1,4 +1,4 @@
-"""In lockstep the same seed gives the same run, bit for bit, wherever agents and commanders run."""
+"""In lockstep the same seed gives the same run, bit for bit, wherever the agents run."""
 
 import multiprocessing
 import sys
