@@ -1,17 +1,21 @@
 """In lockstep the same seed gives the same run, bit for bit, wherever the agents run."""
 
 import multiprocessing
-import sys
+import os
+import signal
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from hitab_msgs.srv import Control
 
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.command_view import CommandView
 from hitab_bringup.shipped import find_file, shipped
+from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
 from hitab_commander.commander_domain import commander_domain
@@ -187,5 +191,37 @@ def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
     assert in_process(world, alone) != keepers_in_process
 
 
-if __name__ == "__main__":
-    sys.exit(pytest.main([__file__]))
+@pytest.mark.parametrize("name", ["captain", "keeper_2"])
+def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name):
+    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
+    with temporary_swarm(swarm.with_world(pace="lockstep", paused=True), tmp_path) as running:
+        view = CommandView(running.link)
+        view.watch(["captain"])
+        running.world.control(Control.Request.STEP, cycles=10_000)
+        kill(running, name)
+        assert running.link.spin_until(lambda: not running.world.status.reproducible, 60.0)
+        assert running.world.status.missed_deadlines > 0
+        running.world.control(Control.Request.PAUSE)
+
+        def is_back() -> bool:
+            return not running.world.status.missing and not view.incomplete(["captain"])
+
+        def steps_until_back() -> bool:
+            running.world.step(1, seconds=60.0)
+            return is_back()
+
+        assert running.link.spin_until(steps_until_back, 60.0)
+        missed = running.world.status.missed_deadlines
+        running.world.step(20, seconds=60.0)
+        assert running.world.status.missed_deadlines == missed
+        assert not running.world.status.reproducible
+        (episode,) = running.world.play(1, seed=SEED)
+        assert episode.reproducible, "another run has begun"
+
+
+def kill(running: RunningSwarm, name: str) -> None:
+    (state,) = [s for s in process_states(running.record) if s["name"] == name]
+    os.kill(state["pid"], signal.SIGKILL)
+    assert running.link.spin_until(
+        lambda: all(s["pid"] != state["pid"] for s in process_states(running.record)), 20.0
+    )
