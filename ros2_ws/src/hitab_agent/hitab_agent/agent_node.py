@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
@@ -27,11 +26,12 @@ from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import use_of
+from hitab_ros.guarded_node import GuardedNode
 
 _NO_ACTION: tuple[Sequence[float], str] = ((), "")
 
 
-class AgentNode(Node):
+class AgentNode(GuardedNode):
     """One agent of the swarm, in the namespace of its name."""
 
     def __init__(
@@ -52,7 +52,7 @@ class AgentNode(Node):
         Raises:
             HitabError: if the domain, the library, the journal or the behavior is not usable.
         """
-        super().__init__(node_name, enable_rosout=False, start_parameter_services=False, **options)
+        super().__init__(node_name, **options)
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
         self.shared = shared or Shared.on(self)

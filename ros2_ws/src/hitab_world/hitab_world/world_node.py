@@ -12,6 +12,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.conversions import time_of
+from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.name_guard import refuse_second_of_name
 from hitab_ros.spinning import Loop, Spinner
 from hitab_world.attendance import Attendance
@@ -27,7 +28,7 @@ NAMED_MAX = 10  # agents that an error names
 UNREAD_MAX = 100  # events that are handled after a deadline to find answers among them
 
 
-class WorldNode(Node):
+class WorldNode(GuardedNode):
     """A world in the namespace of its name.
 
     `run` is the process's main loop: a cycle sends a percept to each agent, waits for their
@@ -45,7 +46,7 @@ class WorldNode(Node):
         Raises:
             HitabError: if a parameter is not usable.
         """
-        super().__init__("world", enable_rosout=False, start_parameter_services=False)
+        super().__init__("world")
         self.settings = settings = WorldSettings.declare(self)
         self.world = make_world(self, settings.seed)
         self._live_world = self.world if isinstance(self.world, LiveWorld) else None
@@ -89,13 +90,13 @@ class WorldNode(Node):
         while not spinning.stopped:
             self._attend()
             if not self._live():
-                spinning.executor.spin_once(timeout_sec=0.01)
+                spinning.spin_once(timeout_sec=0.01)
             elif self.paused and not self.steps_left:
                 if self.disturbed:
                     self._show(spinning)
-                spinning.executor.spin_once(timeout_sec=0.1)
+                spinning.spin_once(timeout_sec=0.1)
             elif self.pace == msg.WorldStatus.LOCKSTEP and not self.attendance.present:
-                spinning.executor.spin_once(timeout_sec=0.1)  # nobody to play with yet
+                spinning.spin_once(timeout_sec=0.1)  # nobody to play with yet
             else:
                 self._cycle(spinning)
         return spinning.exit_code
@@ -163,7 +164,7 @@ class WorldNode(Node):
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
         """Handle events until all have answered, or, with ``whole``, until the deadline."""
         attendance = self.attendance
-        spin_once = spinning.executor.spin_once
+        spin_once = spinning.spin_once
         while not self.disturbed and not spinning.stopped:
             if not whole and attendance.complete:
                 return
