@@ -10,13 +10,14 @@ from typing import Protocol
 import numpy as np
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.troupes import Troupes
 from hitab_core.agent import Agent
 from hitab_ros import names, qos
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers the last percepts, not those that have gone by."""
@@ -31,6 +32,7 @@ class Perceiver(Protocol):
 
     agent_name: str
     agent: Agent
+    guard: Guard
 
     def take_in(self, percept: msg.Percept | PerceptOfBatch) -> bool:
         """Perceive; return whether that went well.
@@ -40,6 +42,19 @@ class Perceiver(Protocol):
 
     def answer(self, percept: msg.Percept | PerceptOfBatch) -> tuple[Sequence[float], str]:
         """Act on what was perceived, unless the percept is only to be looked at."""
+
+
+class _Guarded:
+    """A perceiver that never raises: what goes wrong with one agent touches no other."""
+
+    __slots__ = ("agent", "agent_name", "answer", "take_in")
+
+    def __init__(self, perceiver: Perceiver) -> None:
+        guard = perceiver.guard
+        self.agent = perceiver.agent
+        self.agent_name = perceiver.agent_name
+        self.take_in = guard.wrap("perceiving", perceiver.take_in, otherwise=False)
+        self.answer = guard.wrap("acting", perceiver.answer, otherwise=((), ""))
 
 
 class PerceptOfBatch:
@@ -65,7 +80,7 @@ class HostLink:
     for together.
     """
 
-    def __init__(self, host: Node, name: str, world: str, outbox: ReportOutbox) -> None:
+    def __init__(self, host: GuardedNode, name: str, world: str, outbox: ReportOutbox) -> None:
         """Make ready; nothing comes before `announce`.
 
         Args:
@@ -77,7 +92,7 @@ class HostLink:
         self._host = host
         self._name = name
         self._outbox = outbox
-        self._perceivers: list[Perceiver] = []
+        self._perceivers: list[_Guarded] = []
         self._percept = PerceptOfBatch()
         self._troupes = Troupes()
         self._episode: tuple[int, int] | None = None
@@ -91,7 +106,7 @@ class HostLink:
 
     def add(self, perceiver: Perceiver) -> None:
         """Have an agent perceive and act from the next announcement on."""
-        self._perceivers.append(perceiver)
+        self._perceivers.append(_Guarded(perceiver))
 
     def announce(self) -> None:
         """Tell the world who is here, and listen."""
@@ -144,7 +159,9 @@ class HostLink:
                 if perceiver.take_in(percept):
                     perceived.append(place)
             if not batch.look:
-                self._decide([acting[place].agent for place in perceived], perceived, batch)
+                agents = [acting[place].agent for place in perceived]
+                # Those that nothing was decided for decide when they act.
+                self._host.guard.run("deciding together", self._decide, agents, perceived, batch)
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, perceiver in zip(batch.agents, acting, strict=True):

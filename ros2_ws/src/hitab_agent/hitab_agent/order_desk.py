@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_core.order import Order
 from hitab_ros import names, qos
 from hitab_ros.conversions import order_of
+from hitab_ros.guarded_node import GuardedNode
 
 Take = Callable[[Order], None]
 
@@ -21,7 +21,7 @@ class OrderDesk:
     than obeying it: a squad that lives in one process reads once.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: GuardedNode) -> None:
         """Make it.
 
         Args:
@@ -31,14 +31,15 @@ class OrderDesk:
         self._takers: dict[str, list[Take]] = {}
         self._last: dict[str, Order] = {}
 
-    def listen(self, node: Node, commander: str, take: Take) -> None:
+    def listen(self, node: GuardedNode, commander: str, take: Take) -> None:
         """Call ``take`` with the order in force, if one was heard, and with all that come.
 
         Args:
-            node: of the swarm.
+            node: of the agent that listens, in whose status a failure of ``take`` is shown.
             commander: whose orders.
             take: what to do with them.
         """
+        take = node.guard.wrap(f"order of {commander}", take)
         topic = names.in_swarm(node, commander, names.ORDER)
         if topic in self._takers:
             self._takers[topic].append(take)

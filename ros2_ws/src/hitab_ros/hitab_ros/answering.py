@@ -16,11 +16,15 @@ Serve = Callable[[Any, Any], str]
 
 def what_went_wrong(error: Exception) -> str:
     """Say an error in words, with its place if it is not a user's but one in the code."""
+    try:
+        said = str(error)
+    except Exception:  # an error of somebody else's
+        said = "(it cannot be said)"
     if isinstance(error, HitabError):
-        return plain(str(error))
+        return plain(said)
     places = traceback.extract_tb(error.__traceback__)
     place = f" in {Path(places[-1].filename).name}:{places[-1].lineno}" if places else ""
-    return plain(f"{type(error).__name__}{place}: {error}")
+    return plain(f"{type(error).__name__}{place}: {said}")
 
 
 def answering(

@@ -53,6 +53,10 @@ class Faults:
         if self._texts.pop(key, None) is not None:
             self.changed()
 
+    def text(self, key: str) -> str:
+        """Return what is wrong under a key; "" if nothing is."""
+        return self._texts.get(key, "")
+
     def texts(self) -> list[str]:
         """Return what is wrong, as a status shows it."""
         texts = list(self._texts.values())

@@ -75,8 +75,10 @@ class Guard:
             self.faults.clear(key)
         return True
 
-    def wrap(self, key: str, callback: Callable[..., Any]) -> Callable[..., Any]:
-        """Return a callback that never raises; where the given one does, it returns None."""
+    def wrap(
+        self, key: str, callback: Callable[..., Any], otherwise: Any = None
+    ) -> Callable[..., Any]:
+        """Return a callback that never raises but returns ``otherwise`` instead."""
         faults = self.faults
 
         if inspect.iscoroutinefunction(callback):
@@ -87,7 +89,7 @@ class Guard:
                     answer = await callback(*arguments)
                 except Exception as error:
                     self.failed(key, error)
-                    return None
+                    return otherwise
                 if key in faults:
                     faults.clear(key)
                 return answer
@@ -100,7 +102,7 @@ class Guard:
                 answer = callback(*arguments)
             except Exception as error:
                 self.failed(key, error)
-                return None
+                return otherwise
             if key in faults:
                 faults.clear(key)
             return answer

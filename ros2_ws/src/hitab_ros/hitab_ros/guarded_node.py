@@ -23,10 +23,16 @@ class GuardedNode(Node):
     """
 
     def __init__(self, node_name: str, **options: Any) -> None:
-        self.guard = Guard(lambda text: self.get_logger().error(text))
-        self.guard.faults.changed = lambda: self.faults_changed()
+        self.guard = Guard(lambda text: self.get_logger().warning(text))
+        self.guard.faults.changed = self._tell_of_faults
         options = {"enable_rosout": False, "start_parameter_services": False, **options}
         super().__init__(node_name, **options)
+
+    def _tell_of_faults(self) -> None:
+        try:
+            self.faults_changed()
+        except Exception as error:  # the guard calls this while it handles another error
+            self.guard.log(f"faults cannot be shown: {error!r}", type(error))
 
     def faults_changed(self) -> None:
         """Do what has to be done when a fault has appeared or gone, such as publish a status."""
@@ -42,14 +48,14 @@ class GuardedNode(Node):
         self, timer_period_sec: float, callback: Callable[..., Any], *args: Any, **options: Any
     ) -> Any:
         """Make a timer; see `rclpy.node.Node`."""
-        guarded = self.guard.wrap(f"timer {_name(callback)}", callback)
+        guarded = self.guard.wrap(f"timer {name_of(callback)}", callback)
         return super().create_timer(timer_period_sec, guarded, *args, **options)
 
     def create_guard_condition(
         self, callback: Callable[..., Any], *args: Any, **options: Any
     ) -> Any:
         """Make a guard condition; see `rclpy.node.Node`."""
-        guarded = self.guard.wrap(f"condition {_name(callback)}", callback)
+        guarded = self.guard.wrap(f"condition {name_of(callback)}", callback)
         return super().create_guard_condition(guarded, *args, **options)
 
     def create_service(
@@ -82,7 +88,7 @@ class GuardedNode(Node):
         return client
 
 
-def _name(callback: Callable[..., Any]) -> str:
+def name_of(callback: Callable[..., Any]) -> str:
     """Return what a callback is called, for people."""
     while isinstance(callback, functools.partial):
         callback = callback.func

@@ -158,3 +158,24 @@ def test_different_errors_are_logged_at_a_bounded_rate(pair: Pair) -> None:
     assert len(pair.logged) < 30
     assert sum(map(len, pair.logged)) < 100_000
     assert sum(map(len, pair.faults)) < 30_000
+
+
+class Unspeakable(Exception):
+    """An error of somebody else's that cannot even be printed."""
+
+    def __str__(self) -> str:
+        raise ValueError("no")
+
+    __repr__ = __str__
+
+
+def test_the_guard_survives_errors_that_cannot_be_printed_and_a_status_that_fails(pair):
+    pair.node.faults_changed = lambda: 1 / 0
+
+    def take(command: msg.Command) -> None:
+        raise Unspeakable
+
+    pair.node.create_subscription(msg.Command, "command", take, 10)
+    pair.publisher(msg.Command, "command").publish(msg.Command())
+    pair.until(lambda: pair.faults)
+    assert "topic command failed: Unspeakable" in pair.faults[0]
