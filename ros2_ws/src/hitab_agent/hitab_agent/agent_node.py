@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
@@ -27,11 +26,15 @@ from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import use_of
+from hitab_ros.guarded_node import GuardedNode
 
 _NO_ACTION: tuple[Sequence[float], str] = ((), "")
 
+TICK = "tick"
+"""The fault of an agent that does nothing, since it cannot perceive, decide or act."""
 
-class AgentNode(Node):
+
+class AgentNode(GuardedNode):
     """One agent of the swarm, in the namespace of its name."""
 
     def __init__(
@@ -52,7 +55,8 @@ class AgentNode(Node):
         Raises:
             HitabError: if the domain, the library, the journal or the behavior is not usable.
         """
-        super().__init__(node_name, enable_rosout=False, start_parameter_services=False, **options)
+        self._joined = False
+        super().__init__(node_name, **options)
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
         self.shared = shared or Shared.on(self)
@@ -69,9 +73,10 @@ class AgentNode(Node):
             state,
             seed=settings.seed,
             most_probable=settings.most_probable,
-            observe=self.transition_log.observe,
+            observe=self.guard.wrap("publishing a transition", self.transition_log.observe),
         )
         self._tick_error = ""
+        self._failed_in = ("", "")
         self._error = ""
         self._recent = RecentCommands()
         self._last_path: list[str] = []
@@ -96,6 +101,8 @@ class AgentNode(Node):
 
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
+        self._joined = True
+        self.shared.members.append(self._publish_status_soon)
         self._commands = self.create_subscription(
             msg.Command, names.COMMAND, self._on_command, qos.EVENTS
         )
@@ -117,7 +124,7 @@ class AgentNode(Node):
             self.superior = SuperiorLink(
                 self, self.settings.commander, self.settings.role, self.outbox
             )
-            self.ticker.every(HEARTBEAT_S, self.superior.heartbeat)
+            self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if self.agent.session is not None:
             training = self.agent.session
             self.report_error(
@@ -157,7 +164,7 @@ class AgentNode(Node):
                 agent.restart(percept.seed, percept.episode)
             self._sensed = True
         except Exception as error:
-            self._tick_failed(what_went_wrong(error))
+            self._tick_failed(error)
         if percept.lockstep and self.superior is not None:
             self.superior.round_begins(percept, self.seconds_of(percept))
         return self._sensed
@@ -194,24 +201,31 @@ class AgentNode(Node):
             agent.tick()
             action = _action(*agent.act())
         except Exception as error:
-            self._tick_failed(what_went_wrong(error))
+            self._tick_failed(error)
             return _NO_ACTION
         if self._tick_error:
-            self._tick_error = ""
-            self.report_error("")
+            self._tick_succeeded()
         return action
 
-    def _tick_failed(self, why: str) -> None:
+    def _tick_failed(self, error: Exception) -> None:
+        why = what_went_wrong(error)
+        self._failed_in = (self.agent.mode.value, self.agent.behavior)
         if why != self._tick_error:
             self._tick_error = why
-            self.report_error(f"{self.agent_name} did nothing in cycle {self.agent.cycle}: {why}")
+            text = f"{self.agent_name} did nothing in cycle {self.agent.cycle}: {why}"
+            self.guard.log(text, ("tick", why))
+            self.guard.faults.set(TICK, text)
+
+    def _tick_succeeded(self) -> None:
+        self._tick_error = ""
+        self.guard.faults.clear(TICK)
 
     # -- orders of a commander ----------------------------------------------------------------
 
     def ordered(self) -> None:
         """Do what has to be done when an order was heard: it has been taken up, or waits."""
         if self._refusal:
-            self.get_logger().warning(self._refusal)
+            self.guard.log(self._refusal)
             self._error = ""
             self.publish_status()
         else:
@@ -254,12 +268,9 @@ class AgentNode(Node):
     # -- status -----------------------------------------------------------------------------
 
     def report_error(self, text: str) -> None:
-        """Publish the status with an error, or without one.
-
-        Without one it tells why an order waits, if it cannot be obeyed.
-        """
+        """Publish the status with what was refused or, if nothing was, what is wrong and lasts."""
         if text:
-            self.get_logger().warning(text)
+            self.guard.log(text)
         self._error = text
         self.publish_status()
 
@@ -268,10 +279,24 @@ class AgentNode(Node):
         self._status.distribution = sequence
         self.report_error(error)
 
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong and lasts, each until its cause ends."""
+        refusal = self._refusal
+        waits = [refusal] if refusal else []
+        return [*waits, *self.guard.faults.texts(), *self.shared.faults]
+
+    def faults_changed(self) -> None:
+        """Publish a status soon, once all is there that it tells."""
+        if self._joined:
+            self._publish_status_soon()
+
     def publish_status(self) -> None:
         """Publish what the agent does now."""
         agent, status = self.agent, self._status
         session = agent.session
+        if self._tick_error and self._failed_in != (agent.mode.value, agent.behavior):
+            self._tick_succeeded()  # what failed is not performed any more
         self._last_path = agent.active_path
         status.stamp = self._percept_stamp
         status.mode = agent.mode.value
@@ -281,7 +306,9 @@ class AgentNode(Node):
         status.default_examples = session.log.defaults if session else 0
         status.cycle = agent.cycle
         status.library_digest = agent.library_digest
-        status.last_error = self._error or self._refusal
+        faults = self.faults
+        status.faults = faults
+        status.last_error = self._error or (faults[0] if faults else "")
         if self.superior is not None:
             subordinate = self.superior.subordinate
             status.superior = self.superior.commander

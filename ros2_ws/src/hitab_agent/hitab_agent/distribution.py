@@ -11,7 +11,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from hitab_msgs import msg, srv
-from rclpy.node import Node
 
 from hitab_core.bundle import Bundle, make_bundle
 from hitab_core.errors import VocabularyError
@@ -19,6 +18,8 @@ from hitab_core.use import Use
 from hitab_ros import names, qos
 from hitab_ros.answering import answering, what_went_wrong
 from hitab_ros.conversions import use_of
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode
 
 if TYPE_CHECKING:
     from hitab_agent.agent_node import AgentNode
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 class DistributionDesk:
     """The topics of distribution; the agents of a process share one."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: GuardedNode) -> None:
         distribution = names.in_swarm(node, names.DISTRIBUTION)
         acknowledgement = names.in_swarm(node, names.DISTRIBUTION_ACK)
         self.outgoing = node.create_publisher(msg.Distribution, distribution, qos.EVENTS)
@@ -36,13 +37,13 @@ class DistributionDesk:
         self._node = node
         self._topic = distribution
 
-    def add(self, receive: Callable[[msg.Distribution], None]) -> None:
-        """Have an agent receive what is distributed from now on."""
+    def add(self, receive: Callable[[msg.Distribution], None], guard: Guard) -> None:
+        """Have an agent receive what is distributed from now on, under its own guard."""
         if not self._receivers:
             self._node.create_subscription(
                 msg.Distribution, self._topic, self._on_distribution, qos.EVENTS
             )
-        self._receivers.append(receive)
+        self._receivers.append(guard.wrap("distribution", receive))
 
     def _on_distribution(self, sent: msg.Distribution) -> None:
         for receive in self._receivers:
@@ -57,7 +58,7 @@ class Distributor:
         self._agent = node.agent
         self._outgoing = desk.outgoing
         self._acknowledge = desk.acknowledge
-        desk.add(self._receive)
+        desk.add(self._receive, node.guard)
 
     def offer(self) -> None:
         """Offer the service that distributes."""

@@ -10,7 +10,6 @@ from typing import Protocol
 import numpy as np
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_agent.order_desk import OrderDesk
@@ -20,6 +19,8 @@ from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.troupes import Troupes
 from hitab_core.agent import Agent
 from hitab_ros import names, qos
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers the last percepts, not those that have gone by."""
@@ -35,6 +36,7 @@ class Perceiver(Protocol):
     agent_name: str
     agent: Agent
     superior: SuperiorLink | None
+    guard: Guard
 
     def take_in(self, percept: msg.Percept | PerceptOfBatch) -> bool:
         """Perceive; return whether that went well.
@@ -44,6 +46,25 @@ class Perceiver(Protocol):
 
     def answer(self, percept: msg.Percept | PerceptOfBatch) -> tuple[Sequence[float], str]:
         """Act on what was perceived, unless the percept is only to be looked at."""
+
+
+class _Guarded:
+    """A perceiver that never raises: what goes wrong with one agent touches no other."""
+
+    __slots__ = ("_perceiver", "agent", "agent_name", "answer", "take_in")
+
+    def __init__(self, perceiver: Perceiver) -> None:
+        guard = perceiver.guard
+        self._perceiver = perceiver
+        self.agent = perceiver.agent
+        self.agent_name = perceiver.agent_name
+        self.take_in = guard.wrap("perceiving", perceiver.take_in, otherwise=False)
+        self.answer = guard.wrap("acting", perceiver.answer, otherwise=((), ""))
+
+    @property
+    def superior(self) -> SuperiorLink | None:
+        """How it is joined to its commander, once it has joined the swarm; None: it has none."""
+        return self._perceiver.superior
 
 
 class PerceptOfBatch:
@@ -71,7 +92,7 @@ class HostLink:
     """
 
     def __init__(
-        self, host: Node, name: str, world: str, outbox: ReportOutbox, orders: OrderDesk
+        self, host: GuardedNode, name: str, world: str, outbox: ReportOutbox, orders: OrderDesk
     ) -> None:
         """Make ready; nothing comes before `announce`.
 
@@ -86,7 +107,7 @@ class HostLink:
         self._name = name
         self._outbox = outbox
         self._gate = RoundGate(orders)
-        self._perceivers: list[Perceiver] = []
+        self._perceivers: list[_Guarded] = []
         self._percept = PerceptOfBatch()
         self._troupes = Troupes()
         self._episode: tuple[int, int] | None = None
@@ -100,7 +121,7 @@ class HostLink:
 
     def add(self, perceiver: Perceiver) -> None:
         """Have an agent perceive and act from the next announcement on."""
-        self._perceivers.append(perceiver)
+        self._perceivers.append(_Guarded(perceiver))
 
     def announce(self) -> None:
         """Tell the world who is here, and listen."""
@@ -166,7 +187,9 @@ class HostLink:
         answers, percept = self._answers, self._percept
         with self._outbox.held():
             if not batch.look:
-                self._decide([acting[place].agent for place in perceived], perceived, batch)
+                agents = [acting[place].agent for place in perceived]
+                # Those that nothing was decided for decide when they act.
+                self._host.guard.run("deciding together", self._decide, agents, perceived, batch)
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, perceiver in zip(batch.agents, acting, strict=True):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-
-from rclpy.node import Node
 
 from hitab_agent.distribution import DistributionDesk
 from hitab_agent.host_link import HostLink
@@ -21,6 +20,7 @@ from hitab_agent.ticker import Ticker
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
 from hitab_ros import names
+from hitab_ros.guarded_node import GuardedNode
 
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published no more often than this."""
@@ -48,6 +48,7 @@ class Shared:
         on_demand: offers services when somebody asks; None: each agent offers its own at once.
         domains: the domains that were loaded, by name.
         libraries: those that were opened, by folder and domain.
+        members: of a host, to be called when what is wrong with the host has changed.
     """
 
     ticker: Ticker
@@ -55,14 +56,15 @@ class Shared:
     orders: OrderDesk
     outbox: ReportOutbox
     distributions: DistributionDesk
-    host: Node | None = None
+    host: GuardedNode | None = None
     links: dict[str, HostLink] = field(default_factory=dict)
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
     libraries: dict[tuple[Path, str], BehaviorLibrary] = field(default_factory=dict)
+    members: list[Callable[[], None]] = field(default_factory=list)
 
     @classmethod
-    def on(cls, node: Node) -> Shared:
+    def on(cls, node: GuardedNode) -> Shared:
         """Return what a node needs for itself, or a host's for the agents of its process."""
         return cls(
             Ticker(node),
@@ -73,14 +75,25 @@ class Shared:
         )
 
     @classmethod
-    def of_host(cls, node: Node, agents: int) -> Shared:
+    def of_host(cls, node: GuardedNode, agents: int) -> Shared:
         """Return what the agents of a host share, on a node in a namespace of its own."""
         shared = cls.on(node)
         shared.host = node
+        node.guard.faults.changed = shared.tell_all
         shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
         shared.on_demand = ServicesOnDemand(node)
         shared.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), shared.on_demand.look)
         return shared
+
+    def tell_all(self) -> None:
+        """Have all agents show what is wrong with their host, or that it is over."""
+        for member in self.members:
+            member()
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with the host, and so with each of its agents."""
+        return [] if self.host is None else self.host.guard.faults.texts()
 
     def link(self, world: str) -> HostLink | None:
         """Return the shared link to a world; None if this process is not a host."""

@@ -34,7 +34,7 @@ class SuperiorLink:
         self.orders = names.in_swarm(node, commander, names.ORDER)
         self._seconds = 0.0
         outbox.open(self._topic)
-        node.shared.orders.listen(self.orders, self._on_order)
+        node.shared.orders.listen(node, self.orders, self._on_order)
 
     def _on_order(self, order: Order) -> None:
         with self._outbox.held():

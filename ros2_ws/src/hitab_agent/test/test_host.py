@@ -208,3 +208,42 @@ def test_what_was_made_of_libraries_that_nobody_has_any_more_is_forgotten(swarm)
         assert len({agent.library_digest for agent in agents}) == 1
         swarm.act([1.0] * SIZE)
         assert troupes_of(agents[0]) == 1
+
+
+def hear_faults(swarm: Swarm, number: int) -> list[list[str]]:
+    told: list[list[str]] = []
+    swarm.desk.create_subscription(
+        msg.AgentStatus,
+        f"/agent_{number}/{names.STATUS}",
+        lambda status: told.append(list(status.faults)),
+        qos.LATCHED,
+    )
+    swarm._process.until(lambda: told)
+    return told
+
+
+def test_who_fails_outside_its_body_fails_alone_and_says_so(swarm):
+    # The percepts of all are handled in one callback.
+    told, others = hear_faults(swarm, 3), hear_faults(swarm, 4)
+    node = swarm.nodes[3]
+    swarm.act([1.0] * SIZE)
+    of_time, node._publish_status_soon = node._publish_status_soon, lambda: 1 / 0
+    node._unsettled = True
+    done = swarm.act([-1.0] * SIZE)
+    assert done[:3] + done[4:] == [[1.0]] * (SIZE - 1)
+    assert done[3] == []
+    node._publish_status_soon = of_time
+    node.publish_status()
+    swarm._process.until(lambda: any("ZeroDivisionError" in f for told_ in told for f in told_))
+    swarm.act([1.0] * SIZE)
+    swarm._process.until(lambda: told[-1] == [])
+    assert not any(others)
+
+
+def test_what_is_wrong_with_a_host_is_said_by_all_its_agents(swarm):
+    told = hear_faults(swarm, 5)
+    swarm.act([1.0] * SIZE)
+    swarm.desk.guard.failed("topic percepts", RuntimeError("of the host"))
+    swarm._process.until(lambda: told[-1] and "of the host" in told[-1][0])
+    swarm.desk.guard.faults.clear("topic percepts")
+    swarm._process.until(lambda: told[-1] == [])

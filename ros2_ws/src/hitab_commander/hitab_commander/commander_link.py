@@ -69,7 +69,7 @@ class CommanderLink:
         self.body.on_order = self._on_order
         self._take_up(remembered)
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
-        node.ticker.every(1.0 / self.body.kind.rate, self._on_time)
+        node.ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates go on with what they were ordered."""
@@ -213,12 +213,9 @@ class CommanderLink:
         if (performed, body.order.sequence) != self._kept:
             self._kept = (performed, body.order.sequence)
             order = body.order
-            try:
-                self._memory.keep(Remembered(order.epoch, performed, order.name))
-            except OSError as error:
-                self._node.get_logger().warning(
-                    f'a restart would forget the order "{order.name}": {error}'
-                )
+            # It is obeyed although it cannot be written down.
+            kept = Remembered(order.epoch, performed, order.name)
+            self._node.guard.run("remembering the order for a restart", self._memory.keep, kept)
 
 
 def _roles(node: CommanderNode) -> dict[str, str]:

@@ -33,7 +33,8 @@ class GroupStatus:
         path = agent.active_path
         # A member that has not reported is not disobeying.
         silent = [not body.knows_of(name) for name in body.members]
-        doing = (agent.mode, agent.behavior, path, silent)
+        faults = self._node.faults
+        doing = (agent.mode, agent.behavior, path, silent, faults)
         if not self.changed and doing == self._doing:
             return
         self.changed = False
@@ -54,5 +55,6 @@ class GroupStatus:
                 behaviors=[r.path[0] if r is not None and r.path else "" for r in reports],
                 obeying=[body.obeys(name) for name in body.members],
                 silent=silent,
+                faults=faults,
             )
         )

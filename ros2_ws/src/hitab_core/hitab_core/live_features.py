@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Sequence
 
 from hitab_core.automaton import FLAGS
-from hitab_core.errors import FeatureValueError
 from hitab_core.running_automaton import Running, RunningAutomaton, Stage
 from hitab_core.troupe import LevelOfMember, TroupeMember
 from hitab_core.use import Use
@@ -46,7 +45,7 @@ def live_features(
 def _values(running: RunningAutomaton | LevelOfMember) -> Iterable[float]:
     try:
         return running.peek_features()
-    except FeatureValueError:
+    except Exception:  # looking at an agent must not end it, whatever its domain does
         return [math.nan] * len(running.automaton.features)
 
 
@@ -55,5 +54,5 @@ def _value(stage: Stage, use: Use) -> float:
         return math.nan  # a flag is raised by a behavior to the automaton that uses it
     try:
         return stage.senses.read(stage.senses.slot(use))
-    except FeatureValueError:
+    except Exception:  # such as of a body that has not perceived anything yet
         return math.nan

@@ -62,6 +62,10 @@ class Attendance:
             self._silent = set()
         self._awaited = self.present - self._silent
 
+    def excuse(self, agent: str) -> None:
+        """Do not wait for an agent in this round: there is nothing that it could answer."""
+        self._awaited.discard(agent)
+
     def take(self, agent: str, sequence: int, answer: Answer) -> None:
         """Take an agent's answer; one to an earlier round only tells that the agent is alive."""
         self._silent.discard(agent)
