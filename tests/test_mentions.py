@@ -81,7 +81,7 @@ def of_hitab(mention: Mention) -> bool:
     return mention.words[0].rpartition("/")[2] == "hitab"
 
 
-@pytest.mark.parametrize("mention", filter(of_hitab, FOUND), ids=str)
+@pytest.mark.parametrize("mention", list(filter(of_hitab, FOUND)), ids=str)
 def test_every_command_that_is_mentioned_is_there(mention):
     # Without it an error may send its reader to a command that does not exist.
     assert not complaint(list(mention.words[1:]), in_passing=mention.in_passing)
@@ -96,7 +96,7 @@ def test_what_is_not_there_is_found_out():
     assert len([m for m in FOUND if of_hitab(m)]) > 100
 
 
-@pytest.mark.parametrize(("path", "command"), leaves(), ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(("path", "command"), list(leaves()), ids=lambda value: str(value)[:40])
 def test_every_command_that_talks_to_a_swarm_can_be_told_which(path, command):
     # "Several swarms are up; say which with --swarm NAME" must hold for each of them.
     names = set(command.callback.__code__.co_names) | set(command.callback.__code__.co_consts)
@@ -118,7 +118,7 @@ def of_scripts(mention: Mention) -> bool:
     return mention.words[0].startswith("scripts/") and not of_hitab(mention)
 
 
-@pytest.mark.parametrize("mention", filter(of_scripts, FOUND), ids=str)
+@pytest.mark.parametrize("mention", list(filter(of_scripts, FOUND)), ids=str)
 def test_every_script_and_benchmark_that_is_mentioned_takes_its_options(mention):
     script, *words = mention.words
     assert (ROOT / script).is_file()
@@ -141,7 +141,7 @@ def of_python(mention: Mention) -> bool:
     return mention.words[:2] == ("python", "-m")
 
 
-@pytest.mark.parametrize("mention", filter(of_python, FOUND), ids=str)
+@pytest.mark.parametrize("mention", list(filter(of_python, FOUND)), ids=str)
 def test_every_module_that_is_mentioned_can_be_run(mention):
     from hitab_agent.settings import DESCRIPTIONS as OF_AGENTS
     from hitab_world.settings import DESCRIPTIONS as OF_WORLDS
@@ -164,6 +164,6 @@ def test_every_module_that_is_mentioned_can_be_run(mention):
         known |= set(
             re.findall(r'parameter\((?:node, )?"(\w+)"', path.read_text(encoding="utf-8"))
         )
-    for word in mention.words:
-        if match := re.match(r"(\w+)(\.\w+)?:=", word):
-            assert match[2] or match[1] in known or match[1].startswith("__")
+    for flag, word in zip(mention.words, mention.words[1:], strict=False):
+        if flag == "-p" and (match := re.match(r"(\w+)(\.\w+)?:=", word)):
+            assert match[2] or match[1] in known
