@@ -92,7 +92,13 @@ class HostLink:
     """
 
     def __init__(
-        self, host: GuardedNode, name: str, world: str, outbox: ReportOutbox, orders: OrderDesk
+        self,
+        host: GuardedNode,
+        name: str,
+        world: str,
+        outbox: ReportOutbox,
+        orders: OrderDesk,
+        swarm: str = "",
     ) -> None:
         """Make ready; nothing comes before `announce`.
 
@@ -102,7 +108,9 @@ class HostLink:
             world: name of the world.
             outbox: of the process, held while all act.
             orders: of the process.
+            swarm: identity of the swarm that the agents are part of; empty: none.
         """
+        self._swarm = swarm
         self._host = host
         self._name = name
         self._outbox = outbox
@@ -138,6 +146,7 @@ class HostLink:
                 host=self._name,
                 number=self._answers.roster,
                 agents=[perceiver.agent_name for perceiver in self._perceivers],
+                swarm=self._swarm,
             )
         )
 

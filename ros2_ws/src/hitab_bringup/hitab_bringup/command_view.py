@@ -9,6 +9,7 @@ from typing import Any
 from hitab_msgs.msg import CommanderStatus
 
 from hitab_bringup import names
+from hitab_bringup.identity import is_own
 from hitab_bringup.ros_link import RosLink
 from hitab_ros import qos
 from hitab_ros.names import GROUP
@@ -20,11 +21,17 @@ LATER_SECONDS = 0.3
 class CommandView:
     """Listens to all commanders of a swarm.
 
+    Args:
+        link: the node to use.
+        prefix: namespace of the swarm.
+        identity: of the swarm that is meant; empty: whichever is there.
+
     Attributes:
         groups: what each commander tells of its group, by its name.
     """
 
-    def __init__(self, link: RosLink, prefix: str = "") -> None:
+    def __init__(self, link: RosLink, prefix: str = "", identity: str = "") -> None:
+        self._identity = identity
         self.groups: dict[str, CommanderStatus] = {}
         self._link = link
         self._prefix = prefix
@@ -56,9 +63,13 @@ class CommandView:
             self._link.subscribe(
                 CommanderStatus,
                 names.of_agent(commander, GROUP, self._prefix),
-                lambda group: self.groups.__setitem__(group.commander, group),
+                self._take,
                 qos.LATCHED,
             )
+
+    def _take(self, group: CommanderStatus) -> None:
+        if is_own(group.swarm, self._identity, started_by_it=False):
+            self.groups[group.commander] = group
 
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders that are there, or are expected, have told."""

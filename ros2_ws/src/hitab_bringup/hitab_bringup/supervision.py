@@ -24,12 +24,14 @@ import psutil  # type: ignore[import-untyped]
 from hitab_bringup.dds_profile import choose_profile
 from hitab_bringup.domain_ids import LOCALHOST
 from hitab_bringup.errors import SwarmError
+from hitab_bringup.identity import new_identity
 from hitab_bringup.libraries import prepare
 from hitab_bringup.run_folder import MARK, RunFolder, RunRecord
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import processes
+from hitab_ros.exit_codes import FINAL
 
 STOP_SECONDS = 10.0
 
@@ -59,7 +61,8 @@ def refuse_running(folder: RunFolder) -> None:
     before = folder.read()
     if before is not None and folder.supervisor(before) is not None:
         raise SwarmError(
-            f'swarm "{before.swarm}" is already up in {folder.path}; stop it with `hitab down`'
+            f'swarm "{before.swarm}" is already up in {folder.path}; '
+            f"stop it with `hitab down --run-dir {folder.path}`"
         )
 
 
@@ -83,10 +86,11 @@ def launch(
     folder.prepare()
     prepare(swarm, folder.path)
     socket = folder.socket_path()
-    started = processes(swarm, folder.path)
+    identity = new_identity(swarm.name)
+    started = processes(swarm, folder.path, identity)
     for process in started:
         folder.log(process.name).unlink(missing_ok=True)
-    config = folder.path / "supervisord.conf"
+    config = folder.configuration
     config.write_text(
         supervisor_config(started, folder.path, folder.path / "logs", socket), encoding="utf-8"
     )
@@ -100,6 +104,7 @@ def launch(
         swarm.world is not None,
         supervisor.pid,
         str(socket),
+        identity,
     )
     folder.write(record, register=not temporary)
     _await_socket(supervisor, socket, folder)
@@ -175,12 +180,13 @@ def refuse_failed(record: RunRecord, folder: RunFolder) -> None:
     """
     for state in process_states(record):
         if state["statename"] in FAILED:
-            name = state["name"]
-            raise SwarmError(_failure(name, folder))
+            raise SwarmError(_failure(state["name"], state["exitstatus"], folder))
 
 
-def _failure(process: str, folder: RunFolder) -> str:
+def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     lines = folder.tail(process)
+    if exit_code == FINAL and lines:
+        return f"{process}: {lines[-1].removeprefix('error: ')} (log: {folder.log(process)})"
     told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (it said nothing)"
     return f"{process} ended while starting; the end of {folder.log(process)}:\n{told}"
 

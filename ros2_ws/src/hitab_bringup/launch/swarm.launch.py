@@ -12,6 +12,7 @@ from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 
 from hitab_bringup.dds_profile import choose_profile
+from hitab_bringup.identity import new_identity
 from hitab_bringup.libraries import prepare
 from hitab_bringup.run_folder import RunFolder
 from hitab_bringup.shipped import find_file
@@ -39,7 +40,7 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
             respawn=True,
             respawn_delay=1.0,
         )
-        for process in processes(swarm, folder.path)
+        for process in processes(swarm, folder.path, new_identity(swarm.name))
     ]
 
 

@@ -56,5 +56,6 @@ class GroupStatus:
                 obeying=[body.obeys(name) for name in body.members],
                 silent=silent,
                 faults=faults,
+                swarm=self._node.settings.swarm,
             )
         )

@@ -9,6 +9,7 @@ from typing import Any
 
 from hitab_core.errors import HitabError
 from hitab_ros.plain_text import plain
+from hitab_ros.recent_requests import RecentRequests
 
 Serve = Callable[[Any, Any], str]
 """Does what a request asks for, fills in the response, and returns its message."""
@@ -32,18 +33,30 @@ def answering(
 ) -> Callable[[Any, Any], Any]:
     """Return a service's callback, to be made on a `GuardedNode`, which answers what it raises.
 
+    A request with a number (fields ``request`` and ``client``) that is sent again is not done
+    again: it gets the same reply.
+
     Args:
         serve: what the service does; what it raises becomes the reply's message.
         answered: called before the reply is sent, with the error, or "" if all went well.
     """
+    recent: RecentRequests[Any] = RecentRequests()
 
     def answer(request: Any, response: Any) -> Any:
+        number, client = getattr(request, "request", 0), getattr(request, "client", "")
+        given = recent.came_of(client, number)
+        if isinstance(given, Exception):
+            raise given
+        if given is not None:
+            return given
         try:
             response.message = serve(request, response)
             response.success = True
         except Exception as error:
+            recent.keep(client, number, error)
             answered(what_went_wrong(error))
             raise
+        recent.keep(client, number, response)
         answered("")
         return response
 

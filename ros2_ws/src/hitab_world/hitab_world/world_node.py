@@ -347,6 +347,7 @@ class WorldNode(GuardedNode):
                 episodes_left=self.episodes_left,
                 last_error=self._error or (faults[0] if faults else ""),
                 faults=faults,
+                swarm=self.settings.swarm,
             )
         )
 

@@ -49,7 +49,7 @@ def tree(
     from hitab_bringup.command_view import CommandView
 
     with connection(swarm) as swarm_up:
-        view = CommandView(swarm_up.link, swarm_up.agents.prefix)
+        view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         view.await_groups(WAIT_SECONDS)
         branches = view.tree()
         if not branches:
@@ -174,7 +174,7 @@ def order(
 
     use = Use.parse(behavior)
     with connection(swarm) as swarm_up:
-        view = CommandView(swarm_up.link, swarm_up.agents.prefix)
+        view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         status = swarm_up.agents.await_agent(commander)
         view.await_groups(GROUP_SECONDS, (commander,))
         if commander not in view.groups:
