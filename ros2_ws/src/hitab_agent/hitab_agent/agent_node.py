@@ -250,7 +250,6 @@ class AgentNode(GuardedNode):
         status.demonstrator = command.demonstrator
         # One that is sent again, since our acknowledgement was late, is acknowledged again.
         refusal = self._recent.came_of(command.demonstrator, command.sequence)
-        self.transition_log.commanded = True
         try:
             if refusal is None:
                 refusal = ""
@@ -258,7 +257,6 @@ class AgentNode(GuardedNode):
         except Exception as error:
             refusal = what_went_wrong(error)
         finally:
-            self.transition_log.commanded = False
             self._recent.keep(command.demonstrator, command.sequence, refusal or "")
             if refusal:
                 status.last_refused_sequence = command.sequence

@@ -17,6 +17,7 @@ from hitab_core.agent import Agent
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.transition_function import HandWritten
+from hitab_core.transition_tree import TransitionTree
 from hitab_core.troupe import Troupe
 from hitab_core.use import Use
 from hitab_ros import names, qos
@@ -65,11 +66,11 @@ def _domain(behavior: str) -> Domain:
 class Swarm:
     """A host with agents, and the side of the world."""
 
-    def __init__(self, process: Any, folder: Path) -> None:
+    def __init__(self, process: Any, folder: Path, domain: Domain | None = None) -> None:
         self._process = process
         self.desk = desk = process.node
         shared = Shared.of_host(desk, SIZE)
-        shared.domains["bodies"] = _domain("Choose")
+        shared.domains["bodies"] = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):
             node = AgentNode(
@@ -187,6 +188,44 @@ def test_a_body_that_returns_no_action_does_nothing_and_it_is_told(swarm, wrong)
     swarm._process.until(lambda: told and told[-1].last_error)
     assert "act() of its body returned" in told[-1].last_error
     assert "it must return numbers, and a text to say" in told[-1].last_error
+
+
+def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broken(
+    process, tmp_path
+):
+    """Reading what no decision needs, for who watches, would end the host in a callback."""
+    reads: list[str] = []
+
+    def broken(body: Body) -> float:
+        reads.append("for who watches")
+        raise OSError("the sensor is unplugged")
+
+    made = _domain("Choose")
+    learned = TransitionTree().fit([[-1.0, 0.0], [1.0, 0.0]], ["Wait", "Go"])
+    choose = replace(
+        made.automata["Choose"],
+        features=(Use("X"), Use("Broken")),
+        transitions=dict.fromkeys((START, "Go", "Wait"), learned),
+    )
+    features = {**made.features, "Broken": Feature("Broken", broken)}
+    domain = replace(made, features=features, automata={"Choose": choose})
+    swarm = Swarm(process, tmp_path, domain)
+    seen: list[msg.TransitionEvent] = []
+    for number in range(SIZE):
+        topic = f"/agent_{number}/{names.TRANSITIONS}"
+        swarm.desk.create_subscription(msg.TransitionEvent, topic, seen.append, qos.EVENTS)
+    for node in swarm.nodes:
+        process.until(lambda node=node: node.count_subscribers(names.TRANSITIONS))
+        node.transition_log.look()
+    for round_ in range(1, 4):
+        assert swarm.act([1.0] * SIZE)
+        assert swarm.act([-1.0] * SIZE) == [[float(round_)]] * SIZE
+        process.until(lambda n=round_: len(seen) == 2 * n * SIZE)
+    event = seen[0]
+    assert (event.from_state, event.to_state, event.commanded) == (START, "Go", False)
+    assert (list(event.features), list(event.values)) == (["X"], [1.0])
+    assert event.probability == 1.0
+    assert not reads
 
 
 def troupes_of(agent: Agent) -> int:

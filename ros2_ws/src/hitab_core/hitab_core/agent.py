@@ -7,7 +7,7 @@ actions. Everything here raises `HitabError` for what a user has to mend and cha
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -23,8 +23,9 @@ from hitab_core.example import Example
 from hitab_core.example_journal import ExampleJournal
 from hitab_core.example_log import ExampleLog
 from hitab_core.live_features import Reading, live_features
+from hitab_core.observing import Observe
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Running, RunningAutomaton, Stage
+from hitab_core.running_automaton import Running, Stage
 from hitab_core.seeding import agent_seed
 from hitab_core.senses import Senses
 from hitab_core.training_session import Curriculum, TrainingSession, example_record, replay
@@ -39,9 +40,6 @@ class Mode(StrEnum):
     PERFORMING = "performing"
     TRAINING = "training"
     TESTING = "testing"
-
-
-Observer = Callable[[RunningAutomaton, str, str], None]
 
 
 class Agent:
@@ -60,7 +58,7 @@ class Agent:
         *,
         seed: int = 0,
         most_probable: bool = False,
-        observe: Observer | None = None,
+        observe: Observe | None = None,
     ) -> None:
         """Load the library and, from the journal, a training that was interrupted.
 
