@@ -480,14 +480,14 @@ class Agent:
     def _checked(self, edition: Edition, start: Use | None) -> Use | None:
         """Return what it performs after a change, having checked that and the training."""
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
-        check_change(self._stage, edition, use, self.session)
+        try:
+            check_change(self._stage, edition, use, self.session)
+        except VocabularyError as error:
+            raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
         return use
 
     def _prepared_for(self, edition: Edition, start: Use | None) -> Prepared:
-        try:
-            use = self._checked(edition, start)
-        except VocabularyError as error:
-            raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
+        use = self._checked(edition, start)
         return prepare(self._stage, edition, use, self.session)
 
     def _swap(

@@ -156,16 +156,17 @@ class BehaviorLibrary:
     # -- writing ----------------------------------------------------------------------------
 
     @contextmanager
-    def change(self, *, patience: float = PATIENCE) -> Iterator[LibraryChange]:
+    def change(self, *, patience: float = PATIENCE, sync: bool = True) -> Iterator[LibraryChange]:
         """Hold the library to change it; nothing is written unless the change is committed.
 
         Args:
             patience: seconds to wait for another process to finish with it.
+            sync: whether the change will be committed, and not only announced.
 
         Raises:
             LibraryError: if it cannot be read, or another process does not let go of it.
         """
-        with self._folder.held(alone=True, patience=patience):
+        with self._folder.held(alone=True, patience=patience, sync=sync):
             there, problems = self._read()
             yield LibraryChange(
                 self._folder, self.editions, there, problems, self._clock, self._changed

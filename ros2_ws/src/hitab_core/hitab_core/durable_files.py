@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hitab_core.errors import LibraryError
+from hitab_core.errors import FolderInUseError, LibraryError
 
 UNFINISHED = ".tmp"
 """Ending of a file that is being written; what is left of it after a crash means nothing."""
@@ -154,7 +154,7 @@ def locked(folder: Path, *, alone: bool, patience: float = PATIENCE) -> Iterator
     The lock is the kernel's: it ends with the process, however that ends.
 
     Raises:
-        LibraryError: if somebody else does not let go for ``patience`` seconds.
+        FolderInUseError: if somebody else does not let go for ``patience`` seconds.
     """
     with file_errors(folder, "lock"):
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -167,7 +167,7 @@ def locked(folder: Path, *, alone: bool, patience: float = PATIENCE) -> Iterator
                 break
             except BlockingIOError:
                 if time.monotonic() > deadline:
-                    raise LibraryError(
+                    raise FolderInUseError(
                         f"{folder}: another process has been "
                         f"{'using' if alone else 'writing to'} it for {patience:g} s; "
                         "try again, or end that process"

@@ -18,7 +18,7 @@ from pathlib import Path
 from hitab_core.durable_files import (
     UNFINISHED,
     file_errors,
-    make_folder,
+    locked,
     sync_folder,
     write_durably,
 )
@@ -78,29 +78,29 @@ def announce(folder: Path, changes: Mapping[str, bytes | None]) -> bytes:
 
 
 def withdraw(folder: Path, note: bytes) -> bool:
-    """Take back a note that was announced; return whether it had not been carried out.
-
-    The caller holds the folder alone.
-    """
-    return _is_there(folder, note) and _withdrawn(folder)
+    """Take back a note that was announced; return whether that was still possible."""
+    try:
+        with file_errors(folder, "use"), locked(folder, alone=True, patience=0.0):
+            return _is_there(folder, note) and _withdrawn(folder)
+    except LibraryError:
+        return False
 
 
 def carry_out(folder: Path, note: bytes) -> None:
     """Do what a note says, unless somebody has done so, without waiting for the disk.
 
-    The caller holds the folder alone.
-
-    Raises:
-        OSError: if it cannot be done; whoever comes next does it.
+    Whoever holds the folder, or comes after a disk error, does it himself.
     """
-    if _is_there(folder, note):
-        _carry_out(folder, pending(folder), sync=False)
+    with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
+        if _is_there(folder, note):
+            _carry_out(folder, pending(folder), sync=False)
 
 
 def forget(folder: Path, note: bytes) -> None:
-    """Remove a note that was carried out, on disk too. The caller holds the folder alone."""
-    if _is_there(folder, note):
-        (folder / COMMIT).unlink()
+    """Remove a note that was carried out, on disk too, unless somebody has done so."""
+    with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
+        if _is_there(folder, note):
+            (folder / COMMIT).unlink()
 
 
 def is_unfinished(folder: Path) -> bool:
@@ -201,7 +201,6 @@ def _carry_out(folder: Path, plan: Mapping[str, bytes | None], *, sync: bool = T
             place.unlink()
             if sync:
                 sync_folder(place.parent)
-    make_folder(folder)
 
 
 def _remove_note(folder: Path) -> None:

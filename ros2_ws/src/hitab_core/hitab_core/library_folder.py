@@ -33,18 +33,25 @@ class LibraryFolder:
         self._pending: Changes = {}
 
     @contextmanager
-    def held(self, *, alone: bool, patience: float = PATIENCE) -> Iterator[None]:
+    def held(
+        self, *, alone: bool, patience: float = PATIENCE, sync: bool = True
+    ) -> Iterator[None]:
         """Hold the folder: ``alone`` to write, or with others to read. Not to be nested.
 
         A change that was made but not carried out is carried out first. Who only reads does not
         need that: where the disk does not allow it, he reads as if it were.
+
+        Args:
+            alone: to write, and not only to read.
+            patience: seconds to wait for others to let go of it.
+            sync: if the folder is made, force it to disk.
 
         Raises:
             LibraryError: if it cannot be made, or another process does not let go of it.
         """
         with file_errors(self.path, "use"):
             if alone:
-                make_folder(self.path)
+                make_folder(self.path, sync=sync)
             is_there = self.path.exists()
         if not is_there:
             yield
