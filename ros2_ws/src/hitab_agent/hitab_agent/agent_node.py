@@ -53,7 +53,7 @@ class AgentNode(GuardedNode):
             options: of every node.
 
         Raises:
-            HitabError: if the domain, the library, the journal or the behavior is not usable.
+            HitabError: if the domain, the library or the journal is not usable.
         """
         self._joined = False
         super().__init__(node_name, **options)
@@ -90,8 +90,22 @@ class AgentNode(GuardedNode):
         self._unsettled = True
         self._link: Any = None
         self.superior: SuperiorLink | None = None
+        self._start_error = ""
         if settings.behavior and self.agent.session is None:
-            self.agent.perform(use_of(settings.behavior, ()))
+            self._begin(settings.behavior)
+
+    def _begin(self, behavior: str) -> None:
+        """Perform a behavior from the start on, or nothing if that cannot be.
+
+        The library may have changed while the agent was away; it has to be there to be mended.
+        """
+        try:
+            self.agent.perform(use_of(behavior, ()))
+        except HitabError as error:
+            self._start_error = (
+                f'{self.agent_name} is idle, since it cannot perform "{behavior}", with which it '
+                f"should begin: {error}; have it perform something else, or give it the behavior"
+            )
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain that the parameter of that name means.
@@ -134,7 +148,7 @@ class AgentNode(GuardedNode):
                 f"with {len(training.log)} examples"
             )
         else:
-            self.publish_status()
+            self.report_error(self._start_error)
 
     def _offer_services(self) -> None:
         self._agent_services = AgentServices(self)

@@ -19,6 +19,7 @@ from hitab_agent.services_on_demand import (
 from hitab_agent.ticker import Ticker
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
+from hitab_core.edition import Editions
 from hitab_ros import names
 from hitab_ros.guarded_node import GuardedNode
 
@@ -50,6 +51,7 @@ class Shared:
         domains: the domains that were loaded, by name.
         libraries: those that were opened, by folder and domain.
         members: of a host, to be called when what is wrong with the host has changed.
+        editions: what reads and keeps what is in libraries, by domain.
     """
 
     ticker: Ticker
@@ -62,7 +64,8 @@ class Shared:
     links: dict[str, HostLink] = field(default_factory=dict)
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
-    libraries: dict[tuple[Path, str], BehaviorLibrary] = field(default_factory=dict)
+    libraries: dict[tuple[Path, int], BehaviorLibrary] = field(default_factory=dict)
+    editions: dict[int, Editions] = field(default_factory=dict)
     members: list[Callable[[], None]] = field(default_factory=list)
 
     @classmethod
@@ -108,10 +111,14 @@ class Shared:
         return self.links.get(world)
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:
-        """Return the library in a folder; agents that have the same one share what was read."""
-        key = (folder, domain.signature)
+        """Return the library in a folder; agents that have the same one share it.
+
+        Those of libraries with the same files share what was read of them.
+        """
+        key = (folder, id(domain))  # which is kept by what is found under it
         if key not in self.libraries:
-            self.libraries[key] = BehaviorLibrary(folder, domain)
+            editions = self.editions.setdefault(id(domain), Editions(domain))
+            self.libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
         return self.libraries[key]
 
     def domain(self, name: str) -> Domain:

@@ -95,7 +95,8 @@ class Telling:
         name = request.name
         # A behavior that is no more in the library may still have versions there.
         answer.versions = library.versions(name) if name not in FLAGS else []
-        if name not in library.names() and not request.version:
+        known = self._agent.edition.files
+        if name not in known and not request.version:
             behavior = repertoire.get(name)
             if isinstance(behavior, BasicBehavior):
                 answer.name, answer.description = behavior.name, behavior.description
@@ -105,7 +106,7 @@ class Telling:
             answer.origin = Told.HAND_WRITTEN
             _tell(answer, behavior, self._agent.domain)
             return
-        file = library.version(name, request.version) if request.version else library.file(name)
+        file = library.version(name, request.version) if request.version else known[name]
         answer.origin = Told.TRAINED
         answer.classifier = file.classifier
         answer.version = file.provenance.version

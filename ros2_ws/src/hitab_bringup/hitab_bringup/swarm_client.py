@@ -105,7 +105,10 @@ class SwarmClient:
         if len(self.expected) <= WATCHED_MAX:
             self.watch_all()
         link.subscribe(
-            DistributionAck, names.of_swarm("distribution_ack", prefix), self._take_ack, qos.EVENTS
+            DistributionAck,
+            names.of_swarm("distribution_ack", prefix),
+            self._take_ack,
+            qos.ROLL_CALL,
         )
 
     # -- who is there -----------------------------------------------------------------------
