@@ -68,6 +68,7 @@ def looks(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
     def used(automaton: Automaton) -> frozenset[str]:
         counted[automaton.name] += 1
+        assert counted[automaton.name] < 1000, f"{automaton.name} is looked at far too often"
         return told(automaton)
 
     monkeypatch.setattr(Automaton, "behaviors_used", property(used))
