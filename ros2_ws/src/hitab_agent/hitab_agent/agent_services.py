@@ -80,12 +80,14 @@ class AgentServices:
         match request.action:
             case edits.UNDO:
                 session.undo()
+            case edits.REDO:
+                session.redo()
             case edits.DELETE:
                 session.delete(request.numbers)
             case edits.RELABEL:
                 session.relabel(request.numbers, Use.parse(request.next_state))
             case unknown:
-                known = (edits.UNDO, edits.DELETE, edits.RELABEL)
+                known = (edits.UNDO, edits.REDO, edits.DELETE, edits.RELABEL)
                 raise TrainingError(f'unknown action "{unknown}" {has(known)}')
         return f"{len(session.log)} examples"
 

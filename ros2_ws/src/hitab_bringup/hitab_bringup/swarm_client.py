@@ -307,7 +307,7 @@ class SwarmClient:
     def edit_examples(
         self, agent: str, action: str, numbers: Sequence[int] = (), next_state: str = ""
     ) -> Any:
-        """Undo, delete or relabel."""
+        """Undo, redo, delete or relabel."""
         return self.ask(
             agent,
             EditExamples,

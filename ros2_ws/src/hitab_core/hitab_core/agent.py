@@ -32,7 +32,8 @@ from hitab_core.repertoire_change import Prepared, check_change, check_performab
 from hitab_core.running_automaton import Running, Stage
 from hitab_core.seeding import agent_seed
 from hitab_core.senses import Senses
-from hitab_core.training_session import Curriculum, TrainingSession, example_record, replay
+from hitab_core.training_record import example_record, replay
+from hitab_core.training_session import Curriculum, TrainingSession
 from hitab_core.trimming import check_bound, rebind, trim
 from hitab_core.use import Use
 
@@ -205,6 +206,8 @@ class Agent:
         """
         performance = None if use is None else self._prepared(use)
         self._stop()
+        if self.session is not None:
+            self.session.leave()
         self.top = use
         self._performance = performance
         self.mode = Mode.IDLE if performance is None else Mode.PERFORMING

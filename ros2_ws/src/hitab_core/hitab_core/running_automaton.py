@@ -163,11 +163,12 @@ class RunningAutomaton:
         label = str(state)
         if label in self._index:
             return
+        child: Running | None = None
+        if state.name not in FLAGS:
+            child = self.stage.perform(state.bound(self.bindings), self)
         self._index[label] = len(self._labels)
         self._labels.append(label)
-        self._children.append(
-            None if state.name in FLAGS else self.stage.perform(state.bound(self.bindings), self)
-        )
+        self._children.append(child)
         self._decide.append(None)
 
     def set_transitions(self, transitions: Mapping[str, TransitionFunction]) -> None:
