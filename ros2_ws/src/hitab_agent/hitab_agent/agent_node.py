@@ -24,11 +24,15 @@ from hitab_core.domain import Domain
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.plain_text import plain
 from hitab_ros.recent_requests import RecentRequests
 
 _NO_ACTION: tuple[Sequence[float], str] = ((), "")
+
+DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name that are kept
 
 TICK = "tick"
 """The fault of an agent that does nothing, since it cannot perceive, decide or act."""
@@ -120,7 +124,7 @@ class AgentNode(GuardedNode):
         self._joined = True
         self.shared.members.append(self._publish_status_soon)
         self._commands = self.create_subscription(
-            msg.Command, names.COMMAND, self._on_command, qos.EVENTS
+            msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
         )
         self._distributor = Distributor(self, self.shared.distributions)
         if self.shared.on_demand is None:
@@ -261,17 +265,18 @@ class AgentNode(GuardedNode):
 
     def _on_command(self, command: msg.Command) -> None:
         status = self._status
-        status.demonstrator = command.demonstrator
+        status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX)
         # One that is sent again, since our acknowledgement was late, is acknowledged again.
-        refusal = self._recent.came_of(command.demonstrator, command.sequence)
+        refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:
             if refusal is None:
                 refusal = ""
+                check(command)  # here, so that its sender sees in the status what is wrong
                 self.agent.command(use_of(command.behavior, command.targets))
         except Exception as error:
             refusal = what_went_wrong(error)
         finally:
-            self._recent.keep(command.demonstrator, command.sequence, refusal or "")
+            self._recent.keep(status.demonstrator, command.sequence, refusal or "")
             if refusal:
                 status.last_refused_sequence = command.sequence
             else:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hitab_msgs import srv
 
 from hitab_core.agent import Mode
+from hitab_core.behavior_schema import SUFFIX
 from hitab_core.domain import BasicBehavior
 from hitab_core.errors import LibraryError, TrainingError, has
 from hitab_core.training_session import Curriculum
@@ -145,6 +146,11 @@ class AgentServices:
             if not folder.is_absolute() or not folder.is_dir():
                 raise LibraryError(
                     f'"{request.path}" is not a folder here; give the whole path of a library'
+                )
+            if any(folder.iterdir()) and not any(folder.glob(f"*{SUFFIX}")):
+                raise LibraryError(
+                    f"{folder} has no behaviors (*{SUFFIX}) but other files; give it the path of "
+                    "a library, or of an empty folder for a new one"
                 )
             library = self._node.shared.library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)

@@ -19,6 +19,7 @@ from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.troupes import Troupes
 from hitab_core.agent import Agent
 from hitab_ros import names, qos
+from hitab_ros.checks import too_far_ahead
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode
 
@@ -139,8 +140,11 @@ class HostLink:
             self._on_percepts,
             LATEST,
         )
+        self._publish_roster()
+
+    def _publish_roster(self, after: int = 0) -> None:
         # The time of day, so that a host that is started again has a higher number.
-        self._answers.roster = time.time_ns()
+        self._answers.roster = max(time.time_ns(), after + 1)
         self._rosters.publish(
             msg.HostRoster(
                 host=self._name,
@@ -153,12 +157,15 @@ class HostLink:
     def _on_percepts(self, batch: msg.PerceptBatch) -> None:
         answers = self._answers
         if batch.roster != answers.roster:
-            return  # meant for the process of this name that was here before
+            # Meant for the process of this name that was here before or, if the number is higher,
+            # by a roster that somebody else has published in this host's name.
+            if batch.roster > answers.roster and not too_far_ahead(batch.roster):
+                self._publish_roster(batch.roster)
+            return
         if not _is_sound(batch, len(self._perceivers)):
-            self._host.get_logger().warning(
-                f"left out percepts of cycle {batch.cycle} whose agents, counts and values do not "
-                "fit together; whoever sends them must send them as msg/PerceptBatch tells",
-                throttle_duration_sec=5.0,
+            self._host.guard.log(
+                "left out percepts whose agents, counts and values do not fit together; whoever "
+                "sends them must send them as msg/PerceptBatch tells"
             )
             return
         percept = self._percept

@@ -102,9 +102,9 @@ class Swarm:
         topic = f"/{self.rosters[0].host}/{names.PERCEPTS}"
         self.arrived: list[msg.PerceptBatch] = []
         desk.create_subscription(msg.PerceptBatch, topic, self.arrived.append, 10)
-        self.fences: list[msg.HostRoster] = []
-        desk.create_subscription(msg.HostRoster, "fence", self.fences.append, 10)
-        self._fence = desk.create_publisher(msg.HostRoster, "fence", 10)
+        self.fences: list[msg.Action] = []
+        desk.create_subscription(msg.Action, "fence", self.fences.append, 10)
+        self._fence = desk.create_publisher(msg.Action, "fence", 10)
         self._percepts = desk.create_publisher(msg.PerceptBatch, topic, 10)
         process.until(lambda: self._percepts.get_subscription_count() == 2)
         process.until(lambda: self._fence.get_subscription_count() == 1)
@@ -128,7 +128,7 @@ class Swarm:
         before = len(self.arrived), len(self.fences)
         self.send(values, **fields)
         self._process.until(lambda: len(self.arrived) > before[0])
-        self._fence.publish(msg.HostRoster())
+        self._fence.publish(msg.Action())
         self._process.until(lambda: len(self.fences) > before[1])
 
     def act(self, values: list[float], **fields: Any) -> list[list[float]]:
@@ -286,3 +286,17 @@ def test_what_is_wrong_with_a_host_is_said_by_all_its_agents(swarm):
     swarm._process.until(lambda: told[-1] and "of the host" in told[-1][0])
     swarm.desk.guard.faults.clear("topic percepts")
     swarm._process.until(lambda: told[-1] == [])
+
+
+def test_a_host_whose_name_somebody_else_has_used_announces_itself_anew(swarm):
+    # The world believes the roster with the highest number, and asks nobody else.
+    real = swarm.rosters[-1]
+    number = real.number + 10**9
+    swarm._percepts.publish(msg.PerceptBatch(roster=number))
+    swarm._process.until(lambda: swarm.rosters[-1].number > number)
+    assert list(swarm.rosters[-1].agents) == list(real.agents)
+    swarm.rosters[:] = swarm.rosters[-1:]
+    assert swarm.act([1.0] * SIZE) == [[1.0]] * SIZE
+    swarm._percepts.publish(msg.PerceptBatch(roster=2**64 - 1))  # which no world would send
+    assert swarm.act([1.0] * SIZE) == [[2.0]] * SIZE
+    assert len(swarm.rosters) == 1

@@ -105,6 +105,7 @@ class Branch:
         silent: whether its commander has not heard of it for too long.
         counts: of a commander's subordinates: how many obey, how many there are.
         leaves: the same for all agents below it: all above such an agent obey, and so does it.
+        faults: what is wrong with a commander and lasts.
     """
 
     name: str
@@ -117,6 +118,7 @@ class Branch:
     below: tuple[Branch, ...] = ()
     counts: tuple[int, int] = (0, 0)
     leaves: tuple[int, int] = field(default=(0, 0))
+    faults: tuple[str, ...] = ()
 
     @property
     def is_commander(self) -> bool:
@@ -147,6 +149,7 @@ class Branch:
                 "of": self.counts[1],
                 "agents_performing": self.leaves[0],
                 "agents": self.leaves[1],
+                "faults": list(self.faults),
                 "subordinates": [branch.data() for branch in self.below],
             }
         return told
@@ -187,4 +190,5 @@ def _branch(
         below,
         (sum(map(bool, obeying)), len(below)),
         (sum(performing for performing, _ in leaves), sum(count for _, count in leaves)),
+        tuple(group.faults),
     )

@@ -275,6 +275,15 @@ class CommanderBody:
         )
         self.on_order(self.order)
 
+    def outbid(self, number: Number) -> None:
+        """Give the order in force again, with a newer number than one that is not its own.
+
+        Somebody else has ordered in this commander's name; subordinates would take all that
+        follows for older.
+        """
+        self.order = replace(self.order, epoch=number[0] + 1)
+        self.on_order(self.order)
+
     def give_again(self, label: str) -> bool:
         """Give the order that was called so before a restart, with the meaning that it has now.
 

@@ -17,7 +17,7 @@ from hitab_commander.lockstep import Lockstep, Round
 from hitab_commander.order_memory import OrderMemory, Remembered
 from hitab_core.agent import Mode
 from hitab_core.errors import HitabError
-from hitab_core.order import Order, Report
+from hitab_core.order import Number, Order, Report
 from hitab_core.use import Use
 from hitab_ros import names, qos
 from hitab_ros.conversions import order_message, time_of
@@ -48,7 +48,7 @@ class CommanderLink:
         self._lockstep = Lockstep(self.body)
         self._gate = RoundGate(node.shared.orders)
         self._memory = OrderMemory(node.state_folder)
-        self._kept: tuple[str, int] = ("", -1)
+        self._kept: tuple[str, Number] = ("", (-1, -1))
         self.seconds = 0.0
         self._episode: Episode | None = None
         self._episodes: list[Episode] = []
@@ -97,13 +97,18 @@ class CommanderLink:
         body = self.body
         now = self._node.ticker.seconds()
         changed = restart = False
+        newest = body.number
         for report in message.reports:
+            if report.agent in body.members:
+                newest = max(newest, (report.epoch, report.sequence))
             news, complete = self._lockstep.hear(report, now)
             changed |= news
             if complete is not None:
                 self._perceive_round(complete)
             elif not self._lockstep.active:
                 restart |= report.agent in body.members and self._begins_episode(report)
+        if newest > body.number:
+            body.outbid(newest)
         if self._lockstep.active:
             self.group.changed |= changed
             return
@@ -210,8 +215,8 @@ class CommanderLink:
         """Write down what is performed and ordered, if that has changed."""
         body, agent = self.body, self._agent
         performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
-        if (performed, body.order.sequence) != self._kept:
-            self._kept = (performed, body.order.sequence)
+        if (performed, body.order.number) != self._kept:
+            self._kept = (performed, body.order.number)
             order = body.order
             # It is obeyed although it cannot be written down.
             kept = Remembered(order.epoch, performed, order.name)

@@ -17,6 +17,7 @@ from rclpy.serialization import serialize_message
 
 from hitab_core.errors import HitabError
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.checks import BadMessage, check
 from hitab_ros.faults import Faults
 from hitab_ros.sparing_log import SparingLog
 
@@ -109,6 +110,34 @@ class Guard:
 
         return guarded
 
+    def wrap_topic(
+        self, key: str, callback: Callable[..., Any], *, checked: bool = True
+    ) -> Callable[..., Any]:
+        """Return a subscription's callback that never raises.
+
+        A message that cannot be meant (see `hitab_ros.checks`) is left out, which is logged once:
+        it is no fault of the node.
+
+        Args:
+            key: the topic, in words.
+            callback: takes a message.
+            checked: whether messages are checked; if not, the callback does so itself.
+        """
+        guarded = self.wrap(key, callback)
+        if not checked:
+            return guarded
+
+        @functools.wraps(callback)
+        def checked_and_guarded(message: Any, *information: Any) -> Any:
+            try:
+                check(message)
+            except BadMessage as error:
+                self.log(f"{key}: left out what was sent: {error}", key)
+                return None
+            return guarded(message, *information)
+
+        return checked_and_guarded
+
     def wrap_service(self, key: str, serve: Callable[..., Any]) -> Callable[..., Any]:
         """Return a service's callback that always returns a response that can be sent.
 
@@ -120,8 +149,12 @@ class Guard:
         @functools.wraps(serve)
         def guarded(request: Any, response: Any) -> Any:
             try:
+                check(request)
                 answer = serve(request, response)
                 serialize_message(answer)
+            except BadMessage as error:
+                self.log(f"{key}: refused a request: {error}", key)
+                return refusal(type(response), error)
             except HitabError as error:
                 return refusal(type(response), error)
             except Exception as error:

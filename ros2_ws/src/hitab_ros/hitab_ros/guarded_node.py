@@ -8,6 +8,7 @@ from typing import Any
 
 from rclpy.node import Node
 
+from hitab_ros.answering import what_went_wrong
 from hitab_ros.guard import Guard
 
 
@@ -32,16 +33,22 @@ class GuardedNode(Node):
         try:
             self.faults_changed()
         except Exception as error:  # the guard calls this while it handles another error
-            self.guard.log(f"faults cannot be shown: {error!r}", type(error).__name__)
+            self.guard.log(f"faults cannot be shown: {what_went_wrong(error)}", "faults")
 
     def faults_changed(self) -> None:
         """Do what has to be done when a fault has appeared or gone, such as publish a status."""
 
     def create_subscription(
-        self, msg_type: Any, topic: str, callback: Callable[..., Any], *args: Any, **options: Any
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[..., Any],
+        *args: Any,
+        checked: bool = True,
+        **options: Any,
     ) -> Any:
-        """Subscribe; see `rclpy.node.Node`."""
-        guarded = self.guard.wrap(f"topic {topic}", callback)
+        """Subscribe; see `rclpy.node.Node`. With ``checked`` bad messages are left out."""
+        guarded = self.guard.wrap_topic(f"topic {topic}", callback, checked=checked)
         return super().create_subscription(msg_type, topic, guarded, *args, **options)
 
     def create_timer(

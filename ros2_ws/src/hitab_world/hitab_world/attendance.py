@@ -22,6 +22,7 @@ class Attendance:
             joined: tells whether a node listens to an agent's percepts.
         """
         self.agents = tuple(agents)
+        self._known = frozenset(self.agents)
         self.present: set[str] = set()
         self.answers: dict[str, Answer] = {}
         self.missed_deadlines = 0
@@ -68,6 +69,8 @@ class Attendance:
 
     def take(self, agent: str, sequence: int, answer: Answer) -> None:
         """Take an agent's answer; one to an earlier round only tells that the agent is alive."""
+        if agent not in self._known:
+            return
         self._silent.discard(agent)
         if sequence == self._sequence:
             self.answers[agent] = answer

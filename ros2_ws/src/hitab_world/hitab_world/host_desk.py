@@ -16,6 +16,7 @@ from hitab_world.attendance import Answer
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
 """Returns what an agent perceives; None: nothing is to be sent to it."""
 
+GONE_MAX = 50  # hosts that do not listen, or not yet, and are kept all the same
 HOSTS_MAX = 1000  # announcements that are kept for one who reads them late
 TAKE_IN = QoSProfile(
     depth=HOSTS_MAX, reliability=qos.LATCHED.reliability, durability=qos.LATCHED.durability
@@ -55,6 +56,7 @@ class HostDesk:
         """
         self._node = node
         self._agents = tuple(agents)
+        self._places = frozenset(self._agents)
         self._take = take
         self._hosts: dict[str, _Host] = {}
         self._there: set[str] = set()
@@ -66,12 +68,20 @@ class HostDesk:
         )
 
     def _on_roster(self, roster: msg.HostRoster) -> None:
+        if self._places.isdisjoint(roster.agents):
+            return  # none of them has a place in this world
         before = self._hosts.get(roster.host)
         if before is not None:
             if roster.number <= before.number:
                 return
-            self._node.destroy_publisher(before.publisher)
+            self._forget(roster.host)
+        gone = [name for name, host in self._hosts.items() if not host.listens]
+        if len(gone) >= GONE_MAX:  # the one that announced itself first
+            self._forget(gone[0])
         self._hosts[roster.host] = _Host(self._node, roster, self._agents)
+
+    def _forget(self, name: str) -> None:
+        self._node.destroy_publisher(self._hosts.pop(name).publisher)
 
     def look(self) -> None:
         """Find out which hosts are there."""

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from hitab_world.world_node import WorldNode
 
 
+SNAPSHOTS_MAX = 100
+"""Each is a whole world in memory."""
+
+
 class WorldServices:
     """Offers a world's services; a refusal is a reply with ``success`` false and the reason."""
 
@@ -117,6 +121,8 @@ class WorldServices:
             raise HitabError(f'no snapshot "{name}" {has(kept)}')
         match request.action:
             case actions.SAVE:
+                if name not in kept and len(kept) >= SNAPSHOTS_MAX:
+                    raise HitabError(f"there are {len(kept)} snapshots; delete one of them first")
                 kept[name] = self._node.world.snapshot()
                 told = f'saved "{name}"'
             case actions.RESTORE:

@@ -27,6 +27,7 @@ class Row:
     gone: bool
     lock: str
     order: str
+    faults: str
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -87,4 +88,5 @@ def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
         gone=status is None or (session.player is None and name in store.known.gone),
         lock="" if holder is None else ("you" if holder.session == session.id else holder.name),
         order=group.order if group is not None else "",
+        faults="\n".join(status.faults) if status is not None else "",
     )
