@@ -14,6 +14,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -187,16 +188,9 @@ class Intake:
 
     def _carry_out(self) -> Job:
         """Bring the files of all libraries up to date, now that nobody waits for it."""
-        for shelf in self._noted():
-            carry_out(shelf.library.folder, shelf.note)
-            yield None
-        try:
-            yield from self._sync()
-        except Exception:
-            return  # the notes stay: who comes to a folder next carries them out
-        for shelf in self._noted():
-            forget(shelf.library.folder, shelf.note)
-            yield None
+        notes = [(shelf.library.folder, shelf.note) for shelf in self._noted()]
+        if notes:
+            yield Background(partial(_carry_out, notes))
 
     def _sync(self) -> Job:
         folders = [shelf.library.folder for shelf in self._noted()]
@@ -216,3 +210,13 @@ _SAVED = "it is in its library, and is taken up when that is reloaded"
 def _force_to_disk(folders: list[Path]) -> None:
     with file_errors(folders[0], "write to"):
         sync_filesystems(folders)
+
+
+def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
+    """Do what notes say. They stay where the disk fails: who comes next carries them out."""
+    for folder, note in notes:
+        carry_out(folder, note)
+    with suppress(OSError):
+        sync_filesystems(folder for folder, _ in notes)
+        for folder, note in notes:
+            forget(folder, note)

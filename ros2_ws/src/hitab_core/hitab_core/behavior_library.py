@@ -316,5 +316,7 @@ class BehaviorLibrary:
                 files[name] = self.editions.read(self._folder.text(path), path.name)
             except LibraryError as error:
                 problems[name] = str(error)
+        if not problems and self.editions.knows(files):
+            return files, {}
         problems |= misfits(files, self.domain, problems)
         return {name: file for name, file in files.items() if name not in problems}, problems

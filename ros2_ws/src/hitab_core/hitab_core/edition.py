@@ -66,16 +66,24 @@ class Editions:
             found = self._files[file, text] = read_behavior(text, file, self.domain)
         return found
 
+    def knows(self, files: Mapping[str, BehaviorFile]) -> bool:
+        """Return whether these files make an edition that there is, so that they fit together."""
+        return _key(files) in self._editions
+
     def of(self, files: Mapping[str, BehaviorFile]) -> Edition:
         """Return the edition of some files.
 
         Raises:
             VocabularyError: if they do not fit together, or to the domain.
         """
-        key = frozenset((name, file.text) for name, file in files.items())
+        key = _key(files)
         found = self._editions.get(key)
         if found is None:
             automata = {name: file.automaton for name, file in files.items()}
             found = Edition(dict(files), Repertoire(self.domain, automata))
             self._editions[key] = found
         return found
+
+
+def _key(files: Mapping[str, BehaviorFile]) -> frozenset[tuple[str, str]]:
+    return frozenset((name, file.text) for name, file in files.items())

@@ -208,7 +208,10 @@ class LibraryChange:
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
         """Refuse what would not fit together, so that a library never gets worse."""
         others = {name: text for name, text in self.problems.items() if name not in new}
-        wrong = misfits({**self.after, **new}, self._domain, others)
+        together = {**self.after, **new}
+        if not others and self._editions.knows(together):
+            return
+        wrong = misfits(together, self._domain, others)
         if wrong:
             names = ", ".join(f'"{name}"' for name in sorted(new))
             raise LibraryError(

@@ -63,14 +63,13 @@ def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
 def announce(folder: Path, changes: Mapping[str, bytes | None]) -> bytes:
     """Put a note into its place without waiting for the disk; return what it says.
 
-    The caller holds the folder alone. The change survives this process from now on, and a power
-    failure once the caller has forced the file system to disk. Then come `carry_out`, the disk
-    again, and `forget`.
+    The caller holds the folder alone, and has carried out what was to be done there before. The
+    change survives this process from now on, and a power failure once the caller has forced the
+    file system to disk. Then come `carry_out`, the disk again, and `forget`.
 
     Raises:
         LibraryError: if it cannot be written; then nothing has changed.
     """
-    finish(folder)
     note = _note(changes)
     with file_errors(folder, "write to"):
         write_durably(folder / COMMIT, note, sync=False)
@@ -116,11 +115,14 @@ def finish(folder: Path) -> None:
     """
     note = folder / COMMIT
     with file_errors(folder, "write to"):
-        for inner in ("", ".*/*/"):  # beside the behaviors and beside their versions
-            for left_over in folder.glob(f"{inner}.*{UNFINISHED}"):
-                left_over.unlink(missing_ok=True)
-        if not note.exists():
+        there = os.listdir(folder) if folder.is_dir() else []
+        for name in there:
+            if name.startswith(".") and name.endswith(UNFINISHED):
+                (folder / name).unlink(missing_ok=True)
+        if COMMIT not in there:
             return
+        for left_over in folder.glob(f".*/*/.*{UNFINISHED}"):  # beside versions
+            left_over.unlink(missing_ok=True)
         plan = pending(folder)
         if plan:
             # It may have been announced only, and must not get lost while it is half done.

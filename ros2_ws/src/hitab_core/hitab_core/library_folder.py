@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -84,7 +85,9 @@ class LibraryFolder:
         Raises:
             LibraryError: if it cannot be read, is not text or is too large to be a behavior.
         """
-        coming = self._pending.get(str(path.relative_to(self.path)))
+        coming = None
+        if self._pending:
+            coming = self._pending.get(str(path.relative_to(self.path)))
         return read_text(path) if coming is None else text_in(coming, path)
 
     def file(self, name: str) -> Path:
@@ -121,8 +124,10 @@ class LibraryFolder:
                 return {}
             data = path.read_bytes()
             numbers = self.versions(name)
-            if any(self.version_file(name, n).read_bytes() == data for n in reversed(numbers)):
-                return {}
+            newest = [n for n in (number,) if n in numbers]  # probably, and then that will do
+            for n in (*newest, *reversed(numbers)):
+                if self.version_file(name, n).read_bytes() == data:
+                    return {}
         return {_version(name, max([number, 1, *(n + 1 for n in numbers)])): data}
 
     def next_number(self, name: str, planned: Changes) -> int:
@@ -175,11 +180,12 @@ def _is_of(path: str, name: str) -> bool:
 
 def _names(folder: Path) -> list[str]:
     with file_errors(folder, "read"):
-        if not folder.exists():
+        try:
+            found = os.listdir(folder)
+        except FileNotFoundError:
             return []
-        found = [path.name for path in folder.iterdir()]
-    return sorted(
+    return [
         name.removesuffix(SUFFIX)
         for name in found
         if name.endswith(SUFFIX) and not name.startswith(".")
-    )
+    ]
