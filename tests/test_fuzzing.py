@@ -136,6 +136,15 @@ def behaviors(running: RunningSwarm, kind: str) -> set[str]:
     return {status.behavior for name, status in found if name.startswith(kind)}
 
 
+def doing(running: RunningSwarm) -> str:
+    """Return what each agent and commander does, and why, for the message of a failure."""
+    return "\n".join(
+        f"{name}: {s.mode} {s.behavior!r}, ordered {s.ordered!r}{' waits' * s.order_waits}, "
+        f"cycle {s.cycle}, {s.last_error} {list(s.faults)}"
+        for name, s in running.agents.statuses.items()
+    )
+
+
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "seed" in metafunc.fixturenames:
         is_long = metafunc.config.getoption("long")
@@ -165,6 +174,6 @@ def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
             running.agents.perform("chief", order)
             assert running.link.spin_until(
                 lambda meant=meant: behaviors(running, "forager") == {meant}, SECONDS
-            ), {name: s.last_error for name, s in running.agents.statuses.items()}
+            ), doing(running)
             assert goes_on(running)
         assert not running.world.status.missing
