@@ -184,7 +184,7 @@ class Alone:
             self.body.done.append(str(error))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(data=st.data())
 def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> None:
     domain = robot(data.draw(st.booleans(), label="all at once"))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_core.agent import Agent
@@ -159,7 +159,6 @@ def reachable(graph: dict[str, frozenset[str]], name: str) -> set[str]:
     return found | set(graph.get(name, ()))
 
 
-@settings(deadline=None)
 @given(graphs)
 def test_circles_groups_and_orders_are_those_of_the_definition(
     graph: dict[str, frozenset[str]],

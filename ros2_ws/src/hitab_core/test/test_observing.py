@@ -172,7 +172,7 @@ def fails(change: Change) -> None:
     raise RuntimeError("an observer that fails")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_with_and_without_observers_an_agent_reads_draws_and_does_the_same(
     data: st.DataObject,
@@ -216,7 +216,7 @@ def test_with_and_without_observers_an_agent_reads_draws_and_does_the_same(
     assert len(seen) >= len(entered)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_with_and_without_observers_members_of_a_troupe_do_the_same(data: st.DataObject) -> None:
     made = {state: data.draw(functions()) for state in (START, *STATES)}

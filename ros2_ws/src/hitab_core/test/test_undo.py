@@ -395,7 +395,7 @@ def play(trained: Trained, model: Model, what: str, how: Any) -> None:
             model.active, model.testing, model.away = "Start", False, False
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(steps)
 def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: list[Any]) -> None:
     with training() as trained:
