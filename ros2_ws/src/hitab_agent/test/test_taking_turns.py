@@ -3,10 +3,12 @@
 from collections import Counter
 from typing import Any
 
-from hitab_msgs import msg
+from hitab_msgs import msg, srv
 
+from hitab_agent.distribution import DistributionDesk
 from hitab_agent.later import Later
 from hitab_agent.order_desk import OrderDesk
+from hitab_agent.services_on_demand import ServicesOnDemand
 from hitab_agent.ticker import Ticker
 from hitab_ros import names, qos
 from hitab_ros.guarded_node import GuardedNode
@@ -104,3 +106,37 @@ def test_who_fails_at_an_order_does_not_keep_it_from_the_others(process):
     process.until(lambda: heard == ["Attack"])
     assert other.guard.faults
     assert not node.guard.faults
+
+
+def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process):
+    node, other = process.node, GuardedNode("other", context=process.node.context)
+    process.add(other)
+    desk, received = DistributionDesk(node), []
+    desk.add(lambda sent: fails(), other.guard)
+    desk.add(lambda sent: received.append(sent.sequence), node.guard)
+    publisher = node.create_publisher(msg.Distribution, f"/{names.DISTRIBUTION}", qos.EVENTS)
+    process.until(lambda: publisher.get_subscription_count() > 0)
+    publisher.publish(msg.Distribution(sequence=7))
+    process.until(lambda: received == [7])
+    assert other.guard.faults
+    assert not node.guard.faults
+
+
+def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
+    node, other = process.node, GuardedNode("agent", namespace="/a", context=process.node.context)
+    another = GuardedNode("agent", namespace="/b", context=process.node.context)
+    process.add(other)
+    process.add(another)
+    offered: list[str] = []
+    services = ServicesOnDemand(node)
+    services.add(other, fails)
+    services.add(another, lambda: offered.append("b"))
+    for name in ("/a/perform", "/b/perform"):
+        node.create_client(srv.Perform, name)
+
+    def look() -> bool:
+        services.look()
+        return bool(offered and other.guard.faults)
+
+    process.until(look)
+    assert not another.guard.faults

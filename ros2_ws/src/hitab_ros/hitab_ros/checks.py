@@ -42,8 +42,9 @@ ITEMS_MAX = 20_000
 VALUES_MAX = 1_000_000
 """Numbers in a list."""
 
-MAY_BE_INFINITE = frozenset({"values", "measures"})
-"""Fields, of whatever message, with numbers of a domain, which knows what they may be."""
+MAY_BE_INFINITE = frozenset({"values", "measures", "position"})
+"""Fields, of whatever message, with numbers of a domain, which knows what they may be: a report
+is a sign of life, too, and not left out for one of them."""
 
 AHEAD_S = 3600.0
 """Numbers that are made of the time of day may be so far ahead of this machine's clock."""
