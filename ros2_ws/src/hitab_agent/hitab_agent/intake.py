@@ -34,6 +34,9 @@ from hitab_ros.answering import what_went_wrong
 _RETRY_S = 0.01
 """How long a folder that somebody else holds is left alone."""
 
+_BREATH_S = 0.001
+"""How long a thread leaves Python's lock to the callbacks after each folder."""
+
 
 class Receiver(Protocol):
     """An agent of the process, as far as it receives what is distributed."""
@@ -216,7 +219,9 @@ def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
     """Do what notes say. They stay where the disk fails: who comes next carries them out."""
     for folder, note in notes:
         carry_out(folder, note)
+        time.sleep(_BREATH_S)
     with suppress(OSError):
         sync_filesystems(folder for folder, _ in notes)
         for folder, note in notes:
             forget(folder, note)
+            time.sleep(_BREATH_S)
