@@ -28,11 +28,13 @@ class CommandView:
 
     Attributes:
         groups: what each commander tells of its group, by its name.
+        strangers: which swarm those that are another swarm's belong to, by name.
     """
 
     def __init__(self, link: RosLink, prefix: str = "", identity: str = "") -> None:
         self._identity = identity
         self.groups: dict[str, CommanderStatus] = {}
+        self.strangers: dict[str, str] = {}
         self._link = link
         self._prefix = prefix
         self._watched: set[str] = set()
@@ -70,6 +72,8 @@ class CommandView:
     def _take(self, group: CommanderStatus) -> None:
         if is_own(group.swarm, self._identity, started_by_it=False):
             self.groups[group.commander] = group
+        else:
+            self.strangers[group.commander] = group.swarm
 
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders that are there, or are expected, have told."""
@@ -80,7 +84,7 @@ class CommandView:
             if not wanted:
                 self.discover()
             known = wanted or self._watched
-            return bool(known) and known <= self.groups.keys()
+            return bool(known) and known <= self.groups.keys() | self.strangers.keys()
 
         if not self._link.spin_until(complete, seconds) or not wanted:
             # Whoever is discovered a little later has its place in the tree, too.

@@ -217,7 +217,7 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
 def _end(folder: RunFolder) -> list[int]:
     """End all that still lives: first politely, then not. The supervisor goes first."""
     killed: list[int] = []
-    for end, patience in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 3.0)):
+    for end, patience in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 20.0)):
         left = folder.processes()
         if not left:
             return killed
