@@ -230,7 +230,10 @@ def test_a_double_click_commands_once_and_steps_twice(swarm, person):
     person.page.dblclick('[data-do="step"]')
     person.waits_until(lambda: entity(swarm, ONE) and swarm.world.state.cycle == cycle + 2, "two")
     # What a page asks for is done in order: by now, all that the first double click has asked.
-    assert [e.kind for e in swarm.agents.list_examples(ONE).examples] == ["demonstrated", "default"]
+    assert [e.kind for e in swarm.agents.list_examples(ONE).examples] == [
+        "demonstrated",
+        "default",
+    ]
 
 
 @needs_browser
