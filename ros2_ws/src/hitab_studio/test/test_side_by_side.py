@@ -2,6 +2,7 @@
 
 import asyncio
 import dataclasses
+import errno
 import sys
 import threading
 import time
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 from hitab_bringup.errors import SwarmError
+from hitab_studio import recording
 from hitab_studio.actions import Wishes
 from hitab_studio.actions.registry import ACTIONS
 from hitab_studio.store import Store
@@ -169,6 +171,32 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
         await until(lambda: looks.toasts, "it was not told")
         assert "The answer of keeper_2 to get_vocabulary cannot be read" in looks.toasts[0].text
+        assert not other.toasts
+        before = studio.frames
+        await until(lambda: studio.frames > before, "the field stands still")
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
+    stand_in, monkeypatch, tmp_path
+):
+    """Else the error leaves a callback: the node would stop, and nobody know why."""
+
+    class Full(recording.Writer):
+        def add_message(self, *_: Any, **__: Any) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(recording, "Writer", Full)
+
+    async def use(studio: Studio) -> None:
+        page, other = studio.open(), studio.open()
+        path = str(tmp_path / "run.mcap")
+        await page.ask(lambda _: studio.link.start_recording(path, page.id))
+        assert studio.store.known.recording == path
+        await until(lambda: page.toasts, "it was not told")
+        assert "run.mcap ends here: No space left" in page.toasts[0].text
+        await until(lambda: not studio.store.known.recording, "it has ended")
         assert not other.toasts
         before = studio.frames
         await until(lambda: studio.frames > before, "the field stands still")
