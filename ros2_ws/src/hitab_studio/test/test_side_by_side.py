@@ -140,19 +140,17 @@ def test_whatever_a_job_raises_reaches_its_page_and_ends_nothing(stand_in, error
 
 def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
     """What looks for the swarm reads files: an error there would end the link for good."""
-    asked = 0
+    failing, once = threading.Event(), iter([True])
 
     def find() -> Any:
-        nonlocal asked
-        asked += 1
-        if asked in (1, 4):
+        if next(once, False) or failing.is_set():
             raise PermissionError("somebody else's run folder")
         return stand_in.target
 
     async def use(studio: Studio) -> None:
         page = studio.open()
-        await until(lambda: asked > 4, "it is still looked for")
-        assert any("run folder" in toast.text for toast in page.toasts)
+        failing.set()
+        await until(lambda: any("run folder" in toast.text for toast in page.toasts), "not told")
         before = studio.frames
         await until(lambda: studio.frames > before, "the field stands still")
 
