@@ -68,7 +68,10 @@ def test_the_order_of_the_lines_does_not_matter():
 
 
 def test_positions_are_asked_for_all_the_way_down_where_a_commander_above_needs_them():
-    assert all(commander.asks_position for commander in parsed(TREE).commanders)
+    assert [commander.asks_position for commander in parsed(TREE).commanders] == [True] * 5
+    # It is the captain that needs them: without it nobody is to report where it is.
+    alone = parsed(TREE.splitlines(keepends=True)[0]).commanders
+    assert [commander.asks_position for commander in alone] == [False] * 4
 
 
 def test_without_a_map_the_behaviors_that_all_subordinates_share_are_the_orders():

@@ -13,10 +13,13 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
+from dataclasses import dataclass
 from typing import Any
 
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.ros_link import RosLink
+from hitab_bringup.swarm_client import SwarmClient
+from hitab_bringup.world_client import WorldClient
 from hitab_core.errors import HitabError
 
 STUBBORN = 100
@@ -151,3 +154,12 @@ class SharedLink(RosLink):
             super().spin(seconds)
         else:
             job.wait()
+
+
+@dataclass
+class Connected:
+    """The swarm, as seen over ROS."""
+
+    link: SharedLink
+    agents: SwarmClient
+    world: WorldClient

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from hitab_bringup.errors import SwarmError
 from hitab_core.use import Use
+from hitab_studio.jobs import Connected
 from hitab_studio.learned import Learned
 from hitab_studio.locks import Holder
 from hitab_studio.replay import Player
-from hitab_studio.swarm_link import Connected
 from hitab_studio.watching import Watched
 
 if TYPE_CHECKING:

@@ -17,27 +17,17 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
 from functools import partial
-from types import MappingProxyType
 from typing import Any, TypeVar
 
-from hitab_msgs.msg import CommanderStatus
-
-from hitab_bringup import names
 from hitab_bringup.errors import SwarmError
-from hitab_bringup.identity import is_own
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.world_client import WorldClient
-from hitab_ros import qos
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.finding import Target
-from hitab_studio.jobs import Job, Jobs, SharedLink
+from hitab_studio.jobs import Connected, Job, Jobs, SharedLink
 from hitab_studio.known import Known, Trouble
-from hitab_studio.markers import Markers
-from hitab_studio.recording import Recorder
-from hitab_studio.scene import scene_of
-from hitab_studio.situations import Situations
+from hitab_studio.observer import Observer
 from hitab_studio.watching import Watch
 
 T = TypeVar("T")
@@ -52,15 +42,6 @@ ENDED = "The studio has ended."
 
 FAILURES = 50
 """Turns in a row that fail before the link connects anew."""
-
-
-@dataclass
-class Connected:
-    """The swarm, as seen over ROS."""
-
-    link: SharedLink
-    agents: SwarmClient
-    world: WorldClient
 
 
 class SwarmLink:
@@ -83,16 +64,10 @@ class SwarmLink:
         # From here on: the link's thread alone.
         self._known = self._told = Known()
         self._jobs = Jobs()
-        self._situations = Situations()
         self._connected: Connected | None = None
+        self._observer: Observer | None = None
         self._focus: dict[str, frozenset[str]] = {}
-        self._watches: dict[str, Watch] = {}
-        self._group_topics: set[str] = set()
-        self._recorder: Recorder | None = None
-        self._recording_page = ""
-        self._markers: Markers | None = None
         self._colors: Mapping[str, int] = {}
-        self._shown: object = None
         self._next_look = self._next_find = 0.0
         self._troubles: dict[str, float] = {}
 
@@ -165,7 +140,9 @@ class SwarmLink:
                         SwarmClient(link, target.agents, identity=target.identity),
                         WorldClient(link, identity=target.identity, started_by_it=target.world),
                     )
-                    self._markers = Markers(link)
+                    self._observer = Observer(
+                        self._connected, self._known, self._focus, self._trouble
+                    )
                     try:
                         self._serve(target)
                         why = ENDED if self._stopping.is_set() else _gone(target)
@@ -174,28 +151,26 @@ class SwarmLink:
             except Exception as error:  # the thread must outlive whatever goes wrong
                 logging.getLogger(__name__).exception("the link to the swarm")
                 why = f"The connection was lost: {what_went_wrong(error)}"
-                self._know(target=Target(0, problem=why))
+                self._known = Known(Target(0, problem=why), self._known.revision + 1)
                 self._end(why)
                 self._stopping.wait(FIND_SECONDS)
         self._end(ENDED)
 
     def _begin(self, target: Target) -> None:
         """Forget the swarm before: another one is meant from now on, or another start of it."""
-        self._situations = Situations()
-        self._shown, self._next_look, self._next_find = None, 0.0, 0.0
+        self._next_look = self._next_find = 0.0
         self._known = Known(target, self._known.revision + 1)
         self._deliver()
 
     def _end(self, why: str) -> None:
         """End what is under way."""
         self._take_requests()
-        self._try(self.stop_recording)
+        if self._observer is not None:
+            self._try(self._observer.stop_recording)
         self._deliver()
         for job in self._jobs.end(why):
             job.reply()
-        self._watches.clear()
-        self._group_topics.clear()
-        self._connected = self._markers = None
+        self._connected = self._observer = None
 
     def _wait_for_certainty(self, target: Target) -> None:
         """Refuse all that is asked for until it is certain which swarm is meant."""
@@ -208,8 +183,25 @@ class SwarmLink:
             raise SwarmError("The studio is not connected to a swarm.")
         return self._connected
 
+    def _observing(self) -> Observer:
+        if self._observer is None:
+            raise SwarmError("The studio is not connected to a swarm.")
+        return self._observer
+
+    def _with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:
+        if self._observer is not None:
+            self._observer.with_watch(agent, do)
+
+    def _deliver(self) -> None:
+        if self._observer is not None:
+            self._known = self._observer.known
+        if self._known is not self._told:
+            self._told = self._known
+            self._tell(self._known)
+
     def _serve(self, target: Target) -> None:
         failures = 0
+        observer = self._observing()
         while not self._stopping.is_set():
             if self._try(lambda: self._swarm().link.spin(SPIN_SECONDS)):
                 failures = 0
@@ -220,13 +212,14 @@ class SwarmLink:
             self._take_requests()
             ended = self._jobs.go_on()
             now = time.monotonic()
-            self._try(self._see)
+            observer.colors = self._colors
+            self._try(observer.see)
             if ended or now >= self._next_look:
                 self._next_look = now + LOOK_SECONDS
-                self._try(self._look)
+                self._try(observer.look)
             if now >= self._next_find:
                 self._next_find = now + FIND_SECONDS
-                self._try(self._keep_house)
+                self._try(observer.keep_house)
                 if not self._is_still(target):
                     return
             self._deliver()
@@ -263,120 +256,15 @@ class SwarmLink:
         logging.getLogger(__name__).error("%s", text, exc_info=error)
         self._tell(Trouble(text, session, agent))
 
-    # -- what is known ----------------------------------------------------------------------
-
-    def _know(self, **changes: Any) -> None:
-        """Know this, which pages show, from now on."""
-        self._known = replace(self._known, revision=self._known.revision + 1, **changes)
-
-    def _deliver(self) -> None:
-        if self._known is not self._told:
-            self._told = self._known
-            self._tell(self._known)
-
-    def _see(self) -> None:
-        state = self._swarm().world.state
-        if state is None or state is self._shown:
-            return
-        self._shown = state
-        before, scene = self._known.scene, scene_of(state)
-        self._situations.see(scene)
-        if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
-            self._know(scene=scene)
-        else:
-            self._known = replace(self._known, scene=scene)
-        if self._markers is not None:
-            self._markers.show(scene, self._known.doing(), self._colors)
-
-    def _look(self) -> None:
-        swarm, known = self._swarm(), self._known
-        if swarm.world.status is not known.world:
-            self._know(world=swarm.world.status)
-        statuses = swarm.agents.statuses
-        if any(known.statuses.get(name) is not status for name, status in statuses.items()):
-            self._know(statuses=MappingProxyType(dict(statuses)))
-        wanted = {agent for agents in self._focus.values() for agent in agents}
-        for agent in wanted & statuses.keys() - self._watches.keys():
-            self._watches[agent] = Watch(
-                swarm.link,
-                agent,
-                partial(statuses.get, agent),
-                partial(self._learns, agent),
-                partial(self._trouble, agent),
-            )
-        for agent in self._watches.keys() - wanted:
-            self._watches.pop(agent).close()
-        for agent, watch in self._watches.items():
-            watch.look()
-            self._keep_situations(agent, watch)
-        watched = {name: watch.known for name, watch in self._watches.items()}
-        if watched.keys() != known.watched.keys():
-            self._know(watched=MappingProxyType(watched))
-        elif any(known.watched[name] is not it for name, it in watched.items()):
-            self._known = replace(self._known, watched=MappingProxyType(watched))
-
-    def _learns(self, agent: str) -> None:
-        # At once: in a paused world the next placement is a moment of the same cycle.
-        self._with_watch(agent, partial(self._keep_situations, agent))
-        watched = {name: watch.known for name, watch in self._watches.items()}
-        self._know(watched=MappingProxyType(watched))
-
-    def _keep_situations(self, agent: str, watch: Watch) -> None:
-        training = watch.known.training
-        if training is not None:
-            self._situations.keep(
-                agent, training.name, [(e.number, e.cycle) for e in training.examples]
-            )
-            if self._situations.kept is not self._known.moments:
-                self._know(moments=self._situations.kept)
-
-    def _with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:
-        if (watch := self._watches.get(agent)) is not None:
-            do(watch)
-
-    def _keep_house(self) -> None:
-        swarm = self._swarm()
-        node = swarm.link.node
-        swarm.agents.discover()
-        gone = frozenset(
-            name
-            for name in swarm.agents.statuses
-            if node.count_publishers(names.of_agent(name, "status")) == 0
-        )
-        if gone != self._known.gone:
-            self._know(gone=gone)
-        for topic in swarm.link.topics_of_type("hitab_msgs/msg/CommanderStatus"):
-            if topic not in self._group_topics:
-                self._group_topics.add(topic)
-                swarm.link.subscribe(CommanderStatus, topic, self._take_group, qos.LATCHED)
-        if self._markers is not None:
-            self._markers.look()
-        if self._recorder is not None:
-            self._recorder.look()
-            self._know(recorded=self._recorder.count)
-            if self._recorder.problem:
-                self._trouble("", self._recorder.problem, session=self._recording_page)
-                self.stop_recording()
-
-    def _take_group(self, status: CommanderStatus) -> None:
-        target = self._known.target
-        if target is None or not is_own(status.swarm, target.identity, started_by_it=False):
-            return
-        self._know(groups=MappingProxyType({**self._known.groups, status.commander: status}))
-
     # -- recording; to be called as jobs ----------------------------------------------------
 
-    def start_recording(self, connected: Connected, path: str, session: str = "") -> None:
+    def start_recording(self, path: str, session: str = "") -> None:
         """Record all that is said from now on.
 
         Raises:
             SwarmError: if that is done already, or the file cannot be written.
         """
-        if self._recorder is not None:
-            raise SwarmError(f"already recording to {self._recorder.path}")
-        self._recorder = Recorder(connected.link, path)
-        self._recording_page = session
-        self._know(recording=path, recorded=0)
+        self._observing().start_recording(path, session)
 
     def stop_recording(self) -> str:
         """End the recording and return where it is; "" if there was none.
@@ -384,12 +272,7 @@ class SwarmLink:
         Raises:
             SwarmError: if its end could not be written.
         """
-        recorder, self._recorder = self._recorder, None
-        if recorder is None:
-            return ""
-        self._know(recording="")
-        recorder.close()
-        return str(recorder.path)
+        return self._observing().stop_recording()
 
 
 def _gone(target: Target) -> str:

@@ -2,6 +2,7 @@
 
 import asyncio
 import dataclasses
+import errno
 import sys
 import threading
 import time
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 from hitab_bringup.errors import SwarmError
+from hitab_studio import recording
 from hitab_studio.actions import Wishes
 from hitab_studio.actions.registry import ACTIONS
 from hitab_studio.store import Store
@@ -138,19 +140,17 @@ def test_whatever_a_job_raises_reaches_its_page_and_ends_nothing(stand_in, error
 
 def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
     """What looks for the swarm reads files: an error there would end the link for good."""
-    asked = 0
+    failing, once = threading.Event(), iter([True])
 
     def find() -> Any:
-        nonlocal asked
-        asked += 1
-        if asked in (1, 4):
+        if next(once, False) or failing.is_set():
             raise PermissionError("somebody else's run folder")
         return stand_in.target
 
     async def use(studio: Studio) -> None:
         page = studio.open()
-        await until(lambda: asked > 4, "it is still looked for")
-        assert any("run folder" in toast.text for toast in page.toasts)
+        failing.set()
+        await until(lambda: any("run folder" in toast.text for toast in page.toasts), "not told")
         before = studio.frames
         await until(lambda: studio.frames > before, "the field stands still")
 
@@ -169,6 +169,32 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
         await until(lambda: looks.toasts, "it was not told")
         assert "The answer of keeper_2 to get_vocabulary cannot be read" in looks.toasts[0].text
+        assert not other.toasts
+        before = studio.frames
+        await until(lambda: studio.frames > before, "the field stands still")
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
+    stand_in, monkeypatch, tmp_path
+):
+    """Else the error leaves a callback: the node would stop, and nobody know why."""
+
+    class Full(recording.Writer):
+        def add_message(self, *_: Any, **__: Any) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(recording, "Writer", Full)
+
+    async def use(studio: Studio) -> None:
+        page, other = studio.open(), studio.open()
+        path = str(tmp_path / "run.mcap")
+        await page.ask(lambda _: studio.link.start_recording(path, page.id))
+        assert studio.store.known.recording == path
+        await until(lambda: page.toasts, "it was not told")
+        assert "run.mcap ends here: No space left" in page.toasts[0].text
+        await until(lambda: not studio.store.known.recording, "it has ended")
         assert not other.toasts
         before = studio.frames
         await until(lambda: studio.frames > before, "the field stands still")

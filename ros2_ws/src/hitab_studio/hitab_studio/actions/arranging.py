@@ -6,8 +6,8 @@ from typing import Any
 
 from hitab_bringup.errors import SwarmError
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.jobs import Connected
 from hitab_studio.session import Session
-from hitab_studio.swarm_link import Connected
 
 MOST_UNDO = 100
 

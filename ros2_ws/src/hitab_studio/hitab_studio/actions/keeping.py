@@ -9,9 +9,9 @@ from hitab_msgs.srv import GetBehavior
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.swarm_client import DistributionReport
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.jobs import Connected
 from hitab_studio.learned import learned_of
 from hitab_studio.session import Session
-from hitab_studio.swarm_link import Connected
 
 
 def _bindings(values: Any) -> dict[str, str]:

@@ -20,7 +20,7 @@ async def record(session: Session, data: Data) -> None:
         session.tell(f"recorded to {path}")
     else:
         path = str(new_recording(store.known.target.swarm if store.known.target else ""))
-        await session.ask(lambda swarm: link.start_recording(swarm, path, session.id))
+        await session.ask(lambda _: link.start_recording(path, session.id))
     session.tab = "record"
 
 
