@@ -16,7 +16,9 @@ from fuzzing import Fuzzer
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.ros_link import RosLink
 from hitab_bringup.supervision import process_states
+from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.world_client import WorldClient
 
 SECONDS = 60.0
 LOG_MAX = 300_000  # bytes of one process
@@ -102,8 +104,14 @@ def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[Runni
         grown = {name: size - memory_before[name] for name, size in memory(running).items()}
         print(f"grown by {grown}")
         assert max(grown.values()) < MEMORY_MAX
-        let_go(running, agents)
-        yield running
+        # By somebody who comes later: who listened all the time may still see what was forged.
+        with RosLink(running.record.domain_id) as link:
+            clients = SwarmClient(link, running.record.agents), WorldClient(link)
+            clients[0].watch_all()
+            later = RunningSwarm(running.folder, running.record, link, *clients)
+            clients[1].wait(SECONDS)
+            let_go(later, agents)
+            yield later
         assert pids(running) == before, "a process has ended"
 
 

@@ -42,7 +42,9 @@ ITEMS_MAX = 20_000
 VALUES_MAX = 1_000_000
 """Numbers in a list."""
 
-MAY_BE_INFINITE = frozenset({"values", "measures", "position"})
+MAY_BE_INFINITE = frozenset({"values", "measures", "position"}) | {
+    *("factor", "x", "y", "heading", "vx", "vy", "radius")  # a world says of what it is wrong
+}
 """Fields, of whatever message, with numbers of a domain, which knows what they may be: a report
 is a sign of life, too, and not left out for one of them."""
 
@@ -103,7 +105,7 @@ def _check_of(message: str, field: str, slot: Any) -> Check | None:
     if many:
         return _numbers(place, field, kind)
     if kind in ("double", "float"):
-        return _number(place, field)
+        return None if field in MAY_BE_INFINITE else _number(place, field)
     if place in TIMES_OF_DAY:
         return _time_of_day(place, field)
     return None

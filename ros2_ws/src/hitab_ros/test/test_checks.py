@@ -25,7 +25,7 @@ BAD = [
     (msg.Order(report_period=float("inf")), "Order.report_period is infinite"),
     (msg.Reports(reports=[msg.Report(), msg.Report(epoch=FAR)]), "Report.epoch"),
     (msg.Distribution(files=[msg.BehaviorFile(name="a\nb")]), r'"a\nb" has control characters'),
-    (srv.Place.Request(entities=[msg.Entity(x=float("inf"))]), "Entity.x is infinite"),
+    (srv.Place.Request(entities=[msg.Entity(name="a\x00")]), "Entity.name"),
     (srv.LoadLibrary.Request(path="/" * 5000), "LoadLibrary_Request.path has 5000 characters"),
     (srv.SaveBehavior.Request(description="a\x00"), "SaveBehavior_Request.description"),
 ]
