@@ -178,6 +178,12 @@ def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
     home: Path, tmp_path: Path, seed: int, seconds: float
 ):
     with fuzzed(FORAGING, tmp_path, seed, seconds) as running:
+        # What is in force already is not ordered again: first something else on each level.
+        for order in ("Rest", "Explore"):
+            running.agents.perform("chief", order)
+        assert running.link.spin_until(lambda: behaviors(running, "squad") == {order}, SECONDS), (
+            doing(running)
+        )
         for order, meant in (("Rest", "Stop"), ("Explore", "Forward"), ("Rest", "Stop")):
             running.agents.perform("chief", order)
             assert running.link.spin_until(
