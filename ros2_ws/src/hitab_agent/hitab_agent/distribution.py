@@ -110,7 +110,13 @@ class Distributor:
         return f"sent {len(bundle.files)} behaviors"
 
     def has_taken_in(self, sequence: int, digest: str, error: str) -> None:
-        """Publish what came of a distribution; see `hitab_agent.intake.Receiver`."""
+        """Publish what came of a distribution; see `hitab_agent.intake.Receiver`.
+
+        What goes wrong with it is this agent's, and keeps nothing from the others.
+        """
+        self._node.guard.run("distribution", self._publish, sequence, digest, error)
+
+    def _publish(self, sequence: int, digest: str, error: str) -> None:
         if digest:
             self._node.settle()
         # The status first: who has all acknowledgements may look at everybody's digest.

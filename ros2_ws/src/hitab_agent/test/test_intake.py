@@ -410,9 +410,17 @@ def test_a_job_that_fails_does_not_keep_others_from_being_done(process):
 
     for number in range(3):
         slices.do(job(number))
-    with pytest.raises(ValueError, match="1"):
-        process.until(lambda: False)
     process.until(lambda: done == [0, 2])
+
+
+def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process, tmp_path):
+    host = Host(process, tmp_path, True, size=3)
+    first = host.nodes[0]
+    first.report_distribution = lambda *_: 1 / 0
+    host.send(taught(tmp_path / "teacher", "Low", "Left"))
+    process.until(lambda: {"pupil_1", "pupil_2"} <= {ack.agent for ack in host.heard})
+    assert "distribution failed: ZeroDivisionError" in first.guard.faults.texts()[0]
+    assert not any(node.guard.faults for node in host.nodes[1:])
 
 
 def test_an_agent_whose_start_behavior_is_gone_is_there_idle_and_says_why(process, tmp_path):

@@ -5,7 +5,6 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.distribution import DistributionDesk
 from hitab_agent.later import Later
 from hitab_agent.order_desk import OrderDesk
 from hitab_agent.services_on_demand import ServicesOnDemand
@@ -62,16 +61,17 @@ def test_functions_of_different_rates_are_called_at_their_own(process):
 
 def test_all_who_are_under_a_commander_hear_it_through_one_subscription(process):
     node = process.node
-    publisher = node.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    topic = f"/chief/{names.ORDER}"
+    publisher = node.create_publisher(msg.Order, topic, qos.LATCHED)
     desk, heard = OrderDesk(node), []
     before = len(list(node.subscriptions))
     for who in ("a", "b"):
-        desk.listen(node, "chief", lambda order, who=who: heard.append((who, order.name)))
+        desk.listen(node, topic, lambda order, who=who: heard.append((who, order.name)))
     assert len(list(node.subscriptions)) == before + 1
     publisher.publish(msg.Order(commander="chief", epoch=1, sequence=1, order="Attack"))
     process.until(lambda: len(heard) == 2)
     assert heard == [("a", "Attack"), ("b", "Attack")]
-    desk.listen(node, "chief", lambda order: heard.append(("late", order.name)))
+    desk.listen(node, topic, lambda order: heard.append(("late", order.name)))
     assert heard[-1] == ("late", "Attack")
 
 
@@ -98,26 +98,13 @@ def test_what_fails_among_many_touches_no_other_and_is_shown_by_whose_it_is(proc
 def test_who_fails_at_an_order_does_not_keep_it_from_the_others(process):
     node, other = process.node, GuardedNode("other", context=process.node.context)
     process.add(other)
-    publisher = node.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    topic = f"/chief/{names.ORDER}"
+    publisher = node.create_publisher(msg.Order, topic, qos.LATCHED)
     desk, heard = OrderDesk(node), []
-    desk.listen(other, "chief", lambda order: fails())
-    desk.listen(node, "chief", lambda order: heard.append(order.name))
+    desk.listen(other, topic, lambda order: fails())
+    desk.listen(node, topic, lambda order: heard.append(order.name))
     publisher.publish(msg.Order(commander="chief", epoch=1, sequence=1, order="Attack"))
     process.until(lambda: heard == ["Attack"])
-    assert other.guard.faults
-    assert not node.guard.faults
-
-
-def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process):
-    node, other = process.node, GuardedNode("other", context=process.node.context)
-    process.add(other)
-    desk, received = DistributionDesk(node), []
-    desk.add(lambda sent: fails(), other.guard)
-    desk.add(lambda sent: received.append(sent.sequence), node.guard)
-    publisher = node.create_publisher(msg.Distribution, f"/{names.DISTRIBUTION}", qos.EVENTS)
-    process.until(lambda: publisher.get_subscription_count() > 0)
-    publisher.publish(msg.Distribution(sequence=7))
-    process.until(lambda: received == [7])
     assert other.guard.faults
     assert not node.guard.faults
 

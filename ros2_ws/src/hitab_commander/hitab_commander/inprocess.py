@@ -143,7 +143,7 @@ class _Node:
         self.agent = agent
         self.subordinate = Subordinate(agent)
         self.superior: _CommanderNode | None = None
-        self._restart = False
+        self._restart = self._restarted = False
         if behavior:
             agent.perform(Use.parse(behavior))
 
@@ -156,12 +156,12 @@ class _Node:
     ) -> None:
         self.subordinate.seconds = seconds
         self.agent.sense(values, heard, cycle)
-        if self._restart:
+        self._restarted, self._restart = self._restart, False
+        if self._restarted:
             self.agent.restart(self.subordinate.seed, self.subordinate.episode)
 
     def report(self, number: int) -> None:
-        restart, self._restart = self._restart, False
-        report = self.subordinate.round_begins(number, look=False, restart=restart)
+        report = self.subordinate.round_begins(number, look=False, restart=self._restarted)
         if self.superior is not None:
             self.superior.hear(report)
 

@@ -9,7 +9,6 @@ from hitab_bringup.errors import SwarmError
 from hitab_bringup.run_folder import RunFolder, RunRecord
 from hitab_studio import finding
 from hitab_studio.finding import Target, find_target
-from hitab_studio.store import Store
 from hitab_studio.swarm_link import SwarmLink
 
 
@@ -26,7 +25,7 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
     async def ask(link: SwarmLink) -> None:
         await asyncio.wait_for(link.do(done.append), 30.0)
 
-    link = SwarmLink(Store(), lambda: Target(0, problem="Which one?"), lambda _: None)
+    link = SwarmLink(lambda: Target(0, problem="Which one?"), lambda _: None)
     link.start()
     with contextlib.ExitStack() as stack:
         stack.callback(link.stop)
