@@ -196,6 +196,7 @@ def test_a_second_agent_of_the_same_name_is_refused(training, tmp_path):
     from hitab_bringup.supervision import environment
     from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
     from hitab_bringup.swarm_processes import processes
+    from hitab_ros.exit_codes import FINAL
 
     twin = AgentDescription(AGENT, "keepaway", process=AGENT)
     (process,) = processes(SwarmDescription("twins", tmp_path, (twin,)), tmp_path)
@@ -207,6 +208,8 @@ def test_a_second_agent_of_the_same_name_is_refused(training, tmp_path):
         timeout=20,
         check=False,
     )
-    assert done.returncode == 1
-    assert f'error: "{AGENT}" is running already in this swarm' in done.stderr
+    # Its supervisor must not start it again and again; it says whose the name is.
+    assert done.returncode == FINAL
+    swarm = training.record.identity
+    assert f'error: "{AGENT}" is running already in swarm {swarm}' in done.stderr
     assert training.agents.command(AGENT, "GoFast").mode == "training"

@@ -13,7 +13,6 @@ from rclpy.node import Node
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
-from hitab_agent.recent_commands import RecentCommands
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
@@ -27,6 +26,7 @@ from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import use_of
+from hitab_ros.recent_requests import RecentRequests
 
 _NO_ACTION: tuple[Sequence[float], str] = ((), "")
 
@@ -73,10 +73,12 @@ class AgentNode(Node):
         )
         self._tick_error = ""
         self._error = ""
-        self._recent = RecentCommands()
+        self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
         self._last_path: list[str] = []
         self._percept_stamp = msg.AgentStatus().stamp
-        self._status = msg.AgentStatus(agent=self.agent_name, domain=domain.name)
+        self._status = msg.AgentStatus(
+            agent=self.agent_name, domain=domain.name, swarm=settings.swarm
+        )
         self._status_publisher = self.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
         self._status_is_due = False
         self._sensed = False

@@ -65,7 +65,9 @@ class HostLink:
     for together.
     """
 
-    def __init__(self, host: Node, name: str, world: str, outbox: ReportOutbox) -> None:
+    def __init__(
+        self, host: Node, name: str, world: str, outbox: ReportOutbox, swarm: str = ""
+    ) -> None:
         """Make ready; nothing comes before `announce`.
 
         Args:
@@ -73,7 +75,9 @@ class HostLink:
             name: of the host, unique in the swarm.
             world: name of the world.
             outbox: of the process, held while all act.
+            swarm: identity of the swarm that the agents are part of; empty: none.
         """
+        self._swarm = swarm
         self._host = host
         self._name = name
         self._outbox = outbox
@@ -108,6 +112,7 @@ class HostLink:
                 host=self._name,
                 number=self._answers.roster,
                 agents=[perceiver.agent_name for perceiver in self._perceivers],
+                swarm=self._swarm,
             )
         )
 

@@ -45,18 +45,20 @@ def start(spinning: Spinner) -> None:
     doubles = sorted({name for name in names if names.count(name) > 1})
     if doubles:
         raise HitabError(f"the host was given {', '.join(doubles)} twice")
-    swarm = host.get_namespace().rstrip("/")
+    namespace = host.get_namespace().rstrip("/")
+    swarm = host.get_parameter("swarm").value  # of all its agents
     # A node that has the topics of the host, in a namespace of its own.
-    desk = make_node("host", namespace=f"{swarm}/host_{uuid.uuid4().hex[:8]}")
+    desk = make_node("host", namespace=f"{namespace}/host_{uuid.uuid4().hex[:8]}")
     spinning.executor.add_node(desk)
-    shared = Shared.of_host(desk, len(entries))
+    shared = Shared.of_host(desk, len(entries), swarm)
     nodes = []
     for entry in entries:
+        parameters = {"swarm": swarm, **entry.parameters}
         node = entry.node(
-            namespace=f"{swarm}/{entry.name}",
+            namespace=f"{namespace}/{entry.name}",
             parameter_overrides=[
                 NO_TYPE_DESCRIPTIONS,
-                *(Parameter(name, value=value) for name, value in entry.parameters.items()),
+                *(Parameter(name, value=value) for name, value in parameters.items()),
             ],
             use_global_arguments=False,
             shared=shared,

@@ -17,6 +17,7 @@ DESCRIPTIONS = {
     "seed": "of the agent's own random numbers, until a world gives one",
     "commander": "name of its commander, whose orders it obeys; empty: it has none",
     "role": "in its commander's group, for orders that differ by role",
+    "swarm": "identity of the swarm that it is part of, for its status; empty: none",
     "most_probable": "take the most probable next state instead of drawing from the distribution",
 }
 
@@ -34,6 +35,7 @@ class AgentSettings:
     most_probable: bool = False
     commander: str = ""
     role: str = ""
+    swarm: str = ""
 
     @classmethod
     def declare(cls, node: Node) -> AgentSettings:

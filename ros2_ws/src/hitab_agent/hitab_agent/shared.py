@@ -44,6 +44,7 @@ class Shared:
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
         host: the node of the host, if it is one.
+        swarm: identity of the swarm that a host's agents are part of; empty: none.
         links: to worlds, where they are shared, by the world's name.
         on_demand: offers services when somebody asks; None: each agent offers its own at once.
         domains: the domains that were loaded, by name.
@@ -56,6 +57,7 @@ class Shared:
     outbox: ReportOutbox
     distributions: DistributionDesk
     host: Node | None = None
+    swarm: str = ""
     links: dict[str, HostLink] = field(default_factory=dict)
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
@@ -73,10 +75,11 @@ class Shared:
         )
 
     @classmethod
-    def of_host(cls, node: Node, agents: int) -> Shared:
+    def of_host(cls, node: Node, agents: int, swarm: str = "") -> Shared:
         """Return what the agents of a host share, on a node in a namespace of its own."""
         shared = cls.on(node)
         shared.host = node
+        shared.swarm = swarm
         shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
         shared.on_demand = ServicesOnDemand(node)
         shared.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), shared.on_demand.look)
@@ -86,7 +89,7 @@ class Shared:
         """Return the shared link to a world; None if this process is not a host."""
         if self.host is not None and world not in self.links:
             name = names.own_name(self.host)
-            self.links[world] = HostLink(self.host, name, world, self.outbox)
+            self.links[world] = HostLink(self.host, name, world, self.outbox, self.swarm)
         return self.links.get(world)
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:

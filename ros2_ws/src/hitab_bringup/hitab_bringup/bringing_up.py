@@ -6,14 +6,14 @@ import contextlib
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_bringup import domain_ids, supervision
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.ros_link import RosLink
-from hitab_bringup.run_folder import RunFolder, RunRecord, running_swarms
+from hitab_bringup.run_folder import RunFolder, RunRecord, registry_held, running_swarms
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.swarm_description import SwarmDescription
@@ -21,6 +21,7 @@ from hitab_bringup.world_client import WorldClient
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # more, for each agent
+NAMED_MAX = 5  # names that an error lists
 
 Progress = Callable[[int, int, str], None]
 """Called with how many are there, how many there are to be, and who is missing."""
@@ -43,16 +44,17 @@ def bring_up(
     """Start a swarm that stays up, and wait until every agent and the world answer.
 
     Raises:
-        SwarmError: telling what did not start; then nothing is left running.
+        SwarmError: telling what did not start, or which names are taken by whom; then nothing
+            of it is left running.
     """
-    supervision.refuse_running(folder)
-    domain_id = domain_ids.for_swarm()
-    _refuse_conflicts(swarm, domain_id)
-    remove_stale()
-    with (
-        _started(swarm, folder, domain_id, temporary=False) as record,
-        RosLink(domain_id) as link,
-    ):
+    with contextlib.ExitStack() as stack:
+        with registry_held():
+            supervision.refuse_running(folder)
+            domain_id = domain_ids.for_swarm()
+            _refuse_conflicts(swarm, folder, domain_id)
+            remove_stale()
+            record = stack.enter_context(_started(swarm, folder, domain_id, temporary=False))
+        link = stack.enter_context(RosLink(domain_id))
         _await_all(record, folder, link, progress)
     return record
 
@@ -90,26 +92,59 @@ def _started(
     swarm: SwarmDescription, folder: RunFolder, domain_id: int, *, temporary: bool
 ) -> Iterator[RunRecord]:
     """Launch the processes; stop them again if what follows fails or is interrupted."""
+    record = None
     try:
-        yield supervision.launch(swarm, folder, domain_id, temporary=temporary)
+        record = supervision.launch(swarm, folder, domain_id, temporary=temporary)
+        yield record
     except BaseException:
-        supervision.stop(folder)
+        there = folder.read()
+        if record is None or there is None or there.identity == record.identity:
+            supervision.stop(folder)  # otherwise somebody has started another one here since
         raise
 
 
-def _refuse_conflicts(swarm: SwarmDescription, domain_id: int) -> None:
-    for folder, record in running_swarms():
-        if record.domain_id != domain_id or record.swarm == swarm.name:
+def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int) -> None:
+    """Refuse names that a swarm has that is registered here."""
+    for other, record in running_swarms():
+        if record.domain_id != domain_id or other.path == folder.path:
             continue
-        both = sorted(set(record.agents) & set(swarm.agent_names))
+        both = [name for name in swarm.agent_names if name in record.agents]
         if record.world and swarm.world is not None:
             both.append("world")
         if both:
             raise SwarmError(
-                f'swarm "{record.swarm}" ({folder.path}) is up in the same ROS domain '
-                f"{domain_id} and has {', '.join(both)} too; choose another ROS_DOMAIN_ID, "
-                f"or stop it with `hitab down {record.swarm}`"
+                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and has '
+                f"{_some(both)} too ({other.path}); stop it with "
+                f"`hitab down --run-dir {other.path}`, or choose another ROS_DOMAIN_ID"
             )
+
+
+def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
+    """Refuse names that nodes have that are heard in the ROS domain, whoever started them."""
+    taken = {name: agents.strangers[name] for name in record.agents if name in agents.strangers}
+    if record.world and world.stranger is not None:
+        taken["world"] = world.stranger
+    if not taken:
+        return
+    other = next(iter(taken.values()))
+    where = f"nodes in ROS domain {record.domain_id} that were started by hand"
+    stop = "stop them"
+    if other:
+        where = f"swarm {other}, which is up in the same ROS domain {record.domain_id}"
+        stop = "stop it with `hitab down` where it was started"
+        for there, registered in running_swarms():
+            if registered.identity == other:
+                where += f" ({there.path})"
+                stop = f"stop it with `hitab down --run-dir {there.path}`"
+    raise SwarmError(
+        f"{_some(list(taken))} of {record.swarm} cannot start: the names are taken by {where}; "
+        f"{stop}, or choose another ROS_DOMAIN_ID"
+    )
+
+
+def _some(names: Sequence[str]) -> str:
+    more = len(names) - NAMED_MAX
+    return ", ".join(names[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
 
 
 def _await_all(
@@ -119,9 +154,9 @@ def _await_all(
     progress: Progress | None,
 ) -> tuple[SwarmClient, WorldClient]:
     """Wait until everybody is heard of, and until the world hears everybody."""
-    agents = SwarmClient(link, record.agents)
+    agents = SwarmClient(link, record.agents, identity=record.identity)
     agents.watch_all()
-    world = WorldClient(link)
+    world = WorldClient(link, identity=record.identity, started_by_it=record.world)
     total = len(record.agents) + record.world
     next_look = time.monotonic()
 
@@ -138,6 +173,7 @@ def _await_all(
 
     def complete() -> bool:
         nonlocal next_look
+        _refuse_taken(record, agents, world)
         names = missing()
         if progress is not None:
             progress(total - len(names), total, ", ".join(names[:3]))

@@ -9,6 +9,7 @@ from typing import Any
 from hitab_msgs.msg import CommanderStatus
 
 from hitab_bringup import names
+from hitab_bringup.identity import is_own
 from hitab_bringup.ros_link import RosLink
 from hitab_ros import qos
 from hitab_ros.names import GROUP
@@ -20,12 +21,20 @@ LATER_SECONDS = 0.3
 class CommandView:
     """Listens to all commanders of a swarm.
 
+    Args:
+        link: the node to use.
+        prefix: namespace of the swarm.
+        identity: of the swarm that is meant; empty: whichever is there.
+
     Attributes:
         groups: what each commander tells of its group, by its name.
+        strangers: which swarm those that are another swarm's belong to, by name.
     """
 
-    def __init__(self, link: RosLink, prefix: str = "") -> None:
+    def __init__(self, link: RosLink, prefix: str = "", identity: str = "") -> None:
+        self._identity = identity
         self.groups: dict[str, CommanderStatus] = {}
+        self.strangers: dict[str, str] = {}
         self._link = link
         self._prefix = prefix
         self._watched: set[str] = set()
@@ -46,9 +55,15 @@ class CommandView:
             self._link.subscribe(
                 CommanderStatus,
                 names.of_agent(commander, GROUP, self._prefix),
-                lambda group: self.groups.__setitem__(group.commander, group),
+                self._take,
                 qos.LATCHED,
             )
+
+    def _take(self, group: CommanderStatus) -> None:
+        if is_own(group.swarm, self._identity, started_by_it=False):
+            self.groups[group.commander] = group
+        else:
+            self.strangers[group.commander] = group.swarm
 
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders that are there, or are expected, have told."""
@@ -60,7 +75,7 @@ class CommandView:
             if not wanted:
                 self.discover()
             known = wanted or self._watched
-            return bool(known) and known <= self.groups.keys()
+            return bool(known) and known <= self.groups.keys() | self.strangers.keys()
 
         if not self._link.spin_until(complete, seconds) or not wanted:
             # Whoever is discovered a little later has its place in the tree, too.

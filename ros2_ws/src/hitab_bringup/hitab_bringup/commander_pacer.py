@@ -23,7 +23,7 @@ class CommanderPacer:
 
     def __init__(self, swarm: SwarmClient) -> None:
         self._swarm = swarm
-        self._view = CommandView(swarm.link, swarm.prefix)
+        self._view = CommandView(swarm.link, swarm.prefix, swarm.identity)
 
     def _is_commander(self, agent: str) -> bool:
         topic = names.of_agent(agent, GROUP, self._swarm.prefix)

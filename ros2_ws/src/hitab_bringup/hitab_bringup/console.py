@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hitab_bringup.suggest import did_you_mean
+from hitab_core.durable_files import write_durably
 from hitab_core.errors import HitabError
 
 if TYPE_CHECKING:
@@ -69,8 +70,12 @@ def write_json(path: str | None, data: Any) -> None:
     if path == "-":
         sys.stdout.write(text)
         return
+    file = Path(path)
     try:
-        Path(path).write_text(text, encoding="utf-8")
+        if file.is_file() or (not file.exists() and file.resolve().parent.is_dir()):
+            write_durably(file.resolve(), text.encode())
+        else:
+            file.write_text(text, encoding="utf-8")  # such as /dev/null
     except OSError as wrong:
         raise HitabError(f"{path} cannot be written: {wrong.strerror}") from None
 

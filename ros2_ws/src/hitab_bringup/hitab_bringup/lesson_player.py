@@ -16,7 +16,7 @@ from hitab_msgs.srv import Control, EditExamples
 
 from hitab_bringup.commander_pacer import CommanderPacer
 from hitab_bringup.conditions import Condition
-from hitab_bringup.errors import LessonError, SwarmError
+from hitab_bringup.errors import LessonError
 from hitab_bringup.lesson import (
     Begin,
     Check,
@@ -37,6 +37,7 @@ from hitab_bringup.lesson import (
 )
 from hitab_bringup.path_tracker import PathTracker
 from hitab_bringup.swarm_client import SwarmClient
+from hitab_bringup.world_as_it_was import as_it_was
 from hitab_bringup.world_client import WorldClient
 from hitab_bringup.world_view import WorldView, speakers
 from hitab_core.errors import HitabError
@@ -113,33 +114,21 @@ class LessonPlayer:
                 come out as expected, or if it took more examples than its budget.
         """
         began = time.monotonic()
-        before = self.world.wait()
-        running, pace = before.mode == WorldState.RUNNING, before.pace
-        self.world.control(Control.Request.PACE, pace="lockstep")
-        start = self._seconds(
-            self.world.changed(lambda: self.world.control(Control.Request.PAUSE))
-        )
-        agents = self.swarm.agents()
-        try:
+        with as_it_was(self.world):
+            self.world.control(Control.Request.PACE, pace="lockstep")
+            start = self._seconds(
+                self.world.changed(lambda: self.world.control(Control.Request.PAUSE))
+            )
+            agents = self.swarm.agents()
             with PathTracker(self.swarm.link, agents, prefix=self.swarm.prefix) as self._tracker:
                 for index, step in enumerate(self.lesson.steps):
                     if self._progress is not None:
                         self._progress(index, len(self.lesson.steps), _told(step))
                     self._play(step)
-        finally:
-            self._hand_back(pace, running)
-        self.report.simulated_s = round(self._seconds(self._state()) - start, 3)
+            self.report.simulated_s = round(self._seconds(self._state()) - start, 3)
         self.report.wall_s = round(time.monotonic() - began, 3)
         self._check_budget()
         return self.report
-
-    def _hand_back(self, pace: str, running: bool) -> None:
-        try:
-            self.world.control(Control.Request.PACE, pace=pace)
-            if running:
-                self.world.control(Control.Request.RESUME)
-        except SwarmError:
-            pass  # it went away; what was wrong has been told
 
     def _play(self, step: Step) -> None:
         self._said, self._ended, self._entered = frozenset(), (), {}

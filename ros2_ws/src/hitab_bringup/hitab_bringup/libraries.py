@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import tempfile
 from pathlib import Path
 
 from hitab_bringup.swarm_description import SwarmDescription
@@ -18,7 +19,15 @@ def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
         library = library_of(agent, folder)
         library.mkdir(parents=True, exist_ok=True)
         if agent.start_from is not None and not any(library.iterdir()):
-            copy_library(agent.start_from, library)
+            _fill(library, agent.start_from)
+
+
+def _fill(library: Path, source: Path) -> None:
+    """Copy all files or none: half a library would be taken for one that was trained since."""
+    with tempfile.TemporaryDirectory(dir=library.parent, prefix=f".{library.name}-") as folder:
+        copy = Path(folder) / library.name
+        copy_library(source, copy)
+        copy.replace(library)  # which is empty
 
 
 def prepare(swarm: SwarmDescription, folder: Path) -> None:

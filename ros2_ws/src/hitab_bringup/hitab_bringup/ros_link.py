@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+import uuid
 from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import Any, Self
@@ -19,6 +20,9 @@ from hitab_bringup.errors import SwarmError
 
 CALL_SECONDS = 15.0
 """How long to wait for the answer of a service that is there."""
+
+REPEAT_SECONDS = 1.0
+"""How long to wait before a request is sent again, for the first time; then twice as long."""
 
 
 class RosLink:
@@ -42,6 +46,8 @@ class RosLink:
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
+        self._name = uuid.uuid4().hex
+        self._requests = 0
         self._failure: BaseException | None = None
 
     def __enter__(self) -> Self:
@@ -112,6 +118,10 @@ class RosLink:
     ) -> Any:
         """Call a service and return its answer, whatever it says.
 
+        An answer may be lost, such as where a service has not discovered this client yet: the
+        request is sent again until there is one. A request that changes something is numbered,
+        so that it is not done again.
+
         Args:
             kind: the type of the service.
             service: its full name.
@@ -128,11 +138,27 @@ class RosLink:
             client = self._clients[service] = self.node.create_client(kind, service)
         if not self.spin_until(client.service_is_ready, discovery, 0.01):
             raise SwarmError(missing())
-        future = client.call_async(request)
-        if not self.spin_until(future.done, seconds):
-            client.remove_pending_request(future)
-            raise SwarmError(
-                f"{service} did not answer within {seconds:g} s; see the log of its process "
-                "(`hitab status` tells where)"
-            )
-        return future.result()
+        if getattr(request, "request", None) == 0:
+            self._requests += 1
+            request.request, request.client = self._requests, self._name
+        deadline = time.monotonic() + seconds
+        patience = REPEAT_SECONDS
+        sent: list[Any] = []
+
+        def answered() -> Any:
+            return next((future for future in sent if future.done()), None)
+
+        try:
+            while (left := deadline - time.monotonic()) > 0:
+                sent.append(client.call_async(request))
+                if self.spin_until(answered, min(patience, left)):
+                    return answered().result()
+                patience *= 2
+        finally:
+            for future in sent:
+                if not future.done():
+                    client.remove_pending_request(future)
+        raise SwarmError(
+            f"{service} did not answer within {seconds:g} s; see the log of its process "
+            "(`hitab status` tells where)"
+        )

@@ -6,11 +6,14 @@ run.json                     there while the swarm is up
 supervisord.conf  supervisord.log  logs/keeper_1.log ...
 libraries/keeper_1/          kept from run to run
 state/keeper_1/              journals of trainings
-running/keepaway -> ../keepaway
+running/keepaway-3f9a2c1e -> ../keepaway
+running.lock                 held while a swarm is being added or taken away
 """
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import json
 import os
 import tempfile
@@ -21,11 +24,11 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 
 from hitab_bringup.errors import SwarmError
-from hitab_core.errors import has
 
 MARK = "HITAB_RUN_FOLDER"
 """Environment variable by which the processes of a run folder are recognized."""
 
+CONFIGURATION = "supervisord.conf"
 SOCKET = "supervisord.sock"
 LONGEST_SOCKET = 90
 """Characters; supervisord makes it under a longer name first, and the system allows 107."""
@@ -33,7 +36,12 @@ LONGEST_SOCKET = 90
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What is kept about a swarm while it is up."""
+    """What is kept about a swarm while it is up.
+
+    Attributes:
+        identity: of this start of the swarm: its name and something that no other has. All of
+            its nodes give it in their statuses.
+    """
 
     swarm: str
     description: str
@@ -43,6 +51,7 @@ class RunRecord:
     world: bool
     supervisor: int
     socket: str
+    identity: str = ""
 
 
 def state_home() -> Path:
@@ -121,10 +130,16 @@ class RunFolder:
         partial.write_text(json.dumps(asdict(record), indent=2) + "\n", encoding="utf-8")
         partial.replace(self.record_file)
         if register:
-            link = _registered(record.swarm)
+            link = _registry() / (record.identity or record.swarm)
             link.parent.mkdir(parents=True, exist_ok=True)
-            link.unlink(missing_ok=True)
+            self._unregister()
             link.symlink_to(self.path)
+
+    def _unregister(self) -> None:
+        """Remove all entries of this folder, and those of folders that are no more."""
+        for link in _registry().glob("*"):
+            if link.is_symlink() and (link.resolve() == self.path or not link.exists()):
+                link.unlink(missing_ok=True)
 
     def forget(self) -> None:
         """Remove the record and the socket: the swarm is down."""
@@ -136,17 +151,23 @@ class RunFolder:
         socket.unlink(missing_ok=True)
         if socket.parent != self.path and socket.parent.name.startswith("hitab-"):
             socket.parent.rmdir()
-        link = _registered(record.swarm)
-        if link.is_symlink() and link.resolve() == self.path:
-            link.unlink()
+        self._unregister()
+
+    @property
+    def configuration(self) -> Path:
+        """What the supervisor is started with."""
+        return self.path / CONFIGURATION
 
     def supervisor(self, record: RunRecord) -> psutil.Process | None:
-        """Return the supervisor, if it is alive; its number may have been given to another."""
+        """Return the supervisor, if it is alive; its number may have been given to another.
+
+        Not even one that was started from this folder need be the supervisor.
+        """
         try:
             process = psutil.Process(record.supervisor)
-            if process.status() == psutil.STATUS_ZOMBIE:
+            if process.status() == psutil.STATUS_ZOMBIE or _mark_of(process) != str(self.path):
                 return None
-            return process if _mark_of(process) == str(self.path) else None
+            return process if str(self.configuration) in process.cmdline() else None
         except psutil.Error:
             return None
 
@@ -165,34 +186,39 @@ def _mark_of(process: psutil.Process) -> str | None:
         return None
 
 
-def _registered(swarm: str) -> Path:
-    return state_home() / "running" / swarm
+def _registry() -> Path:
+    return state_home() / "running"
 
 
-def running_swarms() -> Iterator[tuple[RunFolder, RunRecord]]:
-    """Go through the swarms that are up, temporary ones excepted."""
-    for link in sorted((state_home() / "running").glob("*")):
+Found = tuple[RunFolder, RunRecord]
+
+
+@contextlib.contextmanager
+def registry_held() -> Iterator[None]:
+    """Have nobody else start a swarm meanwhile: two at once would choose the same ROS domain."""
+    lock = _registry().with_suffix(".lock")
+    try:
+        lock.parent.mkdir(parents=True, exist_ok=True)
+        file = lock.open("w")
+    except OSError as error:
+        raise SwarmError(
+            f"{lock} cannot be written ({error.strerror}); choose another folder with HITAB_HOME"
+        ) from None
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def registered_swarms() -> Iterator[Found]:
+    """Go through the swarms that are up or have crashed, temporary ones excepted."""
+    for link in sorted(_registry().glob("*")):
         folder = RunFolder(link)
-        record = folder.read()
-        if record is not None and folder.supervisor(record) is not None:
+        if (record := folder.read()) is not None:
             yield folder, record
 
 
-def find_running(name: str | None) -> tuple[RunFolder, RunRecord] | None:
-    """Return the swarm of this name, or the only one that is up; None if none is.
-
-    Raises:
-        SwarmError: if several are up and none is named, or the named one is not.
-    """
-    up = list(running_swarms())
-    if name is not None:
-        for folder, record in up:
-            if record.swarm == name:
-                return folder, record
-        names = has(record.swarm for _, record in up)
-        raise SwarmError(f'no swarm "{name}" is up {names}; start it with `hitab up`')
-    if len(up) > 1:
-        raise SwarmError(
-            f"several swarms are up {has(r.swarm for _, r in up)}; say which with --swarm NAME"
-        )
-    return up[0] if up else None
+def running_swarms() -> Iterator[Found]:
+    """Go through the swarms that are up, temporary ones excepted."""
+    for folder, record in registered_swarms():
+        if folder.supervisor(record) is not None:
+            yield folder, record

@@ -23,12 +23,14 @@ import psutil  # type: ignore[import-untyped]
 
 from hitab_bringup.dds_profile import RANGE, choose_profile, profile_for
 from hitab_bringup.errors import SwarmError
+from hitab_bringup.identity import new_identity
 from hitab_bringup.libraries import prepare
 from hitab_bringup.run_folder import MARK, RunFolder, RunRecord
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import processes
+from hitab_ros.exit_codes import FINAL
 
 STOP_SECONDS = 10.0
 
@@ -57,7 +59,8 @@ def refuse_running(folder: RunFolder) -> None:
     before = folder.read()
     if before is not None and folder.supervisor(before) is not None:
         raise SwarmError(
-            f'swarm "{before.swarm}" is already up in {folder.path}; stop it with `hitab down`'
+            f'swarm "{before.swarm}" is already up in {folder.path}; '
+            f"stop it with `hitab down --run-dir {folder.path}`"
         )
 
 
@@ -81,10 +84,11 @@ def launch(
     folder.prepare()
     prepare(swarm, folder.path)
     socket = folder.socket_path()
-    started = processes(swarm, folder.path)
+    identity = new_identity(swarm.name)
+    started = processes(swarm, folder.path, identity)
     for process in started:
         folder.log(process.name).unlink(missing_ok=True)
-    config = folder.path / "supervisord.conf"
+    config = folder.configuration
     config.write_text(
         supervisor_config(started, folder.path, folder.path / "logs", socket), encoding="utf-8"
     )
@@ -99,6 +103,7 @@ def launch(
         swarm.world is not None,
         supervisor.pid,
         str(socket),
+        identity,
     )
     folder.write(record, register=not temporary)
     _await_socket(supervisor, socket, folder)
@@ -174,12 +179,13 @@ def refuse_failed(record: RunRecord, folder: RunFolder) -> None:
     """
     for state in process_states(record):
         if state["statename"] in FAILED:
-            name = state["name"]
-            raise SwarmError(_failure(name, folder))
+            raise SwarmError(_failure(state["name"], state["exitstatus"], folder))
 
 
-def _failure(process: str, folder: RunFolder) -> str:
+def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     lines = folder.tail(process)
+    if exit_code == FINAL and lines:
+        return f"{process}: {lines[-1].removeprefix('error: ')} (log: {folder.log(process)})"
     told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (it said nothing)"
     return f"{process} ended while starting; the end of {folder.log(process)}:\n{told}"
 
@@ -210,7 +216,7 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
 def _end(folder: RunFolder) -> list[int]:
     """End all that still lives: first politely, then not. The supervisor goes first."""
     killed: list[int] = []
-    for end, patience in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 3.0)):
+    for end, patience in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 20.0)):
         left = folder.processes()
         if not left:
             return killed

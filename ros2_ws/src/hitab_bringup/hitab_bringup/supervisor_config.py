@@ -7,6 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from hitab_bringup.swarm_processes import Process
+from hitab_ros.exit_codes import FINAL, FINAL_AFTER
+
+START_SECONDS = 3
 
 HEAD = """\
 [unix_http_server]
@@ -27,15 +30,17 @@ supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
 
 # A process counts as started once it has lived for startsecs; one that dies earlier is tried
 # again startretries times, each a second later than the one before; one that dies later is
-# restarted at once. A killed agent is still heard of for up to 20 s, in which a new one of its
-# name is refused.
+# restarted at once, unless its exit code says that this would not help: such a process lives
+# that long.
 PROGRAM = """
 [program:{name}]
 command={command}
 directory={folder}
-startsecs=3
+environment={final_after}="{start_seconds}"
+startsecs={start_seconds}
 startretries=12
-autorestart=true
+autorestart=unexpected
+exitcodes={final}
 stopsignal=TERM
 stopwaitsecs=5
 stopasgroup=true
@@ -65,6 +70,9 @@ def supervisor_config(processes: Iterable[Process], folder: Path, logs: Path, so
                 command=_plain(shlex.join(process.command)),
                 folder=_plain(folder),
                 log=_plain(logs / f"{process.name}.log"),
+                final=FINAL,
+                final_after=FINAL_AFTER,
+                start_seconds=START_SECONDS,
             )
         )
     parts.append(GROUP.format(names=",".join(names)))

@@ -23,6 +23,7 @@ from hitab_msgs.srv import (
 
 from hitab_bringup import names
 from hitab_bringup.errors import SwarmError
+from hitab_bringup.identity import is_own, other_swarm
 from hitab_bringup.ros_link import RosLink
 from hitab_bringup.suggest import did_you_mean
 from hitab_core.errors import has
@@ -74,6 +75,11 @@ class SwarmClient:
         expected: names of the agents that there should be, if that is known.
         prefix: namespace of the swarm.
         demonstrator: who commands; by default, the user.
+        identity: of the swarm that is meant; empty: whichever is there.
+
+    Attributes:
+        statuses: the last status of each agent of the swarm, by name.
+        strangers: which swarm those that are not part of the one that is meant belong to.
     """
 
     def __init__(
@@ -83,12 +89,15 @@ class SwarmClient:
         *,
         prefix: str = "",
         demonstrator: str = "",
+        identity: str = "",
     ) -> None:
         self.link = link
         self.prefix = prefix
         self.expected = tuple(expected)
         self.demonstrator = demonstrator or getpass.getuser()
+        self.identity = identity
         self.statuses: dict[str, AgentStatus] = {}
+        self.strangers: dict[str, str] = {}
         self._watched: set[str] = set()
         self._publishers: dict[str, Any] = {}
         self._acks: dict[tuple[int, str], DistributionAck] = {}
@@ -112,9 +121,27 @@ class SwarmClient:
             self.link.subscribe(
                 AgentStatus,
                 names.of_agent(agent, "status", self.prefix),
-                lambda status: self.statuses.__setitem__(agent, status),
+                lambda status: self._take_status(agent, status),
                 qos.LATCHED,
             )
+
+    def _take_status(self, agent: str, status: AgentStatus) -> None:
+        if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
+            self.statuses[agent] = status
+            self.strangers.pop(agent, None)
+        else:
+            self.strangers[agent] = status.swarm
+            self.statuses.pop(agent, None)
+
+    def refuse_strangers(self, agents: Iterable[str]) -> None:
+        """Make sure that none of these agents is known to be another swarm's.
+
+        Raises:
+            SwarmError: naming both swarms.
+        """
+        for agent in agents:
+            if agent in self.strangers:
+                raise SwarmError(other_swarm(agent, self.strangers[agent], self.identity))
 
     def _take_ack(self, ack: DistributionAck) -> None:
         self._acks[ack.sequence, ack.agent] = ack
@@ -136,6 +163,9 @@ class SwarmClient:
         """Wait for these agents, else for the expected ones, and return who is there.
 
         If nobody knows who is to be expected, wait until nobody new has turned up for a while.
+
+        Raises:
+            SwarmError: if one of them is another swarm's.
         """
         wanted = set(agents or self.expected)
         for agent in wanted:
@@ -148,6 +178,7 @@ class SwarmClient:
             if not few:
                 self.discover()
             if wanted:
+                self.refuse_strangers(wanted)
                 return wanted <= self.statuses.keys()
             if len(self.statuses) != newest[0]:
                 newest = (len(self.statuses), time.monotonic())
@@ -160,8 +191,10 @@ class SwarmClient:
         """Wait for an agent and return its status.
 
         Raises:
-            SwarmError: if no such agent answers, naming those that do.
+            SwarmError: if no such agent answers, naming those that do, or if it is another
+                swarm's.
         """
+        self.refuse_strangers((agent,))
         if agent not in self.statuses:
             self._watch(agent)
             known = bool(self.expected) and agent not in self.expected
@@ -169,6 +202,7 @@ class SwarmClient:
             self.await_agents(() if known else (agent,), seconds)
             if known and agent not in self.statuses:
                 self.link.spin_until(lambda: agent in self.statuses, 0.5)
+        self.refuse_strangers((agent,))
         if agent not in self.statuses:
             raise SwarmError(self._missing(agent))
         return self.statuses[agent]

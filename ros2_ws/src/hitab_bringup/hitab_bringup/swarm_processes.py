@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -59,12 +59,13 @@ def _as_yaml(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def processes(swarm: SwarmDescription, folder: Path) -> list[Process]:
+def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list[Process]:
     """Return the processes of a swarm, the world first.
 
     Args:
         swarm: the description.
         folder: the run folder, for libraries and journals.
+        identity: of the swarm, which its nodes give in their statuses; empty: none.
     """
     found = []
     if swarm.world is not None:
@@ -76,7 +77,9 @@ def processes(swarm: SwarmDescription, folder: Path) -> list[Process]:
             names = tuple(member.name for member in members)
             parameters = {"roster": str(_roster_file(folder, name))}
             found.append(Process(name, HOST_MODULE, "", parameters, names))
-    return found
+    if not identity:
+        return found
+    return [replace(p, parameters={**p.parameters, "swarm": identity}) for p in found]
 
 
 def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:

@@ -10,6 +10,7 @@ from hitab_msgs.srv import Control, Place, Play, Snapshot
 
 from hitab_bringup import names
 from hitab_bringup.errors import SwarmError
+from hitab_bringup.identity import is_own, other_swarm
 from hitab_bringup.ros_link import RosLink
 from hitab_ros import qos
 
@@ -18,12 +19,34 @@ NAN = float("nan")
 
 
 class WorldClient:
-    """The world of a swarm, as seen and driven over ROS."""
+    """The world of a swarm, as seen and driven over ROS.
 
-    def __init__(self, link: RosLink, *, prefix: str = "") -> None:
+    Args:
+        link: the node to use.
+        prefix: namespace of the swarm.
+        identity: of the swarm that is meant; empty: whichever is there.
+        started_by_it: whether that swarm has started a world itself.
+
+    Attributes:
+        status: the last status of the swarm's world.
+        stranger: which swarm the world belongs to that is there, if it is not the one meant;
+            empty: it was started by hand.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        *,
+        prefix: str = "",
+        identity: str = "",
+        started_by_it: bool = True,
+    ) -> None:
         self.link = link
         self.prefix = prefix
+        self.identity = identity
+        self._started_by_it = started_by_it
         self.status: WorldStatus | None = None
+        self.stranger: str | None = None
         self.state: WorldState | None = None
         self._states = 0
         self.episodes: list[Episode] = []
@@ -35,7 +58,19 @@ class WorldClient:
         return names.of_world(name, self.prefix)
 
     def _take_status(self, status: WorldStatus) -> None:
-        self.status = status
+        if is_own(status.swarm, self.identity, started_by_it=self._started_by_it):
+            self.status, self.stranger = status, None
+        else:
+            self.status, self.stranger = None, status.swarm
+
+    def refuse_stranger(self) -> None:
+        """Make sure that the world that is there is not known to be another swarm's.
+
+        Raises:
+            SwarmError: naming both swarms.
+        """
+        if self.stranger is not None:
+            raise SwarmError(other_swarm("the world", self.stranger, self.identity))
 
     def _take_state(self, state: WorldState) -> None:
         self.state = state
@@ -45,19 +80,25 @@ class WorldClient:
         """Wait for the world and return its status.
 
         Raises:
-            SwarmError: if there is none.
+            SwarmError: if there is none, or only that of another swarm.
         """
-        if not self.link.spin_until(lambda: self.status is not None, seconds):
+        self.link.spin_until(lambda: self.status is not None or self.stranger is not None, seconds)
+        self.refuse_stranger()
+        if self.status is None:
             raise SwarmError(NO_WORLD)
-        assert self.status is not None
         return self.status
+
+    def is_there(self) -> bool:
+        """Whether a world is there, as far as discovered."""
+        return bool(self.link.node.count_publishers(self._name("status")))
 
     def ask(self, kind: Any, service: str, **fields: Any) -> Any:
         """Call one of the world's services and return its answer.
 
         Raises:
-            SwarmError: with the world's message, if it refuses.
+            SwarmError: with the world's message, if it refuses, or if it is another swarm's.
         """
+        self.wait()
         answer = self.link.call(
             kind, self._name(service), kind.Request(**fields), missing=lambda: NO_WORLD
         )

@@ -13,6 +13,7 @@ from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 
 from hitab_bringup.dds_profile import choose_profile, profile_for
+from hitab_bringup.identity import new_identity
 from hitab_bringup.libraries import prepare
 from hitab_bringup.run_folder import RunFolder
 from hitab_bringup.shipped import find_file
@@ -30,7 +31,7 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
     folder.prepare()
     prepare(swarm, folder.path)
     profile = dict(os.environ)
-    started = processes(swarm, folder.path)
+    started = processes(swarm, folder.path, new_identity(swarm.name))
     choose_profile(profile, profile_for(folder.path, len(started)))
     return [
         ExecuteProcess(

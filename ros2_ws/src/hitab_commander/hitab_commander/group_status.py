@@ -54,5 +54,6 @@ class GroupStatus:
                 behaviors=[r.path[0] if r is not None and r.path else "" for r in reports],
                 obeying=[body.obeys(name) for name in body.members],
                 silent=silent,
+                swarm=self._node.settings.swarm,
             )
         )

@@ -91,7 +91,7 @@ def _check_checksum(document: Document, complaints: Complaints) -> None:
         complaints.add(
             ("checksum",),
             "the checksum is not that of the file: it was edited or damaged; if it was edited on "
-            f"purpose, run: hitab library check --accept {document.file}; "
+            f"purpose, run: hitab library accept {document.file}; "
             "if not, restore an earlier version",
         )
 
@@ -111,7 +111,7 @@ class _Reader:
         self._complaints = complaints
         self._accepting = accepting
         self._before = len(complaints)
-        self._accept = f"hitab library check --accept {document.file}"
+        self._accept = f"hitab library accept {document.file}"
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content, complaints = self._content, self._complaints

@@ -25,7 +25,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
     """
     lines = [
         "# A behavior trained by demonstration. It may be edited; then accept the edit with",
-        f"#   hitab library check --accept {content['name']}.hfa.yaml",
+        f"#   hitab library accept {content['name']}.hfa.yaml",
     ]
     for key, value in content.items():
         if key in ("states", "features", "examples", "trees", "uses", "provenance"):

@@ -209,7 +209,7 @@ def test_a_file_edited_by_hand_names_the_way_to_accept_it(text: str, robot: Doma
     line = line_of(text, "checksum:")
     assert complaints_of(edited(text, "author: Ann", "author: Bob"), robot) == [
         f"Control.hfa.yaml:{line}: the checksum is not that of the file: it was edited or "
-        "damaged; if it was edited on purpose, run: hitab library check --accept "
+        "damaged; if it was edited on purpose, run: hitab library accept "
         "Control.hfa.yaml; if not, restore an earlier version"
     ]
 
@@ -334,7 +334,7 @@ def test_a_file_of_another_version_of_the_domain_is_refused_until_accepted(
     )
     complaint = complaints_of(text, grown)[0]
     assert 'with domain "small_robot" version 1' in complaint
-    assert "run: hitab library check --accept Control.hfa.yaml" in complaint
+    assert "run: hitab library accept Control.hfa.yaml" in complaint
     accepted = read_behavior(text, "Control.hfa.yaml", grown, accepting=True)
     assert says_the_same(accepted, control)
 

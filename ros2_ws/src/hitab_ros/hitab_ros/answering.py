@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core.errors import HitabError
+from hitab_ros.recent_requests import RecentRequests
 
 Serve = Callable[[Any, Any], str]
 """Does what a request asks for, fills in the response, and returns its message."""
@@ -31,12 +32,19 @@ def answering(
 ) -> Callable[[Any, Any], Any]:
     """Return a service's callback: a refusal is a reply with ``success`` false and the reason.
 
+    A request with a number (fields ``request`` and ``client``) that is sent again is not done
+    again: it gets the same reply.
+
     Args:
         serve: what the service does; what it raises becomes the reply's message.
         answered: called before the reply is sent, with the error, or "" if all went well.
     """
+    recent: RecentRequests[Any] = RecentRequests()
 
     def answer(request: Any, response: Any) -> Any:
+        number, client = getattr(request, "request", 0), getattr(request, "client", "")
+        if (given := recent.came_of(client, number)) is not None:
+            return given
         error = ""
         try:
             response.message = serve(request, response)
@@ -46,6 +54,7 @@ def answering(
                 traceback.print_exception(wrong, file=sys.stderr)  # into the process's log
             response.success = False
             response.message = error = what_went_wrong(wrong)
+        recent.keep(client, number, response)
         answered(error)
         return response
 

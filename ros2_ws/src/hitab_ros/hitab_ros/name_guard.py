@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
-from hitab_ros.spinning import Spinner
+from hitab_ros.spinning import FinalError, Spinner
 
 DISCOVERY_S = 0.7
 """How long to look for others; nodes on the same machine find each other well within this."""
@@ -19,6 +19,10 @@ DEAD_AFTER_S = 2.5
 """How long one that was found is given to say something; killed ones are found for longer."""
 
 _PARTICIPANT = 12  # bytes of an endpoint's identifier that tell the process
+
+
+class NameTakenError(FinalError):
+    """Another node of the same name is there; starting once more does not help."""
 
 
 def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type[Any]) -> None:
@@ -31,8 +35,9 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
         status: type of the messages on that topic.
 
     Raises:
-        HitabError: naming the agent that is there already. Where two start at once, one of them
-            gives way.
+        NameTakenError: naming the agent that is there already, and its swarm if that is
+            another one. Where two start at once, one of them gives way.
+        HitabError: the same, where the other one is part of the same swarm.
     """
     # The identifier of an endpoint that can only be ours tells which of the others are.
     marker_topic = f"marker_{uuid.uuid4().hex}"
@@ -44,13 +49,13 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
     if not doubtful:
         return
     # Somebody has these names, too: who has published its status was there before.
-    established: set[str] = set()
+    established: dict[str, str] = {}  # with the swarm that each belongs to
     listeners = []
     for node in doubtful:
         name = names.own_name(node)
 
         def hear(message: Any, name: str = name) -> None:
-            established.add(name)
+            established[name] = message.swarm
 
         listeners.append((node, node.create_subscription(status, names.STATUS, hear, qos.LATCHED)))
 
@@ -65,14 +70,26 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
         # Of two that start at once the first by identifier goes on, and the other will hear it.
         # Whoever is not heard at all was killed: what it left behind is no reason to give way.
         spinning.spin_until(lambda: not any(map(undecided, doubtful)), DEAD_AFTER_S)
-        for name in sorted(established):
-            raise HitabError(
-                f'"{name}" is running already in this swarm; '
-                "give this one another name, or stop the other one"
-            )
+        for node in doubtful:
+            if (name := names.own_name(node)) in established:
+                raise _taken(name, established[name], _swarm_of(node))
     finally:
         for node, listener in listeners:
             node.destroy_subscription(listener)
+
+
+def _taken(name: str, other: str, own: str) -> HitabError:
+    where = f"swarm {other}, in the same ROS domain" if other not in ("", own) else "this swarm"
+    # What is left of this very swarm may be gone at the next try.
+    kind = HitabError if own and other == own else NameTakenError
+    return kind(
+        f'"{name}" is running already in {where}; give this one another name, or stop the '
+        "other one"
+    )
+
+
+def _swarm_of(node: Node) -> str:
+    return str(node.get_parameter("swarm").value) if node.has_parameter("swarm") else ""
 
 
 def _participants(node: Node, topic: str = names.STATUS) -> set[bytes]:

@@ -6,8 +6,11 @@ In rclpy 7.1 it dispatches nothing under `spin()`, hence the loop over `spin_onc
 
 from __future__ import annotations
 
+import contextlib
+import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
@@ -21,8 +24,13 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from hitab_core.errors import HitabError
+from hitab_ros.exit_codes import FINAL, FINAL_AFTER
 
 _WAKE_S = 0.1
+
+
+class FinalError(HitabError):
+    """Starting the process again would not help; its exit code is `FINAL`."""
 
 
 def make_node(name: str, **options: Any) -> Node:
@@ -109,12 +117,18 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
         arguments: the command line, with ROS arguments; None: that of the process.
 
     Returns:
-        The exit code: 1 after an error that a user has to mend, which is printed in one line.
+        The exit code: 1 after an error that a user has to mend, which is printed in one line;
+        `FINAL` if starting the process again would not help.
     """
+    began = time.monotonic()
     try:
         with spinner(arguments) as spinning:
             loop = start(spinning)
             return spinning.spin() if loop is None else loop(spinning)
+    except FinalError as error:
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        _stay_until(began + float(os.environ.get(FINAL_AFTER, "0")))
+        return FINAL
     except HitabError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -124,3 +138,9 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
         return 1
     except (KeyboardInterrupt, ExternalShutdownException):
         return 0
+
+
+def _stay_until(moment: float) -> None:
+    with contextlib.suppress(KeyboardInterrupt):
+        while (left := moment - time.monotonic()) > 0:
+            time.sleep(left)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_bringup import console
+from hitab_bringup.verbs.options import SwarmName
 
 
 def register(app: typer.Typer) -> None:
@@ -20,6 +21,7 @@ def studio(
         str | None,
         typer.Argument(help="Which swarm, if several are up.", envvar="HITAB_SWARM"),
     ] = None,
+    chosen: SwarmName = None,
     port: Annotated[int, typer.Option(help="Where to serve the page.", min=1, max=65535)] = 8080,
     host: Annotated[
         str, typer.Option(help="Address to serve it at; only this machine reaches 127.0.0.1.")
@@ -33,7 +35,7 @@ def studio(
     ] = "",
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
     run_dir: Annotated[
-        Path | None, typer.Option(help="Run folder of a swarm that is not listed.", hidden=True)
+        Path | None, typer.Option(help="The run folder of the swarm, instead of its name.")
     ] = None,
 ) -> None:
     """Open the console in a browser: the field live, training by clicking, what was learned.
@@ -59,4 +61,4 @@ def studio(
     def ready() -> None:
         console.note(f"The studio is at {address.url}\nCtrl-C ends it.")
 
-    serve(lambda: find_target(swarm, run_dir), address, show=browser, ready=ready)
+    serve(lambda: find_target(swarm or chosen, run_dir), address, show=browser, ready=ready)

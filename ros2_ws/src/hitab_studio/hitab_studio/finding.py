@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_bringup.domain_ids import chosen_by_user
+from hitab_bringup.errors import SwarmError
 from hitab_bringup.run_folder import RunFolder, RunRecord, running_swarms
+from hitab_bringup.swarm_choice import find_meant, meant
 
 
 @dataclass(frozen=True)
@@ -17,9 +19,12 @@ class Target:
     Attributes:
         domain_id: its ROS domain.
         swarm: its name; empty if nobody says.
+        identity: of its present start; empty if nobody says.
+        world: whether it has started a world.
         agents: those that there should be.
         start: a number that another start of the same swarm does not have.
-        problem: why it is not certain which swarm is meant, or "".
+        problem: why it is not certain which swarm is meant, or "": then there is nothing to
+            connect to.
     """
 
     domain_id: int
@@ -27,6 +32,8 @@ class Target:
     agents: tuple[str, ...] = ()
     start: int = 0
     problem: str = ""
+    identity: str = ""
+    world: bool = False
 
 
 def find_target(swarm: str | None = None, run_folder: Path | None = None) -> Target:
@@ -40,28 +47,27 @@ def find_target(swarm: str | None = None, run_folder: Path | None = None) -> Tar
     if run_folder is not None:
         folder = RunFolder(run_folder)
         record = folder.read()
-        return _target(record) if record is not None else Target(own or 0)
-    up = [record for _, record in running_swarms()]
-    if swarm is not None:
-        named = [record for record in up if record.swarm == swarm]
-        if named:
-            return _target(named[0])
+        if record is None or folder.supervisor(record) is None:
+            return Target(own or 0, problem=f"No swarm is up in {folder.path}.")
+        return _target(record)
+    if swarm is not None and not meant(swarm, running_swarms()) and os.sep not in swarm:
         return Target(own or 0, swarm, problem=f'Swarm "{swarm}" is not up.')
-    if own is not None:
-        here = [record for record in up if record.domain_id == own]
-        return _target(here[0]) if len(here) == 1 else Target(own)
-    if len(up) == 1:
-        return _target(up[0])
-    if up:
-        names = ", ".join(record.swarm for record in up)
-        return Target(
-            0, problem=f"Several swarms are up ({names}): start the studio with the name of one."
-        )
-    return Target(0)
+    try:
+        found = find_meant(swarm, own)
+    except SwarmError as error:
+        return Target(own or 0, swarm or "", problem=f"{error}.")
+    return _target(found[1]) if found is not None else Target(own or 0)
 
 
 def _target(record: RunRecord) -> Target:
-    return Target(record.domain_id, record.swarm, record.agents, record.supervisor)
+    return Target(
+        record.domain_id,
+        record.swarm,
+        record.agents,
+        record.supervisor,
+        identity=record.identity,
+        world=record.world,
+    )
 
 
 def describe(target: Target) -> str:

@@ -20,6 +20,7 @@ from hitab_msgs.msg import CommanderStatus
 
 from hitab_bringup import names
 from hitab_bringup.errors import SwarmError
+from hitab_bringup.identity import is_own
 from hitab_bringup.ros_link import RosLink
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.world_client import WorldClient
@@ -122,10 +123,15 @@ class SwarmLink:
         while not self._stopping.is_set():
             target = self._find()
             self.store.reset(target)
+            if target.problem:
+                self._wait_for_certainty(target)
+                continue
             try:
                 with RosLink(target.domain_id) as link:
                     connected = Connected(
-                        link, SwarmClient(link, target.agents), WorldClient(link)
+                        link,
+                        SwarmClient(link, target.agents, identity=target.identity),
+                        WorldClient(link, identity=target.identity, started_by_it=target.world),
                     )
                     self._markers = Markers(link)
                     try:
@@ -139,6 +145,15 @@ class SwarmLink:
             finally:
                 self._watches.clear()
                 self._group_topics.clear()
+
+    def _wait_for_certainty(self, target: Target) -> None:
+        """Refuse all that is asked for until it is certain which swarm is meant."""
+        while not self._stopping.is_set() and self._find() == target:
+            while not self._jobs.empty():
+                _, future = self._jobs.get()
+                if future.set_running_or_notify_cancel():
+                    future.set_exception(SwarmError(target.problem))
+            self._stopping.wait(FIND_SECONDS)
 
     def _serve(self, connected: Connected, target: Target) -> None:
         next_look = next_find = 0.0
@@ -243,6 +258,9 @@ class SwarmLink:
             store.touch()
 
     def _take_group(self, status: CommanderStatus) -> None:
+        target = self.store.target
+        if target is None or not is_own(status.swarm, target.identity, started_by_it=False):
+            return
         self.store.groups = {**self.store.groups, status.commander: status}
         self.store.touch()
 

@@ -17,6 +17,7 @@ DESCRIPTIONS = {
     "seed": "of the run: episode i is seeded with it and i",
     "paused": "wait for a resume, step or play before the first cycle",
     "deadline": "s; in lockstep, how long an agent's answer is waited for",
+    "swarm": "identity of the swarm that it is part of, for its status; empty: none",
     "state_rate": "Hz; how often the truth is published while running",
 }
 _FLOATS = {"factor": (0.01, 1000.0), "deadline": (0.001, 3600.0), "state_rate": (0.1, 1000.0)}
@@ -32,6 +33,7 @@ class WorldSettings:
     paused: bool = False
     deadline: float = 5.0
     state_rate: float = 30.0
+    swarm: str = ""
 
     @classmethod
     def declare(cls, node: Node) -> WorldSettings:

@@ -282,6 +282,7 @@ class WorldNode(Node):
                 missing=self.attendance.missing,
                 episodes_left=self.episodes_left,
                 last_error=self._error,
+                swarm=self.settings.swarm,
             )
         )
 

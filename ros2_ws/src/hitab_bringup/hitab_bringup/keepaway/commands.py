@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup import console
-from hitab_bringup.verbs.options import JsonPath
+from hitab_bringup.verbs.options import JsonPath, SwarmName
 
 app = typer.Typer(help="Keepaway soccer: evaluate keepers, draw the field.", no_args_is_help=True)
 
@@ -178,7 +178,7 @@ def summary(figures: dict[str, Any]) -> str:
 @app.command()
 def picture(
     path: Annotated[Path, typer.Argument(help="Where to draw it, PNG or SVG.")],
-    swarm: Annotated[str | None, typer.Option(help="Which, if several are up.")] = None,
+    swarm: SwarmName = None,
 ) -> None:
     """Draw the field of the swarm that is up, as it is now.
 

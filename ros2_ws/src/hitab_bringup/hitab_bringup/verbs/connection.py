@@ -29,24 +29,24 @@ class Connection:
 def connection(swarm: str | None = None) -> Iterator[Connection]:
     """Connect to the named swarm, or to the one that is up, or to whatever is in the ROS domain.
 
+    Args:
+        swarm: its name, its identity or its run folder.
+
     Raises:
         SwarmError: if several are up and none is named.
     """
     from hitab_bringup.domain_ids import chosen_by_user
     from hitab_bringup.ros_link import RosLink
-    from hitab_bringup.run_folder import find_running, running_swarms
+    from hitab_bringup.swarm_choice import find_meant
     from hitab_bringup.swarm_client import SwarmClient
     from hitab_bringup.world_client import WorldClient
 
-    own = chosen_by_user()
-    if swarm is None and own is not None:
-        there = [found for found in running_swarms() if found[1].domain_id == own]
-        found = there[0] if len(there) == 1 else None
-        domain_id = own
-    else:
-        found = find_running(swarm)
-        domain_id = found[1].domain_id if found else 0
+    found = find_meant(swarm, chosen_by_user())
     folder, record = found if found else (None, None)
-    with RosLink(domain_id) as link:
-        agents = SwarmClient(link, record.agents if record else ())
-        yield Connection(link, agents, WorldClient(link), folder, record)
+    identity = record.identity if record else ""
+    with RosLink(record.domain_id if record else chosen_by_user() or 0) as link:
+        agents = SwarmClient(link, record.agents if record else (), identity=identity)
+        world = WorldClient(
+            link, identity=identity, started_by_it=record.world if record else False
+        )
+        yield Connection(link, agents, world, folder, record)

@@ -14,7 +14,7 @@ from hitab_bringup.verbs.options import JsonPath, SwarmName
 if TYPE_CHECKING:
     from rich.tree import Tree
 
-    from hitab_bringup.command_view import Branch
+    from hitab_bringup.command_view import Branch, CommandView
 
 PANEL = "Command"
 WAIT_SECONDS = 8.0
@@ -49,11 +49,11 @@ def tree(
     from hitab_bringup.command_view import CommandView
 
     with connection(swarm) as swarm_up:
-        view = CommandView(swarm_up.link, swarm_up.agents.prefix)
+        view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         view.await_groups(WAIT_SECONDS)
         branches = view.tree()
         if not branches:
-            raise _nobody(swarm_up)
+            raise _nobody(swarm_up, view)
         if watch:
             _watch(swarm_up, view, agents)
             return
@@ -63,9 +63,12 @@ def tree(
         console.write_json(json, {"commanders": [branch.data() for branch in branches]})
 
 
-def _nobody(swarm_up: Connection) -> Exception:
+def _nobody(swarm_up: Connection, view: CommandView) -> Exception:
     from hitab_bringup.errors import SwarmError
+    from hitab_bringup.identity import other_swarm
 
+    for name, swarm in view.strangers.items():
+        return SwarmError(other_swarm(name, swarm, swarm_up.agents.identity))
     if not swarm_up.agents.await_agents(seconds=0.5):
         return SwarmError("no commander answers, and no agent; start a swarm with `hitab up`")
     return SwarmError(
@@ -174,7 +177,7 @@ def order(
 
     use = Use.parse(behavior)
     with connection(swarm) as swarm_up:
-        view = CommandView(swarm_up.link, swarm_up.agents.prefix)
+        view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         status = swarm_up.agents.await_agent(commander)
         view.await_groups(GROUP_SECONDS, (commander,))
         if commander not in view.groups:

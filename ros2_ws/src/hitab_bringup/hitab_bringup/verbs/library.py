@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup import console
-from hitab_bringup.verbs.options import JsonPath
+from hitab_bringup.verbs.options import JsonPath, SwarmName
 
 app = typer.Typer(help="Look into libraries of trained behaviors.", no_args_is_help=True)
 
@@ -29,17 +29,18 @@ Agent = Annotated[
 Name = Annotated[str, typer.Argument(help="Name of a behavior.")]
 
 
-def _open(library: Path | None, agent: str | None) -> Any:
+def _open(library: Path | None, agent: str | None, swarm: str | None = None) -> Any:
     from hitab_bringup.opened_library import open_library
 
-    return open_library(_folder(library, agent))
+    return open_library(_folder(library, agent, swarm))
 
 
-def _folder(library: Path | None, agent: str | None) -> Path:
+def _folder(library: Path | None, agent: str | None, swarm: str | None) -> Path:
+    from hitab_bringup.domain_ids import chosen_by_user
     from hitab_bringup.errors import SwarmError
-    from hitab_bringup.run_folder import find_running
     from hitab_bringup.shipped import shipped
     from hitab_bringup.suggest import did_you_mean
+    from hitab_bringup.swarm_choice import find_meant
     from hitab_bringup.swarm_file import read_swarm
     from hitab_bringup.swarm_processes import library_of
     from hitab_core.errors import has
@@ -48,7 +49,7 @@ def _folder(library: Path | None, agent: str | None) -> Path:
         return library
     if agent is None:
         return shipped("libraries") / "keepaway"
-    found = find_running(None)
+    found = find_meant(swarm, chosen_by_user())
     if found is None:
         raise SwarmError("no swarm is up; name a library folder with --library")
     folder, record = found
@@ -62,7 +63,9 @@ def _folder(library: Path | None, agent: str | None) -> Path:
 
 
 @app.command("list")
-def list_behaviors(library: Library = None, agent: Agent = None, json: JsonPath = None) -> None:
+def list_behaviors(
+    library: Library = None, agent: Agent = None, swarm: SwarmName = None, json: JsonPath = None
+) -> None:
     """List the behaviors of a library.
 
     Examples:
@@ -71,7 +74,7 @@ def list_behaviors(library: Library = None, agent: Agent = None, json: JsonPath 
 
       hitab library list --agent keeper_1
     """
-    opened = _open(library, agent)
+    opened = _open(library, agent, swarm)
     opened.load(strict=False)
     data = []
     for name in opened.names():
@@ -116,6 +119,7 @@ def show(
     name: Name,
     library: Library = None,
     agent: Agent = None,
+    swarm: SwarmName = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", help="Draw it instead, to a PNG or SVG file.")
     ] = None,
@@ -131,7 +135,7 @@ def show(
 
       hitab library show Keepaway --deep --picture keepaway.svg
     """
-    opened = _open(library, agent)
+    opened = _open(library, agent, swarm)
     loaded = opened.load(strict=False)
     automata = [opened.file(_known(name, loaded)).automaton]
     if deep:
@@ -159,14 +163,14 @@ def _known(name: str, loaded: Any) -> str:
 
 
 @app.command()
-def check(library: Library = None, agent: Agent = None) -> None:
+def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None) -> None:
     """Check all files of a library: form, digests, and whether they fit together.
 
     Example:
 
       hitab library check -l hitab-demo/library
     """
-    opened = _open(library, agent)
+    opened = _open(library, agent, swarm)
     loaded = opened.load()
     console.say(f"{opened.folder}: {len(loaded)} behaviors, nothing is wrong")
 
@@ -178,6 +182,7 @@ def diff(
     after: Annotated[int | None, typer.Argument(help="Another version; the newest.")] = None,
     library: Library = None,
     agent: Agent = None,
+    swarm: SwarmName = None,
 ) -> None:
     """Tell what has changed from one version of a behavior to another.
 
@@ -190,7 +195,7 @@ def diff(
     from hitab_core.errors import LibraryError
     from hitab_core.library_diff import difference
 
-    opened = _open(library, agent)
+    opened = _open(library, agent, swarm)
     opened.load(strict=False)
     versions = opened.versions(name)
     if not versions:
@@ -211,6 +216,7 @@ def restore(
     version: Annotated[int, typer.Argument(help="Number of the version; see the list.")],
     library: Library = None,
     agent: Agent = None,
+    swarm: SwarmName = None,
 ) -> None:
     """Make an earlier version of a behavior the newest one.
 
@@ -220,7 +226,7 @@ def restore(
 
       hitab library restore Keepaway 2
     """
-    opened = _open(library, agent)
+    opened = _open(library, agent, swarm)
     path = opened.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
 

@@ -73,7 +73,10 @@ def up(
 
 
 def down(
-    swarm: Annotated[str | None, typer.Argument(help="Which, if several are up.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(metavar="[SWARM]", help="Which, if several are up.")
+    ] = None,
+    swarm: SwarmName = None,
     run_dir: RunDir = None,
 ) -> None:
     """Stop a swarm, and whatever of it is still running.
@@ -83,38 +86,27 @@ def down(
       hitab down
 
       hitab down keepaway
+
+      hitab down --run-dir my_run
     """
-    from hitab_bringup.run_folder import RunFolder, find_running, state_home
+    from hitab_bringup.run_folder import RunFolder, registry_held
     from hitab_bringup.supervision import stop
+    from hitab_bringup.swarm_choice import to_take_down
 
     if run_dir is not None:
         folder = RunFolder(run_dir)
+        record = folder.read()
     else:
-        left = state_home() / swarm if swarm else None
-        if left is not None and (left / "supervisord.conf").exists():
-            folder = RunFolder(left)  # even if its supervisor is dead
-        else:
-            found = find_running(swarm) or _crashed()
-            if found is None:
-                console.say("no swarm is up")
-                return
-            folder = found[0] if isinstance(found, tuple) else found
-    record = folder.read()
-    with console.err().status("stopping"):
+        found = to_take_down(name or swarm)
+        if found is None:
+            console.say("no swarm is up")
+            return
+        folder, record = found
+    with console.err().status("stopping"), registry_held():
         killed = stop(folder)
-    name = record.swarm if record else folder.path.name
-    console.say(f"{name} is down")
+    console.say(f"{record.swarm if record else folder.path.name} is down")
     if killed:
         console.note(f"{len(killed)} processes did not stop by themselves and were killed")
-
-
-def _crashed() -> Any:
-    """Return a registered run folder whose supervisor is dead, if there is one."""
-    from hitab_bringup.run_folder import RunFolder, state_home
-
-    for link in sorted((state_home() / "running").glob("*")):
-        return RunFolder(link)
-    return None
 
 
 def status(
@@ -174,6 +166,7 @@ def _status_data(swarm_up: Connection) -> dict[str, Any]:
     missing = [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses]
     return {
         "swarm": swarm_up.record.swarm if swarm_up.record else None,
+        "identity": swarm_up.record.identity if swarm_up.record else None,
         "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
         "agents": agents,
         "missing": missing,

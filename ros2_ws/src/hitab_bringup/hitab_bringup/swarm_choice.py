@@ -1,0 +1,102 @@
+"""Which of the swarms that are up is meant."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.run_folder import (
+    Found,
+    RunFolder,
+    RunRecord,
+    registered_swarms,
+    running_swarms,
+    state_home,
+)
+from hitab_core.errors import has
+
+
+def only(found: Sequence[Found], where: str = "") -> Found | None:
+    """Return the only one of some swarms; None if there is none.
+
+    Raises:
+        SwarmError: if there are several, with what tells them apart.
+    """
+    if len(found) > 1:
+        names = [record.swarm for _, record in found]
+        if len(set(names)) < len(names):
+            names = [record.identity or str(folder.path) for folder, record in found]
+        raise SwarmError(f"several swarms are up{where} {has(names)}; say which with --swarm NAME")
+    return found[0] if found else None
+
+
+def meant(which: str, among: Iterable[Found]) -> list[Found]:
+    """Return the swarms that a user may mean by a name, an identity or a run folder."""
+    path = Path(which).resolve() if os.sep in which or which.startswith(".") else None
+    return [
+        (folder, record)
+        for folder, record in among
+        if which in (record.swarm, record.identity) or folder.path == path
+    ]
+
+
+def find_running(which: str | None) -> Found | None:
+    """Return the swarm that is meant, or the only one that is up; None if none is.
+
+    Args:
+        which: its name, its identity or its run folder; None: the only one.
+
+    Raises:
+        SwarmError: if several are up and none is named, or the named one is not.
+    """
+    up = list(running_swarms())
+    if which is None:
+        return only(up)
+    if os.sep in which:
+        folder = RunFolder(Path(which))
+        record = folder.read()  # temporary ones too
+        if record is not None and folder.supervisor(record) is not None:
+            return folder, record
+    found = only(meant(which, up))
+    if found is None:
+        names = has(record.swarm for _, record in up)
+        raise SwarmError(f'no swarm "{which}" is up {names}; start it with `hitab up`')
+    return found
+
+
+def find_meant(which: str | None, domain_id: int | None) -> Found | None:
+    """Return the swarm that is meant: see `find_running`.
+
+    Args:
+        which: its name, its identity or its run folder; None: the only one.
+        domain_id: the ROS domain in which the user wants it, if none is named; None: any.
+
+    Raises:
+        SwarmError: if several are up and none is named, or the named one is not.
+    """
+    if which is not None or domain_id is None:
+        return find_running(which)
+    there = [found for found in running_swarms() if found[1].domain_id == domain_id]
+    return only(there, f" in ROS domain {domain_id}")
+
+
+def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None:
+    """Return the swarm to be taken down: one that is up, else what one that crashed has left.
+
+    Raises:
+        SwarmError: if it is not certain which one is meant, or the named one is not there.
+    """
+    up = list(running_swarms())
+    left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]
+    if which is None:
+        return only(up) or only(left)
+    found = only(meant(which, up)) or only(meant(which, left))
+    if found is not None:
+        return found
+    folder = RunFolder(Path(which) if os.sep in which else state_home() / which)
+    record = folder.read()
+    if record is not None or folder.processes():
+        return folder, record
+    return find_running(which)

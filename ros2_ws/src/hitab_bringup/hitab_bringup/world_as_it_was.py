@@ -1,0 +1,83 @@
+"""Changing how a world runs for a while, and leaving it as it was, whatever happens meanwhile."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import Any
+
+from hitab_msgs.msg import WorldState, WorldStatus
+from hitab_msgs.srv import Control
+
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.world_client import WorldClient
+
+
+@contextlib.contextmanager
+def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
+    """Give a world back its pace, its factor and its mode at the end.
+
+    Nothing keeps it from that but the world itself: not an error, not Ctrl-C, not both.
+
+    Raises:
+        SwarmError: if there is no world, or if it cannot be left as it was and nothing else went
+            wrong.
+    """
+    before = world.wait()
+    try:
+        yield before
+    except BaseException:
+        _restore(world, before)  # what went wrong first is what to tell
+        raise
+    problem = _restore(world, before)
+    if problem is not None:
+        raise SwarmError(
+            f"the world is not left as it was, {before.mode} in {before.pace}: {problem}; look "
+            "with `hitab status`, then use `hitab world pace` and `hitab world resume`"
+        ) from problem
+
+
+def _restore(world: WorldClient, before: WorldStatus) -> Exception | None:
+    """Do all that can be done; return the first error."""
+    paused = before.mode == WorldState.PAUSED
+    requests = Control.Request
+    steps: list[Callable[[], Any]] = [
+        lambda: world.control(requests.PACE, pace=before.pace, factor=before.factor),
+        lambda: world.control(requests.PAUSE if paused else requests.RESUME),
+    ]
+    if not world.is_there():
+        return SwarmError("it is gone")
+    problems: list[Exception] = []
+    with _not_interrupted():
+        for step in steps:
+            try:
+                step()
+            except Exception as error:
+                problems.append(error)
+    return problems[0] if problems else None
+
+
+@contextlib.contextmanager
+def _not_interrupted() -> Iterator[None]:
+    """Put off what Ctrl-C does, once; in other threads than the main one it does nothing."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+
+    def put_off(number: int, frame: FrameType | None) -> None:
+        if came:
+            raise KeyboardInterrupt
+        came.append(number)
+
+    before = {number: signal.signal(number, put_off) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for which, handler in before.items():
+            signal.signal(which, handler)
+        if came:
+            signal.raise_signal(came[0])

@@ -1,0 +1,301 @@
+"""Each swarm has an identity: what is meant for one never reaches another one."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import psutil
+import pytest
+from hitab_msgs.msg import CommanderStatus, HostRoster
+
+from hitab_bringup import domain_ids, supervision
+from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.run_folder import RunFolder, running_swarms
+from hitab_bringup.swarm_client import SwarmClient
+from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.swarm_processes import processes
+from hitab_bringup.world_client import WorldClient
+from hitab_ros import qos
+from hitab_ros.exit_codes import FINAL
+
+LONE = "swarm: lone\ndomain: keepaway\nagents: {lone: {}}\n"
+SOCCER = """\
+swarm: soccer
+world: {kind: keepaway, pace: lockstep, paused: true}
+domain: keepaway
+agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}
+"""
+SQUAD = SOCCER.replace("soccer", "squad").replace(
+    "{keeper_1: {}, keeper_2: {}", "{keeper_1: {host: h}, keeper_2: {host: h}"
+)
+WITH_A_WORLD_ALONE = LONE.replace("domain:", "world: {kind: keepaway, paused: true}\ndomain:")
+
+
+@pytest.fixture(autouse=True)
+def place(home: Path, hitab, tmp_path: Path, monkeypatch):
+    """A ROS domain and a folder of the test's own; what a test has left is stopped."""
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield tmp_path
+    monkeypatch.setenv("HITAB_HOME", str(home))
+    for folder, _ in list(running_swarms()):
+        supervision.stop(folder)
+
+
+def described(folder: Path, text: str = LONE, name: str = "swarm") -> str:
+    path = folder / f"{name}.yaml"
+    path.write_text(text)
+    return str(path)
+
+
+def within(seconds: float, condition: Callable[[], object]) -> bool:
+    """Wait until a condition holds."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def up(hitab, path: str, *more: str):
+    done = hitab("up", path, *more)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def by_hand(folder: Path) -> subprocess.Popen[bytes]:
+    """Start the lone agent as a user does without `hitab`."""
+    swarm = parse_swarm(LONE, folder / "lone.yaml")
+    (process,) = processes(swarm, folder / "by_hand")
+    environment = supervision.environment(
+        RunFolder(folder / "by_hand"), int(os.environ["ROS_DOMAIN_ID"])
+    )
+    return subprocess.Popen(process.command, env=environment)
+
+
+def test_the_same_swarm_in_another_folder_is_refused_in_one_line(hitab, place):
+    # It said "is up" while its own processes died and were started again and again.
+    path = described(place, SOCCER)
+    up(hitab, path)
+    ((first, record),) = running_swarms()
+    again = hitab("up", path, "--run-dir", str(place / "other"))
+    assert again.returncode == 1
+    (line,) = again.stderr.splitlines()
+    assert "keeper_1, keeper_2, keeper_3, world" in line
+    assert str(first.path) in line
+    assert f"hitab down --run-dir {first.path}" in line
+    assert "ROS_DOMAIN_ID" in line
+    assert RunFolder(place / "other").processes() == []
+    assert [r.identity for _, r in running_swarms()] == [record.identity]
+
+
+def test_names_taken_by_a_swarm_of_another_registry_are_refused_as_well(hitab, place, monkeypatch):
+    # Nothing but what is heard in the ROS domain tells of it.
+    path = described(place)
+    up(hitab, path)
+    ((folder, record),) = running_swarms()
+    monkeypatch.setenv("HITAB_HOME", str(place / "another_home"))
+    again = hitab("up", path)
+    monkeypatch.undo()
+    assert again.returncode == 1
+    (line,) = again.stderr.splitlines()
+    assert record.identity in line
+    assert RunFolder(place / "another_home" / "lone").processes() == []
+    assert folder.supervisor(record) is not None
+
+
+def test_names_taken_by_nodes_started_by_hand_are_refused(hitab, place):
+    hand = by_hand(place)
+    try:
+        refused = hitab("up", described(place))
+        deadline = time.monotonic() + 60
+        while refused.returncode == 0 and time.monotonic() < deadline:
+            hitab("down")  # the other one had not started yet
+            refused = hitab("up", described(place))
+        assert refused.returncode == 1
+        assert "started by hand" in refused.stderr
+        assert hand.poll() is None
+    finally:
+        hand.terminate()
+        hand.wait()
+
+
+def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, place):
+    up(hitab, described(place))
+    domain_id = int(os.environ["ROS_DOMAIN_ID"])
+    second = RunFolder(place / "second")
+    swarm = parse_swarm(LONE, place / "lone.yaml")
+    record = supervision.launch(swarm, second, domain_id)
+    try:
+        ended = {"EXITED", "FATAL"}
+        assert within(60, lambda: supervision.process_states(record)[0]["statename"] in ended)
+        (state,) = supervision.process_states(record)
+        assert (state["statename"], state["exitstatus"]) == ("EXITED", FINAL)
+        log = (second.path / "supervisord.log").read_text()
+        assert log.count("spawned: 'lone'") == 1
+        ((_, other),) = [f for f in running_swarms() if f[0].path != second.path]
+        with pytest.raises(
+            SwarmError, match=f'"lone" is running already in swarm {other.identity}'
+        ):
+            supervision.refuse_failed(record, second)
+    finally:
+        supervision.stop(second)
+
+
+def test_every_status_gives_the_identity(place):
+    rosters: list[HostRoster] = []
+    with temporary_swarm(parse_swarm(SQUAD, place / "squad.yaml")) as running:
+        identity = running.record.identity
+        assert identity.startswith("squad-")
+        running.link.subscribe(HostRoster, "/hosts", rosters.append, qos.LATCHED)
+        assert running.link.spin_until(lambda: rosters, 20)
+        assert {s.swarm for s in running.agents.statuses.values()} == {identity}
+        assert running.world.status.swarm == identity
+        assert rosters[0].swarm == identity
+
+
+def test_a_commanders_status_gives_the_identity(home):
+    from hitab_bringup.shipped import find_file
+    from hitab_bringup.swarm_file import read_swarm
+
+    groups: list[CommanderStatus] = []
+    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm")).with_world(paused=True)
+    with temporary_swarm(swarm) as running:
+        running.link.subscribe(CommanderStatus, "/captain/group", groups.append, qos.LATCHED)
+        assert running.link.spin_until(lambda: groups, 20)
+        assert groups[-1].swarm == running.record.identity
+
+
+def test_clients_take_no_other_swarms_robots_for_their_own(place):
+    with temporary_swarm(parse_swarm(SOCCER, place / "soccer.yaml")) as running:
+        mine = "mine-00000000"
+        agents = SwarmClient(running.link, ("keeper_1",), identity=mine)
+        both = (
+            f"keeper_1 is part of swarm {running.record.identity} here, and swarm {mine} is meant"
+        )
+        with pytest.raises(SwarmError, match=both):
+            agents.begin("keeper_1", "Stolen", features=["Done"])
+        world = WorldClient(running.link, identity=mine)
+        with pytest.raises(SwarmError, match=f"{running.record.identity} here, and swarm {mine}"):
+            world.control("resume")
+        assert running.agents.statuses["keeper_1"].mode == "idle"
+        assert running.world.wait().mode == "paused"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("status",),
+        ("perform", "lone", "Stop"),
+        ("train", "lone", "A", "-f", "Done"),
+        ("lesson", "run", "approach_ball"),
+        ("world", "resume"),
+    ],
+    ids=" ".join,
+)
+def test_verbs_refuse_a_swarm_that_is_not_that_of_the_run_folder(hitab, place, arguments):
+    up(hitab, described(place, WITH_A_WORLD_ALONE))
+    ((folder, record),) = running_swarms()
+    folder.write(replace(record, identity="lone-12345678"), register=True)
+    done = hitab(*arguments)
+    assert done.returncode == 1
+    assert record.identity in done.stderr
+    assert "lone-12345678" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, place, monkeypatch):
+    path = described(place)
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    up(hitab, path)
+    up(hitab, path, "--run-dir", str(place / "other"))
+    both = dict(running_swarms())
+    assert len({record.domain_id for record in both.values()}) == 2
+    which = hitab("down", "lone")
+    assert which.returncode == 1
+    assert all(record.identity in which.stderr for record in both.values())
+    other = next(r for f, r in both.items() if f.path == place / "other")
+    status = hitab("status", "--swarm", str(place / "other"), "--json", "-")
+    assert json.loads(status.stdout)["identity"] == other.identity
+    assert hitab("down", "--swarm", other.identity).stdout == "lone is down\n"
+    assert [r.identity for _, r in running_swarms()] != [other.identity]
+    assert hitab("down").stdout == "lone is down\n"
+    assert list(running_swarms()) == []
+
+
+def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, place, monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    command = [sys.executable, "-m", "hitab_bringup.main", "up"]
+    path = described(place)
+    started = [
+        subprocess.Popen([*command, path, "--run-dir", str(place / name)], stderr=subprocess.PIPE)
+        for name in ("one", "two", "three")
+    ]
+    for process in started:
+        _, told = process.communicate(timeout=120)
+        assert process.returncode == 0, told
+    assert len({record.domain_id for _, record in running_swarms()}) == 3
+
+
+def test_down_stops_the_swarm_of_a_name_where_it_runs(hitab, place):
+    # The default folder of that name was taken for it, if there was anything in it.
+    path = described(place)
+    up(hitab, path)
+    assert hitab("down").returncode == 0
+    up(hitab, path, "--run-dir", str(place / "other"))
+    assert hitab("down", "lone").stdout == "lone is down\n"
+    assert RunFolder(place / "other").processes() == []
+
+
+def test_a_process_that_has_the_supervisors_old_number_is_not_the_supervisor(hitab, place):
+    up(hitab, described(place))
+    ((folder, record),) = running_swarms()
+    (agent,) = [p for p in folder.processes() if "hitab_agent.agent_main" in p.cmdline()]
+    assert folder.supervisor(replace(record, supervisor=agent.pid)) is None
+    assert folder.supervisor(replace(record, supervisor=os.getpid())) is None
+    assert folder.supervisor(record) == psutil.Process(record.supervisor)
+
+
+def test_a_library_that_was_being_copied_is_copied_again(place):
+    from hitab_bringup import libraries
+    from hitab_bringup.libraries import fill_libraries
+
+    source = place / "source"
+    source.mkdir()
+    for name in ("A", "B"):
+        (source / f"{name}.hfa.yaml").write_text(name)
+    swarm = parse_swarm(LONE.replace("{}", f"{{start_from: {source}}}"), place / "lone.yaml")
+    copied: list[Path] = []
+
+    def interrupted(source_file: Path, destination: Path) -> None:
+        if copied:
+            raise KeyboardInterrupt
+        copied.append(destination)
+        destination.write_text(source_file.read_text())
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(libraries.shutil, "copyfile", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            fill_libraries(swarm, place / "run")
+    fill_libraries(swarm, place / "run")
+    names = sorted(path.name for path in (place / "run" / "libraries" / "lone").iterdir())
+    assert names == ["A.hfa.yaml", "B.hfa.yaml"]
+
+
+def test_a_swarm_whose_supervisor_died_is_taken_down_by_any_of_its_names(hitab, place):
+    for which in ("lone", "identity", "folder"):
+        up(hitab, described(place))
+        ((folder, record),) = running_swarms()
+        os.kill(record.supervisor, signal.SIGKILL)
+        assert within(10, lambda f=folder, r=record: f.supervisor(r) is None)
+        name = {"lone": "lone", "identity": record.identity, "folder": str(folder.path)}[which]
+        assert hitab("down", "--swarm", name).stdout == "lone is down\n"
+        assert folder.processes() == []
