@@ -88,7 +88,8 @@ def measure(seconds: float, run: tuple[str, str, int]) -> dict[str, float]:
     """Play one episode and return the boxes that came home, by size."""
     field, swarm, seed = run
     world = ForagingWorld(ForagingParameters(duration=seconds, **FIELDS[field]), seed)
-    (result,) = play(world, troop(swarm, world.agents).players)
+    made = troop(swarm, world.agents)
+    (result,) = play(world, made.players, between=made.confer)
     return dict(result.measures)
 
 

@@ -20,6 +20,10 @@ LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 PARAMETERS = {"taker_speed": 0.25}
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--long", action="store_true", help="longer runs of the tests that have them")
+
+
 @pytest.fixture(scope="session")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Keep away from the user's own swarms, and from those of the domain that the user chose."""

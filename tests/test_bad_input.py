@@ -128,6 +128,8 @@ def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
     for folder in ("nowhere", "~nobody/library", str(tmp_path / "Bad.hfa.yaml")):
         with pytest.raises(SwarmError, match="is not a folder"):
             agents.load_library("keeper_2", folder)
+    with pytest.raises(SwarmError, match="but other files; give it the path of a library"):
+        agents.load_library("keeper_2", "/")  # what is saved next would be written there
     with pytest.raises(SwarmError, match='unknown behavior "Dance"'):
         agents.perform("keeper_2", "Dance")
     with pytest.raises(SwarmError, match='"Dance"'):
@@ -153,6 +155,20 @@ def test_the_world_refuses_what_cannot_be(training, ask, expected):
         ask(training.world)
     assert expected in str(error.value)
     assert training.world.step().world == "keepaway"
+
+
+def test_a_world_keeps_a_bounded_number_of_snapshots(training):
+    kept = []
+    try:
+        for number in range(100):
+            training.world.snapshot("save", f"s{number}")
+            kept.append(f"s{number}")
+        with pytest.raises(SwarmError, match="there are 100 snapshots; delete one of them first"):
+            training.world.snapshot("save", "one more")
+        training.world.snapshot("save", "s0")  # again, which takes no more room
+    finally:
+        for name in kept:
+            training.world.snapshot("delete", name)
 
 
 CALLS = [

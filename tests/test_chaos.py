@@ -175,7 +175,10 @@ def test_a_swarm_survives_being_killed_at_random(swarm: Swarm) -> None:
     assert in_between > 0
     assert swarm.state() == undisturbed
     ordered = [chaos_domain.TRAINED[MEANT[order]] for order in swarm.orders]
-    for worker, lives in swarm.begun().items():
+    begun_by = swarm.begun()
+    assert len(begun_by) == WORKERS
+    for worker, lives in begun_by.items():
+        assert lives[0], f"{worker} has begun nothing"
         for begun in lives:
             # Each was begun once for each order, though some were overtaken by the next.
             assert is_part_of(begun, ordered), f"{worker} began {begun} of {ordered}; {killed}"

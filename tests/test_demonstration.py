@@ -74,6 +74,28 @@ def test_examples_can_be_taken_back_deleted_and_relabelled(begun):
     assert [e.number for e in begun.agents.list_examples(ONE).examples] == [1]
 
 
+def test_undo_and_redo_restore_what_the_agent_performs_as_well(begun):
+    """Left where the undone command led, the agent would record the next one as leaving it."""
+    agents = begun.agents
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+
+    def performs(*path: str) -> bool:
+        return begun.link.spin_until(lambda: list(agents.statuses[ONE].active_path) == [*path], 5)
+
+    agents.edit_examples(ONE, "undo")
+    assert performs("Start")
+    agents.edit_examples(ONE, "redo")
+    assert performs("GoFast")
+    assert [e.state for e in agents.list_examples(ONE).examples] == ["Start", "GoFast"]
+    agents.edit_examples(ONE, "undo")
+    agents.command(ONE, "GoSlow")
+    assert [e.state for e in agents.list_examples(ONE).examples] == ["Start", "GoSlow"]
+    with pytest.raises(SwarmError, match="nothing to redo"):
+        agents.edit_examples(ONE, "redo")
+    agents.set_mode(ONE, "testing")
+
+
 def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
     agents = begun.agents
     put(begun, 8.0)

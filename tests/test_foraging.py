@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from hitab_msgs.msg import Order
 
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
@@ -18,6 +19,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind_reader import FILE_NAME, read_kind
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import load_domain
+from hitab_ros import qos
 from hitab_world.inprocess import cycle, play
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
@@ -71,21 +73,29 @@ def test_foragers_do_over_topics_what_they_do_in_one_process(home, tmp_path):
 @pytest.mark.parametrize(
     ("name", "kind"), [("foraging_commanders", "one_level"), ("foraging_two_levels", "two_levels")]
 )
-def test_squads_bring_boxes_home_over_topics_and_in_one_process(home, tmp_path, name, kind):
+def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
+    home, tmp_path, name, kind
+):
+    """Foragers bring some home without commanders: what these order is looked at, too."""
     described = swarm(name, duration=SECONDS)
+    orders: list[Order] = []
     with temporary_swarm(described, tmp_path) as running:
+        squads = [n for n in running.agents.await_agents() if n.startswith("squad_")]
+        for squad in squads:
+            running.link.subscribe(Order, f"/{squad}/order", orders.append, qos.LATCHED)
+        assert running.link.spin_until(lambda: {o.commander for o in orders} == {*squads}, 30.0)
         (episode,) = running.world.play(1, seed=1)
-        assert boxes(dict(zip(episode.measure_names, episode.measures, strict=True))) >= 1.0
-        orders = {
-            status.active_path[0]
-            for status in running.agents.statuses.values()
-            if status.agent.startswith("squad_") and status.active_path
-        }
-        assert orders <= {"Forage", "Join", "GiveUp", "Haul"}
+        assert episode.reproducible
+    # One order alone would be the first, which a squad gives before it has decided anything.
+    given = {squad: {o.order for o in orders if o.commander == squad} for squad in squads}
+    assert sum(len(of_one) > 1 for of_one in given.values()) > len(squads) / 2
+    assert set.union(*given.values()) <= {"Forage", "Join", "GiveUp", "Haul", ""}
     figures = ForagingParameters.from_dict(dict(described.world.parameters))
-    world = ForagingWorld(figures, described.world.seed)
-    (result,) = play(world, troop(kind, world.agents).players)
+    world = ForagingWorld(figures, 1)
+    commanded = troop(kind, world.agents)
+    (result,) = play(world, commanded.players, between=commanded.confer)
     assert boxes(result.measures) >= 1.0
+    assert dict(zip(episode.measure_names, episode.measures, strict=True)) == result.measures
 
 
 def boxes(measures) -> float:

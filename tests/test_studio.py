@@ -164,6 +164,79 @@ def test_a_person_arranges_a_scenario_by_dragging_and_takes_it_back(swarm, perso
 
 
 @needs_browser
+@pytest.mark.parametrize("cause", ["Escape", "pointercancel", "lostpointercapture", "blur"])
+def test_a_drag_that_is_given_up_leaves_everything_where_it_was(swarm, person, cause):
+    """Only letting go puts a thing somewhere: all else would place it where nobody meant it."""
+    away_from_everybody(swarm, 6.0)
+    person.waits_until(lambda: abs(person.place_of(ONE)[0] + 6.0) < 0.1, "shown")
+    mouse, undoable = person.page.mouse, len(placements(person))
+    mouse.move(*person.on_screen(*person.place_of("ball")))
+    mouse.down()
+    mouse.move(*person.on_screen(4.0, 4.0), steps=4)
+    assert person.page.evaluate("window.studioField.drag.moved")
+    if cause == "Escape":
+        person.page.keyboard.press("Escape")
+    elif cause == "blur":
+        person.page.evaluate("window.dispatchEvent(new Event('blur'))")
+    else:
+        person.page.evaluate(
+            "type => { const { canvas } = window.studioField;"
+            " canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1 })); }",
+            cause,
+        )
+    mouse.move(*person.on_screen(5.0, 5.0), steps=2)
+    mouse.up()
+    assert person.place_of("ball") == pytest.approx((0.0, 0.0), abs=0.05)
+    # The next thing that is placed is the next that the world hears of.
+    person.drags("taker_1", -3.0, -3.0)
+    person.waits_until(lambda: abs(entity(swarm, "taker_1").x + 3.0) < 0.2, "the taker is there")
+    assert entity(swarm, "ball").x == pytest.approx(0.0, abs=0.05)
+    assert len(placements(person)) == undoable + 1
+
+
+def placements(person: Person) -> list[Any]:
+    """Return what the page has sent to be placed so far."""
+    return list(
+        person.page.evaluate(
+            "() => { if (!window.placed) { window.placed = []; const tell = window.studioTell;"
+            " window.studioTell = (what, more) => { if (what === 'place') placed.push(more);"
+            " tell(what, more); }; } return placed; }"
+        )
+    )
+
+
+@needs_browser
+def test_a_placement_that_the_world_refuses_is_taken_back_on_the_page(swarm, person):
+    """A paused world sends nothing new by itself: the page would show what is not so."""
+    away_from_everybody(swarm, 6.0)
+    person.waits_until(lambda: abs(person.place_of(ONE)[0] + 6.0) < 0.1, "shown")
+    person.page.evaluate(
+        "() => { const f = window.studioField; f.now.places.set([5, 5], 3 * f.index.get('ball'));"
+        " window.studioTell('place', { things: { nobody: { x: 5, y: 5 } } }); }"
+    )
+    person.sees("toast", "nobody")
+    person.waits_until(lambda: abs(person.place_of("ball")[0]) < 0.1, "it is where it was")
+
+
+@needs_browser
+def test_a_double_click_commands_once_and_steps_twice(swarm, person):
+    """Else each hasty click records an example that nobody meant to give."""
+    away_from_everybody(swarm, 5.0)
+    swarm.agents.begin(ONE, "Hasty", features=["DistanceTo(ball)"], discard=True)
+    person.click(f"agent-{ONE}")
+    person.sees("mode", "Training")
+    person.page.dblclick('[data-test="do-GoFast"]')
+    cycle = swarm.world.state.cycle
+    person.page.dblclick('[data-do="step"]')
+    person.waits_until(lambda: entity(swarm, ONE) and swarm.world.state.cycle == cycle + 2, "two")
+    # What a page asks for is done in order: by now, all that the first double click has asked.
+    assert [e.kind for e in swarm.agents.list_examples(ONE).examples] == [
+        "demonstrated",
+        "default",
+    ]
+
+
+@needs_browser
 def test_an_example_takes_a_person_back_to_where_it_was_recorded(swarm, person):
     away_from_everybody(swarm, 7.0)
     swarm.agents.begin(ONE, "There", features=["DistanceTo(ball)"], discard=True)

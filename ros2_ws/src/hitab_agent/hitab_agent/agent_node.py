@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
@@ -25,13 +24,21 @@ from hitab_core.domain import Domain
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.plain_text import plain
 from hitab_ros.recent_requests import RecentRequests
 
 _NO_ACTION: tuple[Sequence[float], str] = ((), "")
 
+DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name that are kept
 
-class AgentNode(Node):
+TICK = "tick"
+"""The fault of an agent that does nothing, since it cannot perceive, decide or act."""
+
+
+class AgentNode(GuardedNode):
     """One agent of the swarm, in the namespace of its name."""
 
     def __init__(
@@ -50,9 +57,10 @@ class AgentNode(Node):
             options: of every node.
 
         Raises:
-            HitabError: if the domain, the library, the journal or the behavior is not usable.
+            HitabError: if the domain, the library or the journal is not usable.
         """
-        super().__init__(node_name, enable_rosout=False, start_parameter_services=False, **options)
+        self._joined = False
+        super().__init__(node_name, **options)
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
         self.shared = shared or Shared.on(self)
@@ -69,9 +77,10 @@ class AgentNode(Node):
             state,
             seed=settings.seed,
             most_probable=settings.most_probable,
-            observe=self.transition_log.observe,
+            observe=self.guard.wrap("publishing a transition", self.transition_log.observe),
         )
         self._tick_error = ""
+        self._failed_in = ("", "")
         self._error = ""
         self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
         self._last_path: list[str] = []
@@ -85,8 +94,22 @@ class AgentNode(Node):
         self._unsettled = True
         self._link: Any = None
         self.superior: SuperiorLink | None = None
+        self._start_error = ""
         if settings.behavior and self.agent.session is None:
-            self.agent.perform(use_of(settings.behavior, ()))
+            self._begin(settings.behavior)
+
+    def _begin(self, behavior: str) -> None:
+        """Perform a behavior from the start on, or nothing if that cannot be.
+
+        The library may have changed while the agent was away; it has to be there to be mended.
+        """
+        try:
+            self.agent.perform(use_of(behavior, ()))
+        except HitabError as error:
+            self._start_error = (
+                f'{self.agent_name} is idle, since it cannot perform "{behavior}", with which it '
+                f"should begin: {error}; have it perform something else, or give it the behavior"
+            )
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain that the parameter of that name means.
@@ -98,8 +121,10 @@ class AgentNode(Node):
 
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
+        self._joined = True
+        self.shared.members.append(self._publish_status_soon)
         self._commands = self.create_subscription(
-            msg.Command, names.COMMAND, self._on_command, qos.EVENTS
+            msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
         )
         self._distributor = Distributor(self, self.shared.distributions)
         if self.shared.on_demand is None:
@@ -108,15 +133,18 @@ class AgentNode(Node):
             self.shared.on_demand.add(self, self._offer_services)
         shared_link = None if self.agent.domain.link else self.shared.link(self.settings.world)
         if shared_link is None:
-            link = _link_class(self.agent.domain)
-            self._link = link(self, self.settings.world, self._on_percept)
+            if self.agent.domain.link:
+                link = _link_class(self.agent.domain)
+                self._link = link(self, self.settings.world, self._on_percept)
+            else:
+                self._link = WorldLink(self, self.settings.world)
         else:
             shared_link.add(self)
         if self.settings.commander:
             self.superior = SuperiorLink(
                 self, self.settings.commander, self.settings.role, self.outbox
             )
-            self.ticker.every(HEARTBEAT_S, self.superior.heartbeat)
+            self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if self.agent.session is not None:
             training = self.agent.session
             self.report_error(
@@ -124,7 +152,7 @@ class AgentNode(Node):
                 f"with {len(training.log)} examples"
             )
         else:
-            self.publish_status()
+            self.report_error(self._start_error)
 
     def _offer_services(self) -> None:
         self._agent_services = AgentServices(self)
@@ -156,7 +184,9 @@ class AgentNode(Node):
                 agent.restart(percept.seed, percept.episode)
             self._sensed = True
         except Exception as error:
-            self._tick_failed(what_went_wrong(error))
+            self._tick_failed(error)
+        if percept.lockstep and self.superior is not None:
+            self.superior.round_begins(percept, self.seconds_of(percept))
         return self._sensed
 
     def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
@@ -173,7 +203,7 @@ class AgentNode(Node):
                 self._publish_status_soon()
         else:
             changed = percept.restart
-        if self.superior is not None:
+        if self.superior is not None and not percept.lockstep:
             self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
         return action
 
@@ -191,24 +221,31 @@ class AgentNode(Node):
             agent.tick()
             action = _action(*agent.act())
         except Exception as error:
-            self._tick_failed(what_went_wrong(error))
+            self._tick_failed(error)
             return _NO_ACTION
         if self._tick_error:
-            self._tick_error = ""
-            self.report_error("")
+            self._tick_succeeded()
         return action
 
-    def _tick_failed(self, why: str) -> None:
+    def _tick_failed(self, error: Exception) -> None:
+        why = what_went_wrong(error)
+        self._failed_in = (self.agent.mode.value, self.agent.behavior)
         if why != self._tick_error:
             self._tick_error = why
-            self.report_error(f"{self.agent_name} did nothing in cycle {self.agent.cycle}: {why}")
+            text = f"{self.agent_name} did nothing in cycle {self.agent.cycle}: {why}"
+            self.guard.log(text, ("tick", why))
+            self.guard.faults.set(TICK, text)
+
+    def _tick_succeeded(self) -> None:
+        self._tick_error = ""
+        self.guard.faults.clear(TICK)
 
     # -- orders of a commander ----------------------------------------------------------------
 
     def ordered(self) -> None:
         """Do what has to be done when an order was heard: it has been taken up, or waits."""
         if self._refusal:
-            self.get_logger().warning(self._refusal)
+            self.guard.log(self._refusal)
             self._error = ""
             self.publish_status()
         else:
@@ -228,19 +265,18 @@ class AgentNode(Node):
 
     def _on_command(self, command: msg.Command) -> None:
         status = self._status
-        status.demonstrator = command.demonstrator
+        status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX)
         # One that is sent again, since our acknowledgement was late, is acknowledged again.
-        refusal = self._recent.came_of(command.demonstrator, command.sequence)
-        self.transition_log.commanded = True
+        refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:
             if refusal is None:
                 refusal = ""
+                check(command)  # here, so that its sender sees in the status what is wrong
                 self.agent.command(use_of(command.behavior, command.targets))
         except Exception as error:
             refusal = what_went_wrong(error)
         finally:
-            self.transition_log.commanded = False
-            self._recent.keep(command.demonstrator, command.sequence, refusal or "")
+            self._recent.keep(status.demonstrator, command.sequence, refusal or "")
             if refusal:
                 status.last_refused_sequence = command.sequence
             else:
@@ -251,12 +287,9 @@ class AgentNode(Node):
     # -- status -----------------------------------------------------------------------------
 
     def report_error(self, text: str) -> None:
-        """Publish the status with an error, or without one.
-
-        Without one it tells why an order waits, if it cannot be obeyed.
-        """
+        """Publish the status with what was refused or, if nothing was, what is wrong and lasts."""
         if text:
-            self.get_logger().warning(text)
+            self.guard.log(text)
         self._error = text
         self.publish_status()
 
@@ -265,10 +298,24 @@ class AgentNode(Node):
         self._status.distribution = sequence
         self.report_error(error)
 
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong and lasts, each until its cause ends."""
+        refusal = self._refusal
+        waits = [refusal] if refusal else []
+        return [*waits, *self.guard.faults.texts(), *self.shared.faults]
+
+    def faults_changed(self) -> None:
+        """Publish a status soon, once all is there that it tells."""
+        if self._joined:
+            self._publish_status_soon()
+
     def publish_status(self) -> None:
         """Publish what the agent does now."""
         agent, status = self.agent, self._status
         session = agent.session
+        if self._tick_error and self._failed_in != (agent.mode.value, agent.behavior):
+            self._tick_succeeded()  # what failed is not performed any more
         self._last_path = agent.active_path
         status.stamp = self._percept_stamp
         status.mode = agent.mode.value
@@ -278,7 +325,9 @@ class AgentNode(Node):
         status.default_examples = session.log.defaults if session else 0
         status.cycle = agent.cycle
         status.library_digest = agent.library_digest
-        status.last_error = self._error or self._refusal
+        faults = self.faults
+        status.faults = faults
+        status.last_error = self._error or (faults[0] if faults else "")
         if self.superior is not None:
             subordinate = self.superior.subordinate
             status.superior = self.superior.commander
@@ -315,13 +364,11 @@ def _action(values: Sequence[float], say: str) -> tuple[Sequence[float], str]:
 
 
 def _link_class(domain: Domain) -> Any:
-    """Return the class that joins an agent of this domain to its robot or world.
+    """Return the class that joins an agent of this domain to its robot.
 
     Raises:
-        HitabError: if the domain names one that cannot be imported.
+        HitabError: if it cannot be imported.
     """
-    if not domain.link:
-        return WorldLink
     module, _, name = domain.link.partition(":")
     try:
         return getattr(import_module(module), name)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hitab_msgs import srv
 
 from hitab_core.agent import Mode
-from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.behavior_schema import SUFFIX
 from hitab_core.domain import BasicBehavior
 from hitab_core.errors import LibraryError, TrainingError, has
 from hitab_core.training_session import Curriculum
@@ -81,12 +81,14 @@ class AgentServices:
         match request.action:
             case edits.UNDO:
                 session.undo()
+            case edits.REDO:
+                session.redo()
             case edits.DELETE:
                 session.delete(request.numbers)
             case edits.RELABEL:
                 session.relabel(request.numbers, Use.parse(request.next_state))
             case unknown:
-                known = (edits.UNDO, edits.DELETE, edits.RELABEL)
+                known = (edits.UNDO, edits.REDO, edits.DELETE, edits.RELABEL)
                 raise TrainingError(f'unknown action "{unknown}" {has(known)}')
         return f"{len(session.log)} examples"
 
@@ -114,14 +116,20 @@ class AgentServices:
                 f"bind_from has {len(request.bind_from)} names, bind_to {len(request.bind_to)}"
             )
         bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
+        performed = self._agent.behavior if self._agent.mode is Mode.PERFORMING else ""
         automaton, path, trimmed = self._agent.save(
             request.name, bindings, request.description, keep_unused=request.keep_unused
         )
         response.path = str(path)
-        response.digest = self._agent.library.file_digest(automaton.name)
+        response.digest = self._agent.edition.files[automaton.name].checksum
         response.trimmed = trimmed
         saved = Use(automaton.name, automaton.parameters)
-        return f'saved "{saved}" with {len(automaton.examples)} examples'
+        done = f'saved "{saved}" with {len(automaton.examples)} examples'
+        if performed and self._agent.mode is Mode.IDLE:
+            done += (
+                f'; {self._agent.name} is idle now, since it cannot perform "{performed}" any more'
+            )
+        return done
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
         if not request.behavior:
@@ -139,7 +147,12 @@ class AgentServices:
                 raise LibraryError(
                     f'"{request.path}" is not a folder here; give the whole path of a library'
                 )
-            library = BehaviorLibrary(folder, self._agent.domain)
+            if any(folder.iterdir()) and not any(folder.glob(f"*{SUFFIX}")):
+                raise LibraryError(
+                    f"{folder} has no behaviors (*{SUFFIX}) but other files; give it the path of "
+                    "a library, or of an empty folder for a new one"
+                )
+            library = self._node.shared.library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.library_digest
         return f"{len(response.behaviors)} trained behaviors"
@@ -154,7 +167,7 @@ class AgentServices:
         response.domain = domain.name
         response.signature = domain.signature
         response.behaviors = [str(Use(b.name, b.parameters)) for b in behaviors]
-        response.trained = sorted(agent.library.names())
+        response.trained = sorted(agent.edition.files)
         response.one_shot = [
             b.name for b in behaviors if isinstance(b, BasicBehavior) and b.one_shot
         ]

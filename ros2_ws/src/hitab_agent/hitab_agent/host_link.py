@@ -10,19 +10,24 @@ from typing import Protocol
 import numpy as np
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from hitab_agent.order_desk import OrderDesk
 from hitab_agent.report_outbox import ReportOutbox
+from hitab_agent.round_gate import RoundGate
+from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.troupes import Troupes
 from hitab_core.agent import Agent
 from hitab_ros import names, qos
+from hitab_ros.checks import too_far_ahead
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers the last percepts, not those that have gone by."""
 
 
-COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "restart")
+COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """What all percepts of a cycle have in common."""
 
 
@@ -31,6 +36,8 @@ class Perceiver(Protocol):
 
     agent_name: str
     agent: Agent
+    superior: SuperiorLink | None
+    guard: Guard
 
     def take_in(self, percept: msg.Percept | PerceptOfBatch) -> bool:
         """Perceive; return whether that went well.
@@ -40,6 +47,25 @@ class Perceiver(Protocol):
 
     def answer(self, percept: msg.Percept | PerceptOfBatch) -> tuple[Sequence[float], str]:
         """Act on what was perceived, unless the percept is only to be looked at."""
+
+
+class _Guarded:
+    """A perceiver that never raises: what goes wrong with one agent touches no other."""
+
+    __slots__ = ("_perceiver", "agent", "agent_name", "answer", "take_in")
+
+    def __init__(self, perceiver: Perceiver) -> None:
+        guard = perceiver.guard
+        self._perceiver = perceiver
+        self.agent = perceiver.agent
+        self.agent_name = perceiver.agent_name
+        self.take_in = guard.wrap("perceiving", perceiver.take_in, otherwise=False)
+        self.answer = guard.wrap("acting", perceiver.answer, otherwise=((), ""))
+
+    @property
+    def superior(self) -> SuperiorLink | None:
+        """How it is joined to its commander, once it has joined the swarm; None: it has none."""
+        return self._perceiver.superior
 
 
 class PerceptOfBatch:
@@ -53,6 +79,7 @@ class PerceptOfBatch:
     episode: int
     seed: int
     look: bool
+    lockstep: bool
     restart: bool
     values: Sequence[float]
     heard: Sequence[str]
@@ -61,12 +88,18 @@ class PerceptOfBatch:
 class HostLink:
     """Answers the percepts of all agents of a host.
 
-    All perceive first, then all act; in between those that perform the same automaton are decided
-    for together.
+    All perceive first, then all act; in between, in lockstep, their commanders give orders, and
+    those that perform the same automaton are decided for together.
     """
 
     def __init__(
-        self, host: Node, name: str, world: str, outbox: ReportOutbox, swarm: str = ""
+        self,
+        host: GuardedNode,
+        name: str,
+        world: str,
+        outbox: ReportOutbox,
+        orders: OrderDesk,
+        swarm: str = "",
     ) -> None:
         """Make ready; nothing comes before `announce`.
 
@@ -75,13 +108,15 @@ class HostLink:
             name: of the host, unique in the swarm.
             world: name of the world.
             outbox: of the process, held while all act.
+            orders: of the process.
             swarm: identity of the swarm that the agents are part of; empty: none.
         """
         self._swarm = swarm
         self._host = host
         self._name = name
         self._outbox = outbox
-        self._perceivers: list[Perceiver] = []
+        self._gate = RoundGate(orders)
+        self._perceivers: list[_Guarded] = []
         self._percept = PerceptOfBatch()
         self._troupes = Troupes()
         self._episode: tuple[int, int] | None = None
@@ -95,7 +130,7 @@ class HostLink:
 
     def add(self, perceiver: Perceiver) -> None:
         """Have an agent perceive and act from the next announcement on."""
-        self._perceivers.append(perceiver)
+        self._perceivers.append(_Guarded(perceiver))
 
     def announce(self) -> None:
         """Tell the world who is here, and listen."""
@@ -105,8 +140,11 @@ class HostLink:
             self._on_percepts,
             LATEST,
         )
+        self._publish_roster()
+
+    def _publish_roster(self, after: int = 0) -> None:
         # The time of day, so that a host that is started again has a higher number.
-        self._answers.roster = time.time_ns()
+        self._answers.roster = max(time.time_ns(), after + 1)
         self._rosters.publish(
             msg.HostRoster(
                 host=self._name,
@@ -119,12 +157,15 @@ class HostLink:
     def _on_percepts(self, batch: msg.PerceptBatch) -> None:
         answers = self._answers
         if batch.roster != answers.roster:
-            return  # meant for the process of this name that was here before
+            # Meant for the process of this name that was here before or, if the number is higher,
+            # by a roster that somebody else has published in this host's name.
+            if batch.roster > answers.roster and not too_far_ahead(batch.roster):
+                self._publish_roster(batch.roster)
+            return
         if not _is_sound(batch, len(self._perceivers)):
-            self._host.get_logger().warning(
-                f"left out percepts of cycle {batch.cycle} whose agents, counts and values do not "
-                "fit together; whoever sends them must send them as msg/PerceptBatch tells",
-                throttle_duration_sec=5.0,
+            self._host.guard.log(
+                "left out percepts whose agents, counts and values do not fit together; whoever "
+                "sends them must send them as msg/PerceptBatch tells"
             )
             return
         percept = self._percept
@@ -138,7 +179,7 @@ class HostLink:
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, end, heard_end = batch.values, 0, 0
         perceived: list[int] = []
-        with self._outbox.held():
+        with self._outbox.at_once() if batch.lockstep else self._outbox.held():
             for place, (perceiver, count, n_heard) in enumerate(
                 zip(acting, batch.value_counts, heard_counts, strict=True)
             ):
@@ -148,8 +189,23 @@ class HostLink:
                 percept.heard = batch.heard[heard:heard_end]
                 if perceiver.take_in(percept):
                     perceived.append(place)
+        commanders: set[str] = set()
+        if batch.lockstep:
+            commanders = {p.superior.orders for p in acting if p.superior is not None}
+        self._gate.begin(
+            batch.sequence, commanders, lambda: self._answer(batch, acting, perceived)
+        )
+
+    def _answer(
+        self, batch: msg.PerceptBatch, acting: Sequence[Perceiver], perceived: Sequence[int]
+    ) -> None:
+        """Have all act that have taken in a percept of a batch, and answer it."""
+        answers, percept = self._answers, self._percept
+        with self._outbox.held():
             if not batch.look:
-                self._decide([acting[place].agent for place in perceived], perceived, batch)
+                agents = [acting[place].agent for place in perceived]
+                # Those that nothing was decided for decide when they act.
+                self._host.guard.run("deciding together", self._decide, agents, perceived, batch)
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, perceiver in zip(batch.agents, acting, strict=True):

@@ -6,7 +6,9 @@ from collections import deque
 from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
+
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode, name_of
 
 
 class Later:
@@ -16,7 +18,7 @@ class Later:
     gets its turn in between.
     """
 
-    def __init__(self, node: Node, period_s: float, at_most: int | None = None) -> None:
+    def __init__(self, node: GuardedNode, period_s: float, at_most: int | None = None) -> None:
         """Make it.
 
         Args:
@@ -25,22 +27,30 @@ class Later:
             at_most: how many things are done in one turn; None: all.
         """
         self._at_most = at_most
-        self._calls: deque[Callable[[], None]] = deque()
+        self._guard = node.guard
+        self._calls: deque[tuple[Callable[[], None], Guard]] = deque()
         self._timer = node.create_timer(
             period_s, self._due, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
         self._timer.cancel()
 
-    def call(self, call: Callable[[], None]) -> None:
-        """Call a function soon."""
+    def call(self, call: Callable[[], None], guard: Guard | None = None) -> None:
+        """Call a function soon.
+
+        Args:
+            call: the function.
+            guard: of the agent that it is for, in whose status its failure is shown; None: that
+                of the node.
+        """
         if not self._calls:
             self._timer.reset()
-        self._calls.append(call)
+        self._calls.append((call, guard or self._guard))
 
     def _due(self) -> None:
         calls = self._calls
         due = len(calls) if self._at_most is None else min(self._at_most, len(calls))
         for _ in range(due):
-            calls.popleft()()
+            call, guard = calls.popleft()
+            guard.run(name_of(call), call)
         if not calls:
             self._timer.cancel()

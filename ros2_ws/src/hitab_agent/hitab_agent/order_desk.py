@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_core.order import Order
-from hitab_ros import names, qos
+from hitab_ros import qos
 from hitab_ros.conversions import order_of
+from hitab_ros.guarded_node import GuardedNode
 
 Take = Callable[[Order], None]
+Follow = Callable[[str, Order], None]
 
 
 class OrderDesk:
@@ -21,7 +22,7 @@ class OrderDesk:
     than obeying it: a squad that lives in one process reads once.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: GuardedNode) -> None:
         """Make it.
 
         Args:
@@ -29,17 +30,18 @@ class OrderDesk:
         """
         self._node = node
         self._takers: dict[str, list[Take]] = {}
+        self._followers: dict[str, list[Follow]] = {}
         self._last: dict[str, Order] = {}
 
-    def listen(self, node: Node, commander: str, take: Take) -> None:
+    def listen(self, node: GuardedNode, topic: str, take: Take) -> None:
         """Call ``take`` with the order in force, if one was heard, and with all that come.
 
         Args:
-            node: of the swarm.
-            commander: whose orders.
+            node: of the agent that listens, in whose status a failure of ``take`` is shown.
+            topic: of a commander's orders.
             take: what to do with them.
         """
-        topic = names.in_swarm(node, commander, names.ORDER)
+        take = node.guard.wrap(f"order on {topic}", take)
         if topic in self._takers:
             self._takers[topic].append(take)
             if topic in self._last:
@@ -51,5 +53,13 @@ class OrderDesk:
             order = self._last[topic] = order_of(message)
             for taker in takers:
                 taker(order)
+            for follow in self._followers.get(topic, ()):
+                follow(topic, order)
 
         self._node.create_subscription(msg.Order, topic, on_order, qos.LATCHED)
+
+    def follow(self, topic: str, follow: Follow) -> None:
+        """Call ``follow`` with each order on a topic when all who are under it have taken it."""
+        self._followers.setdefault(topic, []).append(
+            self._node.guard.wrap(f"round of {topic}", follow)
+        )

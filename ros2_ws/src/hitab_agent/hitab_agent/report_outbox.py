@@ -7,12 +7,12 @@ from contextlib import contextmanager
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_agent.later import Later
 from hitab_core.order import Report
 from hitab_ros import names, qos
 from hitab_ros.conversions import report_message
+from hitab_ros.guarded_node import GuardedNode
 
 
 class ReportOutbox:
@@ -23,7 +23,7 @@ class ReportOutbox:
     further down before anybody looks at what has become of them.
     """
 
-    def __init__(self, node: Node, later: Later | None = None) -> None:
+    def __init__(self, node: GuardedNode, later: Later | None = None) -> None:
         """Make it.
 
         Args:
@@ -63,12 +63,22 @@ class ReportOutbox:
             if self._later is None:
                 self._flush()
 
+    @contextmanager
+    def at_once(self) -> Iterator[None]:
+        """Gather what is sent meanwhile, and send it at the end without waiting for others."""
+        with self.held():
+            yield
+        self._flush()
+
     def _flush(self) -> None:
         waiting, self._waiting = self._waiting, {}
         for topic, reports in waiting.items():
-            self._publishers[topic].publish(msg.Reports(reports=reports))
+            self._node.guard.run(f"reports on {topic}", self._publish, topic, reports)
+
+    def _publish(self, topic: str, reports: list[msg.Report]) -> None:
+        self._publishers[topic].publish(msg.Reports(reports=reports))
 
 
-def reports_topic(node: Node, commander: str) -> str:
+def reports_topic(node: GuardedNode, commander: str) -> str:
     """Return the topic on which a commander of the node's swarm hears reports."""
     return names.in_swarm(node, commander, names.REPORTS)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rclpy.node import Node
+from hitab_ros.guarded_node import GuardedNode
 
 LOOK_PERIOD_S = 0.25
 LOOK_AT_PER_S = 500.0  # agents: looking takes the longer the more there are
@@ -19,13 +19,13 @@ LOOK_AT_PER_S = 500.0  # agents: looking takes the longer the more there are
 class ServicesOnDemand:
     """Has the nodes of a process offer their services when the first client comes."""
 
-    def __init__(self, host: Node) -> None:
+    def __init__(self, host: GuardedNode) -> None:
         self._host = host
         self._offers: dict[str, Callable[[], None]] = {}
 
-    def add(self, node: Node, offer: Callable[[], None]) -> None:
+    def add(self, node: GuardedNode, offer: Callable[[], None]) -> None:
         """Call ``offer`` once when somebody asks for a service in a node's namespace."""
-        self._offers[node.get_namespace()] = offer
+        self._offers[node.get_namespace()] = node.guard.wrap("offering services", offer)
 
     def look(self) -> None:
         """Look for clients; to be called a few times a second."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-
-from rclpy.node import Node
 
 from hitab_agent.distribution import DistributionDesk
 from hitab_agent.host_link import HostLink
@@ -20,7 +19,9 @@ from hitab_agent.services_on_demand import (
 from hitab_agent.ticker import Ticker
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
+from hitab_core.edition import Editions
 from hitab_ros import names
+from hitab_ros.guarded_node import GuardedNode
 
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published no more often than this."""
@@ -49,6 +50,8 @@ class Shared:
         on_demand: offers services when somebody asks; None: each agent offers its own at once.
         domains: the domains that were loaded, by name.
         libraries: those that were opened, by folder and domain.
+        members: of a host, to be called when what is wrong with the host has changed.
+        editions: what reads and keeps what is in libraries, by domain.
     """
 
     ticker: Ticker
@@ -56,15 +59,17 @@ class Shared:
     orders: OrderDesk
     outbox: ReportOutbox
     distributions: DistributionDesk
-    host: Node | None = None
+    host: GuardedNode | None = None
     swarm: str = ""
     links: dict[str, HostLink] = field(default_factory=dict)
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
-    libraries: dict[tuple[Path, str], BehaviorLibrary] = field(default_factory=dict)
+    libraries: dict[tuple[Path, int], BehaviorLibrary] = field(default_factory=dict)
+    editions: dict[int, Editions] = field(default_factory=dict)
+    members: list[Callable[[], None]] = field(default_factory=list)
 
     @classmethod
-    def on(cls, node: Node) -> Shared:
+    def on(cls, node: GuardedNode) -> Shared:
         """Return what a node needs for itself, or a host's for the agents of its process."""
         return cls(
             Ticker(node),
@@ -75,28 +80,45 @@ class Shared:
         )
 
     @classmethod
-    def of_host(cls, node: Node, agents: int, swarm: str = "") -> Shared:
+    def of_host(cls, node: GuardedNode, agents: int, swarm: str = "") -> Shared:
         """Return what the agents of a host share, on a node in a namespace of its own."""
         shared = cls.on(node)
         shared.host = node
         shared.swarm = swarm
+        node.guard.faults.changed = shared.tell_all
         shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
         shared.on_demand = ServicesOnDemand(node)
         shared.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), shared.on_demand.look)
         return shared
 
+    def tell_all(self) -> None:
+        """Have all agents show what is wrong with their host, or that it is over."""
+        for member in self.members:
+            member()
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with the host, and so with each of its agents."""
+        return [] if self.host is None else self.host.guard.faults.texts()
+
     def link(self, world: str) -> HostLink | None:
         """Return the shared link to a world; None if this process is not a host."""
         if self.host is not None and world not in self.links:
             name = names.own_name(self.host)
-            self.links[world] = HostLink(self.host, name, world, self.outbox, self.swarm)
+            self.links[world] = HostLink(
+                self.host, name, world, self.outbox, self.orders, self.swarm
+            )
         return self.links.get(world)
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:
-        """Return the library in a folder; agents that have the same one share what was read."""
-        key = (folder, domain.signature)
+        """Return the library in a folder; agents that have the same one share it.
+
+        Those of libraries with the same files share what was read of them.
+        """
+        key = (folder, id(domain))  # which is kept by what is found under it
         if key not in self.libraries:
-            self.libraries[key] = BehaviorLibrary(folder, domain)
+            editions = self.editions.setdefault(id(domain), Editions(domain))
+            self.libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
         return self.libraries[key]
 
     def domain(self, name: str) -> Domain:

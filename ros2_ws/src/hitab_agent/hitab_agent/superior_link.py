@@ -9,6 +9,7 @@ from hitab_msgs import msg
 from hitab_agent.report_outbox import ReportOutbox, reports_topic
 from hitab_core.order import Order, Report
 from hitab_core.subordinate import Subordinate
+from hitab_ros import names
 
 if TYPE_CHECKING:
     from hitab_agent.agent_node import AgentNode
@@ -21,6 +22,7 @@ class SuperiorLink:
 
     Attributes:
         subordinate: the agent as it obeys and reports.
+        orders: the topic of the commander's orders.
     """
 
     def __init__(self, node: AgentNode, commander: str, role: str, outbox: ReportOutbox) -> None:
@@ -29,9 +31,10 @@ class SuperiorLink:
         self._node = node
         self._outbox = outbox
         self._topic = reports_topic(node, commander)
+        self.orders = names.in_swarm(node, commander, names.ORDER)
         self._seconds = 0.0
         outbox.open(self._topic)
-        node.shared.orders.listen(node, commander, self._on_order)
+        node.shared.orders.listen(node, self.orders, self._on_order)
 
     def _on_order(self, order: Order) -> None:
         with self._outbox.held():
@@ -55,10 +58,8 @@ class SuperiorLink:
             changed: whether it may do something else than after the percept before.
         """
         subordinate = self.subordinate
-        if (subordinate.episode, subordinate.seed) != (percept.episode, percept.seed):
-            subordinate.episode, subordinate.seed = percept.episode, percept.seed
-            changed = True
-        self._seconds = seconds
+        changed |= subordinate.rounds_end()
+        changed |= self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
             self._node.ordered()  # what was in the way may have been that it saw nothing yet
             changed = True
@@ -67,6 +68,25 @@ class SuperiorLink:
             self._send(subordinate.report())
         elif changed or subordinate.is_asked:
             self.tell()
+
+    def round_begins(self, percept: msg.Percept, seconds: float) -> None:
+        """Report what was perceived in a round of lockstep, before anything is done about it."""
+        subordinate = self.subordinate
+        self._keep_time(percept, seconds)
+        if subordinate.refusal and subordinate.settle():
+            self._node.ordered()
+        self._send(
+            subordinate.round_begins(percept.sequence, look=percept.look, restart=percept.restart)
+        )
+
+    def _keep_time(self, percept: msg.Percept, seconds: float) -> bool:
+        """Take over a percept's time; return whether an episode has begun."""
+        subordinate = self.subordinate
+        episode = (percept.episode, percept.seed)
+        changed = (subordinate.episode, subordinate.seed) != episode
+        subordinate.episode, subordinate.seed = episode
+        subordinate.seconds = self._seconds = seconds
+        return changed
 
     def tell(self) -> None:
         """Report if there is anything to tell."""

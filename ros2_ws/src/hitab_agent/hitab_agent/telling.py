@@ -9,7 +9,7 @@ from hitab_msgs import srv
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.behavior_file import scale_of
 from hitab_core.domain import BasicBehavior, Domain
-from hitab_core.errors import HitabError, TrainingError
+from hitab_core.errors import TrainingError
 from hitab_core.library_diff import difference
 from hitab_core.use import Use
 from hitab_ros import names
@@ -22,7 +22,7 @@ Told: Any = srv.GetBehavior.Response
 
 
 class Telling:
-    """Offers the services; a refusal is a reply with ``success`` false and the reason."""
+    """Offers the services; what they raise is answered by the node's guard."""
 
     def __init__(self, node: AgentNode) -> None:
         self._agent = node.agent
@@ -34,11 +34,7 @@ class Telling:
     def _read_features(
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
     ) -> srv.ReadFeatures.Response:
-        try:
-            readings = self._agent.live_features([Use.parse(text) for text in request.also])
-        except HitabError as error:
-            answer.message = str(error)
-            return answer
+        readings = self._agent.live_features([Use.parse(text) for text in request.also])
         answer.automata = [automaton for automaton, _, _ in readings]
         answer.features = [feature for _, feature, _ in readings]
         answer.values = [value for _, _, value in readings]
@@ -51,14 +47,11 @@ class Telling:
     def _get_behavior(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
     ) -> Any:
-        try:
-            if request.name:
-                self._tell_behavior(request, answer)
-            else:
-                self._tell_training(request, answer)
-            answer.success = True
-        except HitabError as error:
-            answer.message = str(error)
+        if request.name:
+            self._tell_behavior(request, answer)
+        else:
+            self._tell_training(request, answer)
+        answer.success = True
         return answer
 
     def _tell_training(
@@ -102,7 +95,8 @@ class Telling:
         name = request.name
         # A behavior that is no more in the library may still have versions there.
         answer.versions = library.versions(name) if name not in FLAGS else []
-        if name not in library.names() and not request.version:
+        known = self._agent.edition.files
+        if name not in known and not request.version:
             behavior = repertoire.get(name)
             if isinstance(behavior, BasicBehavior):
                 answer.name, answer.description = behavior.name, behavior.description
@@ -112,7 +106,7 @@ class Telling:
             answer.origin = Told.HAND_WRITTEN
             _tell(answer, behavior, self._agent.domain)
             return
-        file = library.version(name, request.version) if request.version else library.file(name)
+        file = library.version(name, request.version) if request.version else known[name]
         answer.origin = Told.TRAINED
         answer.classifier = file.classifier
         answer.version = file.provenance.version

@@ -6,7 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
+
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode, name_of
 
 Call = Callable[[], None]
 
@@ -22,16 +24,24 @@ class Ticker:
     world is paused.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: GuardedNode) -> None:
         self._node = node
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._rates: dict[float, _Rate] = {}
 
-    def every(self, seconds: float, call: Call) -> None:
-        """Call a function every so many seconds, from now on."""
+    def every(self, seconds: float, call: Call, guard: Guard | None = None) -> None:
+        """Call a function every so many seconds, from now on.
+
+        Args:
+            seconds: between two calls.
+            call: the function.
+            guard: of the agent that it is for, in whose status its failure is shown; None: that
+                of the node.
+        """
         if seconds not in self._rates:
             self._rates[seconds] = _Rate(self._node, self._clock, seconds)
-        self._rates[seconds].add(call)
+        guard = guard or self._node.guard
+        self._rates[seconds].add(guard.wrap(name_of(call), call))
 
     def seconds(self) -> float:
         """Return the time, s, from an arbitrary beginning; it never goes back."""
@@ -41,7 +51,7 @@ class Ticker:
 class _Rate:
     """Functions that are called equally often."""
 
-    def __init__(self, node: Node, clock: Clock, seconds: float) -> None:
+    def __init__(self, node: GuardedNode, clock: Clock, seconds: float) -> None:
         self._seconds = seconds
         self._calls: list[Call] = []
         self._turns = 1

@@ -5,11 +5,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-import rclpy
 from rclpy.clock import Clock, ClockType
 from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 
+from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own
 
 SECONDS = 20.0
@@ -18,13 +17,13 @@ SECONDS = 20.0
 class Process:
     """A node, and others where a test adds them, in a ROS domain of its own."""
 
-    def __init__(self, node: Node, executor: EventsExecutor) -> None:
+    def __init__(self, node: GuardedNode, executor: EventsExecutor) -> None:
         self.node = node
         self._executor = executor
-        self._nodes: list[Node] = []
+        self._nodes: list[GuardedNode] = []
         self.add(node)
 
-    def add(self, node: Node) -> None:
+    def add(self, node: GuardedNode) -> None:
         """Have another node in it; it is taken down at the end."""
         self._executor.add_node(node)
         self._nodes.append(node)
@@ -51,7 +50,7 @@ class Process:
 @pytest.fixture
 def process() -> Iterator[Process]:
     with context_of_its_own() as context:
-        node = rclpy.create_node("host", context=context, enable_rosout=False)
+        node = GuardedNode("host", context=context)
         executor = EventsExecutor(context=context)
         with contextlib.closing(Process(node, executor)) as made:
             yield made

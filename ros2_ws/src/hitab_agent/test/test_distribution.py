@@ -42,8 +42,8 @@ def test_distributions_are_told_apart_while_simulated_time_stands_still(process,
     process.add(node)
     node.join()
     taught = Automaton("Taught", (Use("Wait"),), (), {})
-    node.agent.repertoire.add(taught)
     node.agent.library.save(taught, agent="teacher", classifier="tree")
+    node.agent.reload()  # an agent gives away what it knows itself
     client = desk.create_client(srv.Distribute, f"/teacher/{names.DISTRIBUTE}")
     process.until(client.service_is_ready)
     sequences = []

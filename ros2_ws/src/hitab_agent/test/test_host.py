@@ -17,6 +17,7 @@ from hitab_core.agent import Agent
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.transition_function import HandWritten
+from hitab_core.transition_tree import TransitionTree
 from hitab_core.troupe import Troupe
 from hitab_core.use import Use
 from hitab_ros import names, qos
@@ -65,11 +66,11 @@ def _domain(behavior: str) -> Domain:
 class Swarm:
     """A host with agents, and the side of the world."""
 
-    def __init__(self, process: Any, folder: Path) -> None:
+    def __init__(self, process: Any, folder: Path, domain: Domain | None = None) -> None:
         self._process = process
         self.desk = desk = process.node
         shared = Shared.of_host(desk, SIZE)
-        shared.domains["bodies"] = _domain("Choose")
+        shared.domains["bodies"] = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):
             node = AgentNode(
@@ -101,9 +102,9 @@ class Swarm:
         topic = f"/{self.rosters[0].host}/{names.PERCEPTS}"
         self.arrived: list[msg.PerceptBatch] = []
         desk.create_subscription(msg.PerceptBatch, topic, self.arrived.append, 10)
-        self.fences: list[msg.HostRoster] = []
-        desk.create_subscription(msg.HostRoster, "fence", self.fences.append, 10)
-        self._fence = desk.create_publisher(msg.HostRoster, "fence", 10)
+        self.fences: list[msg.Action] = []
+        desk.create_subscription(msg.Action, "fence", self.fences.append, 10)
+        self._fence = desk.create_publisher(msg.Action, "fence", 10)
         self._percepts = desk.create_publisher(msg.PerceptBatch, topic, 10)
         process.until(lambda: self._percepts.get_subscription_count() == 2)
         process.until(lambda: self._fence.get_subscription_count() == 1)
@@ -127,7 +128,7 @@ class Swarm:
         before = len(self.arrived), len(self.fences)
         self.send(values, **fields)
         self._process.until(lambda: len(self.arrived) > before[0])
-        self._fence.publish(msg.HostRoster())
+        self._fence.publish(msg.Action())
         self._process.until(lambda: len(self.fences) > before[1])
 
     def act(self, values: list[float], **fields: Any) -> list[list[float]]:
@@ -189,6 +190,44 @@ def test_a_body_that_returns_no_action_does_nothing_and_it_is_told(swarm, wrong)
     assert "it must return numbers, and a text to say" in told[-1].last_error
 
 
+def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broken(
+    process, tmp_path
+):
+    """Reading what no decision needs, for who watches, would end the host in a callback."""
+    reads: list[str] = []
+
+    def broken(body: Body) -> float:
+        reads.append("for who watches")
+        raise OSError("the sensor is unplugged")
+
+    made = _domain("Choose")
+    learned = TransitionTree().fit([[-1.0, 0.0], [1.0, 0.0]], ["Wait", "Go"])
+    choose = replace(
+        made.automata["Choose"],
+        features=(Use("X"), Use("Broken")),
+        transitions=dict.fromkeys((START, "Go", "Wait"), learned),
+    )
+    features = {**made.features, "Broken": Feature("Broken", broken)}
+    domain = replace(made, features=features, automata={"Choose": choose})
+    swarm = Swarm(process, tmp_path, domain)
+    seen: list[msg.TransitionEvent] = []
+    for number in range(SIZE):
+        topic = f"/agent_{number}/{names.TRANSITIONS}"
+        swarm.desk.create_subscription(msg.TransitionEvent, topic, seen.append, qos.EVENTS)
+    for node in swarm.nodes:
+        process.until(lambda node=node: node.count_subscribers(names.TRANSITIONS))
+        node.transition_log.look()
+    for round_ in range(1, 4):
+        assert swarm.act([1.0] * SIZE)
+        assert swarm.act([-1.0] * SIZE) == [[float(round_)]] * SIZE
+        process.until(lambda n=round_: len(seen) == 2 * n * SIZE)
+    event = seen[0]
+    assert (event.from_state, event.to_state, event.commanded) == (START, "Go", False)
+    assert (list(event.features), list(event.values)) == (["X"], [1.0])
+    assert event.probability == 1.0
+    assert not reads
+
+
 def troupes_of(agent: Agent) -> int:
     gc.collect()
     found = [thing for thing in gc.get_objects() if isinstance(thing, Troupe)]
@@ -208,3 +247,56 @@ def test_what_was_made_of_libraries_that_nobody_has_any_more_is_forgotten(swarm)
         assert len({agent.library_digest for agent in agents}) == 1
         swarm.act([1.0] * SIZE)
         assert troupes_of(agents[0]) == 1
+
+
+def hear_faults(swarm: Swarm, number: int) -> list[list[str]]:
+    told: list[list[str]] = []
+    swarm.desk.create_subscription(
+        msg.AgentStatus,
+        f"/agent_{number}/{names.STATUS}",
+        lambda status: told.append(list(status.faults)),
+        qos.LATCHED,
+    )
+    swarm._process.until(lambda: told)
+    return told
+
+
+def test_who_fails_outside_its_body_fails_alone_and_says_so(swarm):
+    # The percepts of all are handled in one callback.
+    told, others = hear_faults(swarm, 3), hear_faults(swarm, 4)
+    node = swarm.nodes[3]
+    swarm.act([1.0] * SIZE)
+    of_time, node._publish_status_soon = node._publish_status_soon, lambda: 1 / 0
+    node._unsettled = True
+    done = swarm.act([-1.0] * SIZE)
+    assert done[:3] + done[4:] == [[1.0]] * (SIZE - 1)
+    assert done[3] == []
+    node._publish_status_soon = of_time
+    node.publish_status()
+    swarm._process.until(lambda: any("ZeroDivisionError" in f for told_ in told for f in told_))
+    swarm.act([1.0] * SIZE)
+    swarm._process.until(lambda: told[-1] == [])
+    assert not any(others)
+
+
+def test_what_is_wrong_with_a_host_is_said_by_all_its_agents(swarm):
+    told = hear_faults(swarm, 5)
+    swarm.act([1.0] * SIZE)
+    swarm.desk.guard.failed("topic percepts", RuntimeError("of the host"))
+    swarm._process.until(lambda: told[-1] and "of the host" in told[-1][0])
+    swarm.desk.guard.faults.clear("topic percepts")
+    swarm._process.until(lambda: told[-1] == [])
+
+
+def test_a_host_whose_name_somebody_else_has_used_announces_itself_anew(swarm):
+    # The world believes the roster with the highest number, and asks nobody else.
+    real = swarm.rosters[-1]
+    number = real.number + 10**9
+    swarm._percepts.publish(msg.PerceptBatch(roster=number))
+    swarm._process.until(lambda: swarm.rosters[-1].number > number)
+    assert list(swarm.rosters[-1].agents) == list(real.agents)
+    swarm.rosters[:] = swarm.rosters[-1:]
+    assert swarm.act([1.0] * SIZE) == [[1.0]] * SIZE
+    swarm._percepts.publish(msg.PerceptBatch(roster=2**64 - 1))  # which no world would send
+    assert swarm.act([1.0] * SIZE) == [[2.0]] * SIZE
+    assert len(swarm.rosters) == 1

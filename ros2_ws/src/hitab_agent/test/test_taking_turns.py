@@ -3,12 +3,15 @@
 from collections import Counter
 from typing import Any
 
-from hitab_msgs import msg
+from hitab_msgs import msg, srv
 
+from hitab_agent.distribution import DistributionDesk
 from hitab_agent.later import Later
 from hitab_agent.order_desk import OrderDesk
+from hitab_agent.services_on_demand import ServicesOnDemand
 from hitab_agent.ticker import Ticker
 from hitab_ros import names, qos
+from hitab_ros.guarded_node import GuardedNode
 
 
 def test_what_is_put_off_is_done_in_order_with_room_for_something_else_in_between(process):
@@ -70,3 +73,70 @@ def test_all_who_are_under_a_commander_hear_it_through_one_subscription(process)
     assert heard == [("a", "Attack"), ("b", "Attack")]
     desk.listen(node, "chief", lambda order: heard.append(("late", order.name)))
     assert heard[-1] == ("late", "Attack")
+
+
+def fails() -> None:
+    raise IndexError("it is broken")
+
+
+def test_what_fails_among_many_touches_no_other_and_is_shown_by_whose_it_is(process):
+    # Unguarded, the first that fails takes the rest of its turn with it, and the process.
+    node, other = process.node, GuardedNode("other", context=process.node.context)
+    process.add(other)
+    done: list[Any] = []
+    later, ticker = Later(node, 0.02), Ticker(node)
+    later.call(fails, other.guard)
+    later.call(lambda: done.append("later"))
+    ticker.every(0.05, fails, other.guard)
+    ticker.every(0.05, lambda: done.append("every"))
+    process.until(lambda: {"later", "every"} <= {*done})
+    process.until(lambda: other.guard.faults)
+    assert "fails failed: IndexError" in other.guard.faults.texts()[0]
+    assert not node.guard.faults
+
+
+def test_who_fails_at_an_order_does_not_keep_it_from_the_others(process):
+    node, other = process.node, GuardedNode("other", context=process.node.context)
+    process.add(other)
+    publisher = node.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    desk, heard = OrderDesk(node), []
+    desk.listen(other, "chief", lambda order: fails())
+    desk.listen(node, "chief", lambda order: heard.append(order.name))
+    publisher.publish(msg.Order(commander="chief", epoch=1, sequence=1, order="Attack"))
+    process.until(lambda: heard == ["Attack"])
+    assert other.guard.faults
+    assert not node.guard.faults
+
+
+def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process):
+    node, other = process.node, GuardedNode("other", context=process.node.context)
+    process.add(other)
+    desk, received = DistributionDesk(node), []
+    desk.add(lambda sent: fails(), other.guard)
+    desk.add(lambda sent: received.append(sent.sequence), node.guard)
+    publisher = node.create_publisher(msg.Distribution, f"/{names.DISTRIBUTION}", qos.EVENTS)
+    process.until(lambda: publisher.get_subscription_count() > 0)
+    publisher.publish(msg.Distribution(sequence=7))
+    process.until(lambda: received == [7])
+    assert other.guard.faults
+    assert not node.guard.faults
+
+
+def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
+    node, other = process.node, GuardedNode("agent", namespace="/a", context=process.node.context)
+    another = GuardedNode("agent", namespace="/b", context=process.node.context)
+    process.add(other)
+    process.add(another)
+    offered: list[str] = []
+    services = ServicesOnDemand(node)
+    services.add(other, fails)
+    services.add(another, lambda: offered.append("b"))
+    for name in ("/a/perform", "/b/perform"):
+        node.create_client(srv.Perform, name)
+
+    def look() -> bool:
+        services.look()
+        return bool(offered and other.guard.faults)
+
+    process.until(look)
+    assert not another.guard.faults

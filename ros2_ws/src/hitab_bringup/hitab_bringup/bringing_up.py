@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_bringup import domain_ids, supervision
+from hitab_bringup.command_view import CommandView
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.ros_link import RosLink
 from hitab_bringup.run_folder import RunFolder, RunRecord, registry_held, running_swarms
@@ -55,7 +56,7 @@ def bring_up(
             remove_stale()
             record = stack.enter_context(_started(swarm, folder, domain_id, temporary=False))
         link = stack.enter_context(RosLink(domain_id))
-        _await_all(record, folder, link, progress)
+        _await_all(swarm, record, folder, link, progress)
     return record
 
 
@@ -83,7 +84,7 @@ def temporary_swarm(
         stack.callback(supervision.stop, folder)
         record = stack.enter_context(_started(swarm, folder, domain_id, temporary=True))
         link = stack.enter_context(RosLink(domain_id))
-        agents, world = _await_all(record, folder, link, progress)
+        agents, world = _await_all(swarm, record, folder, link, progress)
         yield RunningSwarm(folder, record, link, agents, world)
 
 
@@ -148,6 +149,7 @@ def _some(names: Sequence[str]) -> str:
 
 
 def _await_all(
+    swarm: SwarmDescription,
     record: RunRecord,
     folder: RunFolder,
     link: RosLink,
@@ -157,6 +159,11 @@ def _await_all(
     agents = SwarmClient(link, record.agents, identity=record.identity)
     agents.watch_all()
     world = WorldClient(link, identity=record.identity, started_by_it=record.world)
+    view = CommandView(link)
+    # Elsewhere a commander begins with those that it knows, and the others come in later.
+    exact = swarm.world is not None and swarm.world.pace == "lockstep"
+    commanders = [commander.name for commander in swarm.commanders] if exact else []
+    view.watch(commanders)
     total = len(record.agents) + record.world
     next_look = time.monotonic()
 
@@ -167,6 +174,7 @@ def _await_all(
 
     def missing() -> list[str]:
         names = [name for name in record.agents if name not in agents.statuses]
+        names += view.incomplete(commanders) if not names else []
         if record.world and (world.status is None or unheard()):
             names.append("world")
         return names

@@ -49,6 +49,16 @@ class CommandView:
             if "/" not in name:
                 self._watch(name)
 
+    def watch(self, commanders: Iterable[str]) -> None:
+        """Listen to commanders from now on."""
+        for commander in commanders:
+            self._watch(commander)
+
+    def incomplete(self, commanders: Iterable[str]) -> list[str]:
+        """Return the commanders that do not know of all their subordinates yet."""
+        groups = self.groups
+        return [name for name in commanders if name not in groups or any(groups[name].silent)]
+
     def _watch(self, commander: str) -> None:
         if commander not in self._watched:
             self._watched.add(commander)
@@ -68,8 +78,7 @@ class CommandView:
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders that are there, or are expected, have told."""
         wanted = set(expected)
-        for commander in wanted:
-            self._watch(commander)
+        self.watch(wanted)
 
         def complete() -> bool:
             if not wanted:
@@ -100,6 +109,7 @@ class Branch:
         silent: whether its commander has not heard of it for too long.
         counts: of a commander's subordinates: how many obey, how many there are.
         leaves: the same for all agents below it: all above such an agent obey, and so does it.
+        faults: what is wrong with a commander and lasts.
     """
 
     name: str
@@ -112,6 +122,7 @@ class Branch:
     below: tuple[Branch, ...] = ()
     counts: tuple[int, int] = (0, 0)
     leaves: tuple[int, int] = field(default=(0, 0))
+    faults: tuple[str, ...] = ()
 
     @property
     def is_commander(self) -> bool:
@@ -142,6 +153,7 @@ class Branch:
                 "of": self.counts[1],
                 "agents_performing": self.leaves[0],
                 "agents": self.leaves[1],
+                "faults": list(self.faults),
                 "subordinates": [branch.data() for branch in self.below],
             }
         return told
@@ -182,4 +194,5 @@ def _branch(
         below,
         (sum(map(bool, obeying)), len(below)),
         (sum(performing for performing, _ in leaves), sum(count for _, count in leaves)),
+        tuple(group.faults),
     )

@@ -14,7 +14,6 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control, EditExamples
 
-from hitab_bringup.commander_pacer import CommanderPacer
 from hitab_bringup.conditions import Condition
 from hitab_bringup.errors import LessonError
 from hitab_bringup.lesson import (
@@ -96,7 +95,6 @@ class LessonPlayer:
         self.swarm = swarm
         self.world = world
         self.report = LessonReport(lesson.name, lesson.budget)
-        self._commanders = CommanderPacer(swarm)
         self._progress = progress
         self._factor = factor
         self._saved = ""
@@ -154,7 +152,6 @@ class LessonPlayer:
         earlier = self.world.state
         self._tracker.take()
         state = self.world.step()
-        self._commanders.await_seen(self.lesson.agent, state.cycle)
         self._entered = self._tracker.take()
         self._said |= speakers(state.entities)
         if earlier is not None and state.note and state.note not in (earlier.note, "reset"):
@@ -209,9 +206,7 @@ class LessonPlayer:
         )
 
     def _command(self, step: Command) -> None:
-        self._commanders.await_seen(step.agent, self._state().cycle)
         self.swarm.command(step.agent, step.use.name, step.use.arguments)
-        self._commanders.await_obeyed(step.agent)
         self.report.commands += 1
 
     def _until(self, step: Until) -> None:

@@ -12,11 +12,11 @@ from typing import Any, Self
 import rclpy
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from hitab_bringup.dds_profile import choose_profile
 from hitab_bringup.errors import SwarmError
+from hitab_ros.guarded_node import GuardedNode
 
 CALL_SECONDS = 15.0
 """How long to wait for the answer of a service that is there."""
@@ -37,12 +37,7 @@ class RosLink:
             domain_id=domain_id,
             signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
         )
-        self.node: Node = rclpy.create_node(
-            f"hitab_{os.getpid()}",
-            context=self._context,
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
+        self.node = GuardedNode(f"hitab_{os.getpid()}", context=self._context)
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
@@ -92,7 +87,7 @@ class RosLink:
         """Subscribe; an exception in ``take`` is raised from the next spin."""
 
         def guarded(message: Any) -> None:
-            # The executor swallows what a callback raises.
+            # The node's guard would log it.
             try:
                 take(message)
             except BaseException as error:

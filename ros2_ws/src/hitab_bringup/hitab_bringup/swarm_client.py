@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import getpass
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,6 +41,12 @@ WATCHED_MAX = 100
 SETTLE_SECONDS = 1.5
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
+
+QUIET_SECONDS = 10.0
+"""Whoever has not acknowledged a distribution when nobody has for so long will not."""
+
+HEARING_SECONDS = 2.0
+"""How long to wait until acknowledgements would be heard."""
 
 
 @dataclass
@@ -100,12 +106,15 @@ class SwarmClient:
         self.strangers: dict[str, str] = {}
         self._watched: set[str] = set()
         self._publishers: dict[str, Any] = {}
-        self._acks: dict[tuple[int, str], DistributionAck] = {}
+        self._acks: dict[int, dict[str, DistributionAck]] = {}
         self._sequence = 0
         if len(self.expected) <= WATCHED_MAX:
             self.watch_all()
         link.subscribe(
-            DistributionAck, names.of_swarm("distribution_ack", prefix), self._take_ack, qos.EVENTS
+            DistributionAck,
+            names.of_swarm("distribution_ack", prefix),
+            self._take_ack,
+            qos.ROLL_CALL,
         )
 
     # -- who is there -----------------------------------------------------------------------
@@ -144,7 +153,7 @@ class SwarmClient:
                 raise SwarmError(other_swarm(agent, self.strangers[agent], self.identity))
 
     def _take_ack(self, ack: DistributionAck) -> None:
-        self._acks[ack.sequence, ack.agent] = ack
+        self._acks.setdefault(ack.sequence, {})[ack.agent] = ack
 
     def discover(self) -> None:
         """Look for agents that have appeared since."""
@@ -304,7 +313,7 @@ class SwarmClient:
     def edit_examples(
         self, agent: str, action: str, numbers: Sequence[int] = (), next_state: str = ""
     ) -> Any:
-        """Undo, delete or relabel."""
+        """Undo, redo, delete or relabel."""
         return self.ask(
             agent,
             EditExamples,
@@ -344,10 +353,20 @@ class SwarmClient:
         arguments: Sequence[str] = (),
         receivers: Sequence[str] = (),
         start: bool = False,
-        seconds: float = 10.0,
+        seconds: float = QUIET_SECONDS,
         progress: Callable[[int, int], None] | None = None,
     ) -> DistributionReport:
         """Send a behavior from one agent to others and wait for what each of them says.
+
+        Args:
+            source: whose behavior it is.
+            behavior: its name.
+            arguments: targets of its parameters, if it is to be started.
+            receivers: who is to get it; by default all others.
+            start: have them perform it.
+            seconds: how long to wait for one more answer; as long as there are some, many agents
+                may take as long as they need.
+            progress: called with how many have answered, of how many.
 
         Raises:
             SwarmError: if the source refuses, or a receiver is not there at all.
@@ -357,10 +376,7 @@ class SwarmClient:
         for receiver in receivers:
             self.await_agent(receiver)
         meant = [name for name in (receivers or self.agents()) if name != source]
-        ack_topic = names.of_swarm("distribution_ack", self.prefix)
-        self.link.spin_until(
-            lambda: self.link.node.count_publishers(ack_topic) >= len(meant), 2.0, 0.01
-        )
+        self._await_hearing(meant)
         answer = self.ask(
             source,
             Distribute,
@@ -370,20 +386,11 @@ class SwarmClient:
             receivers=list(receivers),
             start=start,
         )
-        sequence = answer.sequence
-
-        def answers() -> int:
-            return sum((sequence, name) in self._acks for name in meant)
-
-        def complete() -> bool:
-            if progress is not None:
-                progress(answers(), len(meant))
-            return answers() == len(meant)
-
-        self.link.spin_until(complete, seconds)
-        report = DistributionReport(sequence, answer.digest)
+        acks = self._acks.setdefault(answer.sequence, {})
+        self._await_acks(acks, meant, seconds, progress)
+        report = DistributionReport(answer.sequence, answer.digest)
         for name in meant:
-            ack = self._acks.get((sequence, name))
+            ack = acks.get(name)
             if ack is None:
                 report.silent.append(name)
             elif ack.success and ack.digest == answer.digest:
@@ -391,3 +398,46 @@ class SwarmClient:
             else:
                 report.refused[name] = ack.message or "it has other files than were sent"
         return report
+
+    def _await_hearing(self, agents: Iterable[str]) -> None:
+        """Wait until acknowledgements would be heard from the processes of all these agents."""
+        node = self.link.node
+        topic = names.of_swarm("distribution_ack", self.prefix)
+        unheard = set(agents)
+
+        def heard() -> bool:
+            there = {_process(info) for info in node.get_publishers_info_by_topic(topic)}
+            for agent in sorted(unheard):
+                status = names.of_agent(agent, "status", self.prefix)
+                infos = node.get_publishers_info_by_topic(status)
+                if any(_process(info) in there for info in infos):
+                    unheard.discard(agent)
+            return not unheard
+
+        self.link.spin_until(heard, HEARING_SECONDS, 0.01)
+
+    def _await_acks(
+        self,
+        acks: Mapping[str, DistributionAck],
+        meant: Sequence[str],
+        seconds: float,
+        progress: Callable[[int, int], None] | None,
+    ) -> None:
+        """Wait for the answers of all, as long as there is one more in so many seconds."""
+        wanted = set(meant)
+        before = -1
+        while True:
+            if len(acks) != before:
+                before, newest = len(acks), time.monotonic()
+                if progress is not None:
+                    progress(len(wanted & acks.keys()), len(wanted))
+                if before >= len(wanted) and wanted <= acks.keys():
+                    return
+            if time.monotonic() - newest > seconds:
+                return
+            self.link.spin(0.05)
+
+
+def _process(info: Any) -> tuple[int, ...]:
+    """Return what the topics of one process have in common: the prefix of their DDS GUIDs."""
+    return tuple(info.endpoint_gid[:12])

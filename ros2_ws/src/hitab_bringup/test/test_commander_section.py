@@ -68,7 +68,10 @@ def test_the_order_of_the_lines_does_not_matter():
 
 
 def test_positions_are_asked_for_all_the_way_down_where_a_commander_above_needs_them():
-    assert all(commander.asks_position for commander in parsed(TREE).commanders)
+    assert [commander.asks_position for commander in parsed(TREE).commanders] == [True] * 5
+    # It is the captain that needs them: without it nobody is to report where it is.
+    alone = parsed(TREE.splitlines(keepends=True)[0]).commanders
+    assert [commander.asks_position for commander in alone] == [False] * 4
 
 
 def test_without_a_map_the_behaviors_that_all_subordinates_share_are_the_orders():
@@ -175,11 +178,12 @@ def test_what_is_wrong_with_a_kind_is_told_where_it_stands():
 class Group:
     """What a commander tells, as far as the tree needs it."""
 
-    def __init__(self, name, subordinates, behaviors, obeying, silent=None):
+    def __init__(self, name, subordinates, behaviors, obeying, silent=None, faults=()):
         self.commander = name
         self.behavior, self.order, self.mode, self.active_path = "X", "X", "performing", []
         self.subordinates, self.behaviors, self.obeying = subordinates, behaviors, obeying
         self.silent = silent or [False] * len(subordinates)
+        self.faults = list(faults)
 
 
 def test_an_agent_performs_the_order_from_above_only_if_all_between_obey():
@@ -199,3 +203,8 @@ def test_a_silent_subordinate_does_not_count_as_obeying():
     (top,) = tree_of({"top": Group("top", ["a", "b"], ["X"] * 2, [True] * 2, [False, True])})
     assert top.counts == (1, 2)
     assert top.leaves == (1, 2)
+
+
+def test_what_is_wrong_with_a_commander_is_in_the_tree():
+    (top,) = tree_of({"top": Group("top", ["a"], ["X"], [True], faults=["it hears nothing"])})
+    assert top.data()["faults"] == ["it hears nothing"]

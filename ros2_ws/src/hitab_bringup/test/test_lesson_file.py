@@ -72,7 +72,8 @@ def test_the_shipped_lessons_keep_to_the_papers_budgets(name):
     budgets = {"ApproachBall": 18, "GotoBall": 10, "ControlBall": 11, "Keepaway": 10}
     lesson = read_lesson(find_file(name, "lessons", "lesson"))
     assert lesson.budget is not None
-    assert lesson.budget <= budgets[lesson.name]
+    assert 0 < lesson.budget <= budgets[lesson.name]
+    assert sum(isinstance(step, Command) for step in lesson.steps) > 0
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from hitab_commander.aggregation import mean_position, observed, summed_up
 from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
+from hitab_commander.roll_call import RollCall
 from hitab_core.order import OTHERS, Number, Order, Report
 
 NAN = math.nan
@@ -19,12 +20,15 @@ class Member:
 
     Attributes:
         role: in the group; empty: none.
-        report: what it told last; None: nothing yet.
+        report: what the commander decides by: its last report, in lockstep its report of the
+            last round; None: nothing yet.
+        latest: its last report, for people who watch.
         heard_at: s, when that came, or when the commander began to wait for it.
     """
 
     role: str = ""
     report: Report | None = None
+    latest: Report | None = None
     heard_at: float = 0.0
 
 
@@ -37,13 +41,15 @@ class CommanderBody:
         members: the subordinates, by name, in order.
         order: in force; sequence 0 as long as none was given.
         on_order: called with each new order, at once; whoever carries orders sets it.
-        now: the time, which decides who is silent.
+        now: the time, which in real time decides who is silent.
+        roll: who has reported in a round of lockstep.
     """
 
     def __init__(self, name: str, kind: CommanderKind) -> None:
         self.name = name
         self.kind = kind
         self.members: dict[str, Member] = {}
+        self.roll = RollCall(())
         self._asks_position = kind.asks_position
         self.order = self._blank(0)
         self.given = ""
@@ -70,6 +76,7 @@ class CommanderBody:
         """
         self._asks_position = asks_position or self.kind.asks_position
         self.members = {name: Member(role, heard_at=now) for name, role in roles.items()}
+        self.roll = RollCall(self.members)
         self.order = self._blank(epoch)
         self.given = ""
         self.now = now
@@ -110,9 +117,13 @@ class CommanderBody:
         member = self.members.get(report.agent)
         if member is None:
             return False
-        before = member.report
-        was_silent = before is None or now - member.heard_at > self.kind.deadline
-        member.report, member.heard_at = report, now
+        before = member.latest
+        was_silent = before is None or self.is_silent(report.agent)
+        self._change_time(report, member)
+        known = member.report
+        if not (self.roll.round and known is not None and report.round == known.round):
+            member.report = report
+        member.latest, member.heard_at = report, now
         if before is None or was_silent:
             return True
         return (
@@ -122,6 +133,17 @@ class CommanderBody:
             or list(before.flags) != list(report.flags)
             or list(before.path) != list(report.path)
         )
+
+    def _change_time(self, report: Report, member: Member) -> None:
+        """Go over to lockstep or to real time if a report shows that its world has."""
+        roll = self.roll
+        if report.round and not roll.round:
+            roll.begin([name for name in self.members if self.is_silent(name)])
+        elif not report.round and roll.round:
+            # One that has just been started has not perceived yet in which time it lives.
+            before = member.latest
+            if before is not None and before.round and report.cycle >= before.cycle:
+                roll.end()
 
     def round_ends(self) -> bool:
         """Whether everybody has reported since this was last so; if so, another round begins.
@@ -135,8 +157,18 @@ class CommanderBody:
         return True
 
     def is_silent(self, name: str) -> bool:
-        """Whether a subordinate was not heard of for longer than the deadline."""
+        """Whether a subordinate was not heard of for longer than the deadline.
+
+        In lockstep, whether it did not report in the last round that it owed a report of.
+        """
+        if self.roll.round:
+            return name in self.roll.missing
         return self.now - self.members[name].heard_at > self.kind.deadline
+
+    def knows_of(self, name: str) -> bool:
+        """Whether a subordinate has heard of this commander, and is heard."""
+        latest = self.members[name].latest
+        return latest is not None and latest.epoch == self.order.epoch and not self.is_silent(name)
 
     @property
     def ready(self) -> bool:
@@ -149,9 +181,8 @@ class CommanderBody:
 
     def present(self, role: str = "") -> Iterator[tuple[str, Report]]:
         """Go through those that are heard of, in order: names and last reports."""
-        deadline, now = self.kind.deadline, self.now
         for name, member in self.members.items():
-            if member.report is None or now - member.heard_at > deadline:
+            if member.report is None or self.is_silent(name):
                 continue
             if not role or member.role == role:
                 yield name, member.report
@@ -164,7 +195,7 @@ class CommanderBody:
     def obeys(self, name: str) -> bool:
         """Whether a subordinate has said that it performs what is ordered."""
         member = self.members[name]
-        report = member.report
+        report = member.latest
         if report is None or (report.epoch, report.sequence) != self.number or report.waits:
             return False
         behavior = self.order.behavior_for(name, member.role)
@@ -242,6 +273,15 @@ class CommanderBody:
             name=label,
             behaviors={r: what for r, what in ordered.items() if what is not None},
         )
+        self.on_order(self.order)
+
+    def outbid(self, number: Number) -> None:
+        """Give the order in force again, with a newer number than one that is not its own.
+
+        Somebody else has ordered in this commander's name; subordinates would take all that
+        follows for older.
+        """
+        self.order = replace(self.order, epoch=number[0] + 1)
         self.on_order(self.order)
 
     def give_again(self, label: str) -> bool:

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from hitab_msgs import msg
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.parameter import Parameter
 
+from hitab_agent.round_gate import RoundGate
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_status import GroupStatus
+from hitab_commander.lockstep import Lockstep, Round
 from hitab_commander.order_memory import OrderMemory, Remembered
 from hitab_core.agent import Mode
 from hitab_core.errors import HitabError
-from hitab_core.order import Order, Report
+from hitab_core.order import Number, Order, Report
 from hitab_core.use import Use
 from hitab_ros import names, qos
-from hitab_ros.conversions import order_message
+from hitab_ros.conversions import order_message, time_of
 
 if TYPE_CHECKING:
     from hitab_commander.commander_node import CommanderNode
@@ -32,8 +35,9 @@ Episode = tuple[int, int]
 class CommanderLink:
     """Has the commander decide when something has changed, and at a fixed rate besides.
 
-    It decides at once when a subordinate does something else, when all have reported anew, and
-    when its own commander or a person has it perform something.
+    In real time it decides at once when a subordinate does something else, when all have reported
+    anew, and when its own commander or a person has it perform something. In lockstep it decides
+    in turn; see `hitab_commander.lockstep`.
     """
 
     def __init__(self, node: CommanderNode, world: str, on_percept: Callable[..., Any]) -> None:
@@ -41,8 +45,10 @@ class CommanderLink:
         self._agent = node.agent
         self._on_percept = on_percept
         self.body: CommanderBody = node.agent.body
+        self._lockstep = Lockstep(self.body)
+        self._gate = RoundGate(node.shared.orders)
         self._memory = OrderMemory(node.state_folder)
-        self._kept: tuple[str, int] = ("", -1)
+        self._kept: tuple[str, Number] = ("", (-1, -1))
         self.seconds = 0.0
         self._episode: Episode | None = None
         self._episodes: list[Episode] = []
@@ -63,7 +69,7 @@ class CommanderLink:
         self.body.on_order = self._on_order
         self._take_up(remembered)
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
-        node.ticker.every(1.0 / self.body.kind.rate, self._on_time)
+        node.ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates go on with what they were ordered."""
@@ -91,9 +97,21 @@ class CommanderLink:
         body = self.body
         now = self._node.ticker.seconds()
         changed = restart = False
+        newest = body.number
         for report in message.reports:
-            changed |= body.hear(report, now)
-            restart |= report.agent in body.members and self._begins_episode(report)
+            if report.agent in body.members:
+                newest = max(newest, (report.epoch, report.sequence))
+            news, complete = self._lockstep.hear(report, now)
+            changed |= news
+            if complete is not None:
+                self._perceive_round(complete)
+            elif not self._lockstep.active:
+                restart |= report.agent in body.members and self._begins_episode(report)
+        if newest > body.number:
+            body.outbid(newest)
+        if self._lockstep.active:
+            self.group.changed |= changed
+            return
         # What all of them have seen; the world's cycle, once all reports of it are here.
         self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
         everybody = body.round_ends()
@@ -121,17 +139,56 @@ class CommanderLink:
         self._percept.seed, self._percept.episode = found
         return True
 
-    # -- deciding ---------------------------------------------------------------------------
+    # -- deciding in lockstep ---------------------------------------------------------------
+
+    def _perceive_round(self, present: Round) -> None:
+        """Perceive what all have reported, report it, and wait for the superior's order."""
+        percept = self._percept
+        percept.sequence = present.number
+        percept.cycle = present.cycle
+        percept.stamp = time_of(present.seconds)
+        percept.seed, percept.episode = present.seed, present.episode
+        percept.look, percept.restart, percept.lockstep = present.look, present.restart, True
+        self.seconds = present.seconds
+        self._episode = present.seed, present.episode
+        superior = self._node.superior
+        with self._node.outbox.at_once():
+            self._node.take_in(percept)
+        self._gate.begin(
+            present.number,
+            () if superior is None else (superior.orders,),
+            lambda: self._decide_round(present),
+        )
+
+    def _decide_round(self, present: Round) -> None:
+        """Decide, if it is due, and give the order of the round."""
+        if self._lockstep.is_due(present):
+            self._node.answer(self._percept)
+        self._percept.restart = self._percept.look = self._percept.lockstep = False
+        order = replace(self.body.order, round=present.number)
+        self._orders.publish(order_message(self._node.agent_name, order))
+        self.remember()
+
+    # -- deciding in real time --------------------------------------------------------------
 
     def _on_time(self) -> None:
         self.body.now = self._node.ticker.seconds()
+        if self._lockstep.active:
+            self._decided = True
         if not self._decided:
             self.decide()
         self._decided = False
         self.group.publish_if_changed()
 
     def decide(self, *, restart: bool = False) -> None:
-        """Tick, if there is anybody to command; what is decided is ordered at once."""
+        """Tick, if there is anybody to command; what is decided is ordered at once.
+
+        In lockstep that waits for the commander's turn in the next round.
+        """
+        if self._lockstep.active:
+            self._lockstep.expect()
+            self.remember()
+            return
         percept = self._percept
         percept.restart |= restart
         percept.stamp = self._node.get_clock().now().to_msg()
@@ -150,22 +207,20 @@ class CommanderLink:
     def _on_order(self, order: Order) -> None:
         # First, so that a process that is killed in between does not go back to the order before.
         self.remember()
-        self._orders.publish(order_message(self._node.agent_name, order))
+        if not self._percept.lockstep:  # else it ends the round that is being decided
+            self._orders.publish(order_message(self._node.agent_name, order))
         self.group.changed = True
 
     def remember(self) -> None:
         """Write down what is performed and ordered, if that has changed."""
         body, agent = self.body, self._agent
         performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
-        if (performed, body.order.sequence) != self._kept:
-            self._kept = (performed, body.order.sequence)
+        if (performed, body.order.number) != self._kept:
+            self._kept = (performed, body.order.number)
             order = body.order
-            try:
-                self._memory.keep(Remembered(order.epoch, performed, order.name))
-            except OSError as error:
-                self._node.get_logger().warning(
-                    f'a restart would forget the order "{order.name}": {error}'
-                )
+            # It is obeyed although it cannot be written down.
+            kept = Remembered(order.epoch, performed, order.name)
+            self._node.guard.run("remembering the order for a restart", self._memory.keep, kept)
 
 
 def _roles(node: CommanderNode) -> dict[str, str]:

@@ -31,14 +31,15 @@ class GroupStatus:
         """Publish it, if anything has changed."""
         agent, body = self._node.agent, self._body
         path = agent.active_path
-        # Of whom nothing was heard yet it cannot be said that he does not obey.
-        silent = [m.report is None or body.is_silent(name) for name, m in body.members.items()]
-        doing = (agent.mode, agent.behavior, path, silent)
+        # A member that has not reported is not disobeying.
+        silent = [not body.knows_of(name) for name in body.members]
+        faults = self._node.faults
+        doing = (agent.mode, agent.behavior, path, silent, faults)
         if not self.changed and doing == self._doing:
             return
         self.changed = False
         self._doing = doing
-        reports = [member.report for member in body.members.values()]
+        reports = [member.latest for member in body.members.values()]
         self._publisher.publish(
             msg.CommanderStatus(
                 commander=agent.name,
@@ -54,6 +55,7 @@ class GroupStatus:
                 behaviors=[r.path[0] if r is not None and r.path else "" for r in reports],
                 obeying=[body.obeys(name) for name in body.members],
                 silent=silent,
+                faults=faults,
                 swarm=self._node.settings.swarm,
             )
         )

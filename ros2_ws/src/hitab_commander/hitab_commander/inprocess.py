@@ -1,7 +1,8 @@
 """Play swarms with commanders in one process: the same bodies and engine, without ROS.
 
-Agents and commanders are those of `hitab_core` and of this package; only what carries reports and
-orders differs: here they are handed over at once. Players are made for `hitab_world.inprocess`.
+Agents and commanders are those of `hitab_core` and of this package, and what is decided is the
+same, bit for bit, as over topics in lockstep (`hitab_commander.lockstep`): here reports and orders
+are handed over. Players are made for `hitab_world.inprocess`.
 
 Example::
 
@@ -10,28 +11,25 @@ Example::
         [Member(name, library) for name in world.agents],
         [Commander("squad_1", kind, squad_library, "SquadForage", world.agents[:5])],
     )
-    results = play(world, troop.players, episodes=30)
+    results = play(world, troop.players, episodes=30, between=troop.confer)
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind
+from hitab_commander.lockstep import Lockstep, Round
 from hitab_core.agent import Agent
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.errors import FeatureValueError
-from hitab_core.order import Order, Report
+from hitab_core.order import Report
 from hitab_core.subordinate import Subordinate
 from hitab_core.use import Use
-
-SIGN_OF_LIFE_S = 1.0
-"""At least so often a commander hears of each subordinate, in the world's time."""
 
 
 @dataclass(frozen=True)
@@ -74,18 +72,17 @@ class TroopPlayer:
         self.body = self
 
     def begin(self, seed: int, episode: int) -> None:
-        """Begin an episode, at Start; so do its commanders, told by its first report."""
-        self._node.restart(seed, episode)
+        """Begin an episode with the next percept, at Start; so do its commanders."""
+        self._node.begin(seed, episode)
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
         """Take a percept."""
+        self._node.perceive(values, heard, self._cycle, self._cycle * self._cycle_seconds)
         self._cycle += 1
-        self._node.agent.sense(values, heard, self._cycle)
 
     def tick(self) -> None:
-        """Act on the percept, and report to the commander if there is news."""
+        """Perform one timestep."""
         self._node.agent.tick()
-        self._node.tell(self._cycle * self._cycle_seconds)
 
     def act(self) -> tuple[Sequence[float], str]:
         """Return what the agent does."""
@@ -115,14 +112,28 @@ class Troop:
         for member in members:
             agent = Agent(member.name, member.library.domain, member.library)
             nodes[member.name] = _Node(agent, member.behavior)
+        self._members = list(nodes.values())
         self.players = {name: TroopPlayer(node, cycle_seconds) for name, node in nodes.items()}
+        self._commanders: list[_CommanderNode] = []
         for commander in commanders:
             agent = Agent(commander.name, commander_domain(commander.kind), commander.library)
             node = _CommanderNode(
-                agent, commander.behavior, {name: nodes[name] for name in commander.subordinates}
+                agent, commander.behavior, [nodes[name] for name in commander.subordinates]
             )
             nodes[commander.name] = node
+            self._commanders.append(node)
         self.agents: Mapping[str, Agent] = {name: node.agent for name, node in nodes.items()}
+        self._round = 0
+
+    def confer(self) -> None:
+        """Pass reports up and orders down, once all have perceived and before anybody acts."""
+        self._round += 1
+        for member in self._members:
+            member.report(self._round)
+        for commander in self._commanders:
+            commander.report(self._round)
+        for commander in reversed(self._commanders):
+            commander.decide()
 
 
 class _Node:
@@ -132,90 +143,61 @@ class _Node:
         self.agent = agent
         self.subordinate = Subordinate(agent)
         self.superior: _CommanderNode | None = None
-        self._told_at = -math.inf
+        self._restart = False
         if behavior:
             agent.perform(Use.parse(behavior))
 
-    def restart(self, seed: int, episode: int) -> None:
+    def begin(self, seed: int, episode: int) -> None:
         self.subordinate.seed, self.subordinate.episode = seed, episode
-        self.agent.restart(seed, episode)
+        self._restart = True
+
+    def perceive(
+        self, values: Sequence[float], heard: Sequence[str], cycle: int, seconds: float
+    ) -> None:
+        self.subordinate.seconds = seconds
+        self.agent.sense(values, heard, cycle)
+        if self._restart:
+            self.agent.restart(self.subordinate.seed, self.subordinate.episode)
+
+    def report(self, number: int) -> None:
+        restart, self._restart = self._restart, False
+        report = self.subordinate.round_begins(number, look=False, restart=restart)
         if self.superior is not None:
-            self.superior.restart(seed, episode)
-
-    def tell(self, seconds: float) -> None:
-        """Report to the commander if there is news, or has been none for a while."""
-        self.report(self.subordinate.news(seconds), seconds)
-
-    def report(self, news: Report | None, now: float) -> None:
-        """Hand news to the commander; if there is none, a sign of life once a second."""
-        if self.superior is None:
-            return
-        if news is None and now - self._told_at >= SIGN_OF_LIFE_S:
-            news = self.subordinate.report()
-        if news is not None:
-            self._told_at = now
-            self.superior.hear(news, now)
-
-    def take(self, order: Order, seconds: float) -> None:
-        """Obey an order, and say so."""
-        if self.subordinate.take(order):
-            self.tell(seconds)
+            self.superior.hear(report)
 
 
 class _CommanderNode(_Node):
-    """A commander: decides when it hears news, as `hitab_commander.commander_link` does."""
+    """A commander, as `hitab_commander.commander_link` has it over topics."""
 
-    def __init__(self, agent: Agent, behavior: str, subordinates: dict[str, _Node]) -> None:
+    def __init__(self, agent: Agent, behavior: str, subordinates: Sequence[_Node]) -> None:
         super().__init__(agent, behavior)
-        self.body: Any = agent.body
-        assert isinstance(self.body, CommanderBody)
+        body = agent.body
+        assert isinstance(body, CommanderBody)
+        self._body = body
+        self._lockstep = Lockstep(body)
         self._subordinates = subordinates
-        self._now = 0.0
-        self._seconds = 0.0
-        self._deciding = False
-        self.body.enlist(dict.fromkeys(subordinates, ""), 1)
-        self.body.on_order = self._send
-        for node in subordinates.values():
+        self._present: Round | None = None
+        body.enlist({node.agent.name: "" for node in subordinates}, 1)
+        for node in subordinates:
             node.superior = self
             # It asks for values before it orders anything.
-            node.subordinate.take(self.body.order)
+            node.subordinate.take(body.order)
 
-    def restart(self, seed: int, episode: int) -> None:
-        if (seed, episode) != (self.subordinate.seed, self.subordinate.episode):
-            super().restart(seed, episode)
-
-    def hear(self, report: Report, now: float) -> None:
-        self._now = now
-        changed = self.body.hear(report, now)
-        everybody = self.body.round_ends()
-        if everybody:
-            self._seconds += self.body.kind.report_period
-        if changed or everybody:
-            self.decide()
+    def hear(self, report: Report) -> None:
+        _, complete = self._lockstep.hear(report, 0.0)
+        if complete is not None:
+            self._present = complete
+            if complete.restart:
+                self.begin(complete.seed, complete.episode)
+            self.perceive((), (), complete.cycle, complete.seconds)
 
     def decide(self) -> None:
-        # What subordinates say to an order that is just being given waits for the next news.
-        if not self.body.ready or self._deciding:
-            return
-        self._deciding = True
-        self.agent.sense((), ())
-        try:
-            self.agent.tick()
-        except FeatureValueError:  # then it does nothing this time, as its node would
-            pass
-        finally:
-            self._deciding = False
-        self.tell(self._seconds)
-
-    def tell(self, seconds: float) -> None:
-        self.report(self.subordinate.news(self._seconds), self._now)
-
-    def take(self, order: Order, seconds: float) -> None:
-        """Pass an order on at once: decide now what the subordinates are to do for it."""
-        if self.subordinate.take(order):
-            self.decide()
-            self.tell(seconds)
-
-    def _send(self, order: Order) -> None:
-        for node in self._subordinates.values():
-            node.take(order, self._now)
+        present = self._present
+        assert present is not None, "its subordinates have reported before"
+        if self._lockstep.is_due(present):
+            with suppress(FeatureValueError):  # then it does nothing this time, as its node would
+                self.agent.tick()
+        order = replace(self._body.order, round=present.number)
+        for node in self._subordinates:
+            if node.subordinate.take(order) and isinstance(node, _CommanderNode):
+                node._lockstep.expect()

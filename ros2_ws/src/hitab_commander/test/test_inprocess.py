@@ -60,6 +60,8 @@ def play(made, values):
     for value in values:
         for player in made.players.values():
             player.sense((value,), ())
+        made.confer()
+        for player in made.players.values():
             player.tick()
             player.act()
 

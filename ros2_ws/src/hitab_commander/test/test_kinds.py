@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_commander.aggregation import mean_position, observed, spread, summed_up
@@ -67,7 +67,6 @@ def kinds(draw):
     return CommanderKind(draw(NAMES), tuple(orders), tuple(features), tuple(targets))
 
 
-@settings(deadline=None)
 @given(kinds())
 def test_what_is_written_is_read_again_and_means_the_same(kind):
     text = kind_text(kind)

@@ -289,3 +289,52 @@ def test_an_order_that_is_described_otherwise_after_a_restart_means_what_it_does
 def test_a_commander_of_no_kind_is_refused_with_the_way_out(troop):
     with pytest.raises(HitabError, match="chief was not told of what kind it is; give it -p dom"):
         CommanderNode(namespace="/chief", context=troop.context, use_global_arguments=False)
+
+
+def forge(troop, **fields):
+    """Order something in the chief's name."""
+    publisher = troop.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    troop.until(lambda: publisher.get_subscription_count() > 0)
+    publisher.publish(
+        msg.Order(commander="chief", order="Forged", receivers=[""], behaviors=["Wait"], **fields)
+    )
+    return publisher
+
+
+def test_the_real_commander_is_obeyed_after_somebody_has_ordered_in_its_name(troop):
+    # With the forged number all that the commander orders later would be older.
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.perform("chief", "Attack")
+    troop.until(lambda: troop.performs("a") == "Search")
+    real = troop.orders["chief"][-1]
+    forged = forge(troop, epoch=real.epoch + 10**9, sequence=2**63)
+    troop.until(lambda: "Wait" in troop.begun("a"))
+    troop.until(lambda: troop.performs("a") == "Search")
+    troop.perform("chief", "Retreat")
+    troop.until(lambda: troop.performs("a") == "Home")
+    troop.until(lambda: list(troop.groups["chief"].obeying) == [True, False])
+    troop.link.destroy_publisher(forged)
+
+
+def test_an_order_from_the_far_future_is_not_heard(troop):
+    # No clock is wrong by years: whoever obeyed it could be ordered nothing else for ever.
+    squad(troop)
+    troop.ant("a", "chief", "scout")
+    troop.perform("chief", "Attack")
+    troop.until(lambda: troop.performs("a") == "Search")
+    forged = forge(troop, epoch=2**63, sequence=1)
+    troop.perform("chief", "Retreat")
+    troop.until(lambda: troop.performs("a") == "Home")
+    assert "Wait" not in troop.begun("a")
+    troop.link.destroy_publisher(forged)
+
+
+def test_what_is_wrong_with_a_commander_is_shown_with_its_group(troop):
+    chief = squad(troop)
+    troop.ant("a", "chief", "scout")
+    chief.guard.failed("hearing", RuntimeError("the wire is cut"))
+    troop.until(lambda: any("the wire is cut" in f for f in troop.groups["chief"].faults))
+    troop.until(lambda: any("the wire is cut" in f for f in troop.statuses["chief"].faults))
+    chief.guard.faults.clear("hearing")
+    troop.until(lambda: not troop.groups["chief"].faults and not troop.statuses["chief"].faults)

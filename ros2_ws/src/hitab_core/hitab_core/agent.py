@@ -7,27 +7,33 @@ actions. Everything here raises `HitabError` for what a user has to mend and cha
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 from hitab_core.automaton import Automaton
+from hitab_core.behavior_file import BehaviorFile
 from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.bundle import Bundle, bundle_digest, install
-from hitab_core.digests import digest_of
+from hitab_core.bundle import Bundle, digest_in, plan_bundle, read_bundle
 from hitab_core.domain import Domain
+from hitab_core.edition import Edition
 from hitab_core.errors import HitabError, LibraryError, TrainingError, VocabularyError, has
 from hitab_core.example import Example
 from hitab_core.example_journal import ExampleJournal
 from hitab_core.example_log import ExampleLog
 from hitab_core.live_features import Reading, live_features
+from hitab_core.observing import Observe
+from hitab_core.provenance import Provenance
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Running, RunningAutomaton, Stage
+from hitab_core.repertoire_change import Prepared, check_change, check_performable, prepare
+from hitab_core.running_automaton import Running, Stage
 from hitab_core.seeding import agent_seed
 from hitab_core.senses import Senses
-from hitab_core.training_session import Curriculum, TrainingSession, example_record, replay
+from hitab_core.training_record import example_record, replay
+from hitab_core.training_session import Curriculum, TrainingSession
 from hitab_core.trimming import check_bound, rebind, trim
 from hitab_core.use import Use
 
@@ -39,9 +45,6 @@ class Mode(StrEnum):
     PERFORMING = "performing"
     TRAINING = "training"
     TESTING = "testing"
-
-
-Observer = Callable[[RunningAutomaton, str, str], None]
 
 
 class Agent:
@@ -60,7 +63,7 @@ class Agent:
         *,
         seed: int = 0,
         most_probable: bool = False,
-        observe: Observer | None = None,
+        observe: Observe | None = None,
     ) -> None:
         """Load the library and, from the journal, a training that was interrupted.
 
@@ -79,8 +82,9 @@ class Agent:
         self._random = random.Random(agent_seed(seed, 0, name))
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
+        self.edition = library.edition()
         self._stage = Stage(
-            Repertoire(domain, library.load()),
+            self.edition.repertoire,
             self.body,
             Senses(self.body, domain),
             self._random.random,
@@ -89,8 +93,6 @@ class Agent:
         )
         self._journal_path = None if journal_folder is None else journal_folder / "training.jsonl"
         self._journal: ExampleJournal | None = None
-        self._checksums = library.checksums
-        self.library_digest = digest_of(self._checksums)
         self._resume_interrupted_training()
 
     # -- what it knows ----------------------------------------------------------------------
@@ -99,6 +101,14 @@ class Agent:
     def repertoire(self) -> Repertoire:
         """All behaviors that it can perform."""
         return self._stage.repertoire
+
+    @property
+    def library_digest(self) -> str:
+        """Digest of what it knows itself.
+
+        Others in this process may have added to the library that they share since.
+        """
+        return self.edition.digest
 
     @property
     def active_path(self) -> list[str]:
@@ -196,6 +206,8 @@ class Agent:
         """
         performance = None if use is None else self._prepared(use)
         self._stop()
+        if self.session is not None:
+            self.session.leave()
         self.top = use
         self._performance = performance
         self.mode = Mode.IDLE if performance is None else Mode.PERFORMING
@@ -206,14 +218,9 @@ class Agent:
         """Return what performs a behavior; it is kept, since orders come again."""
         performance = self._performances.get(use)
         if performance is None:
-            self._check_performable(use)
+            check_performable(self.repertoire, use)
             performance = self._performances[use] = self._stage.perform(use)
         return performance
-
-    def _check_performable(self, use: Use) -> None:
-        if use.name not in self.repertoire:
-            raise VocabularyError(f'unknown behavior "{use.name}" {has(self.repertoire.names())}')
-        self.repertoire.check_state(use)
 
     def _stop(self) -> None:
         running = self._running
@@ -320,40 +327,47 @@ class Agent:
             keep_unused: do not trim features that no transition function uses yet, so that
                 training can go on with them, as in behavior bootstrapping.
 
+        Where it performs another behavior meanwhile, which does not fit to what is saved, it is
+        idle afterwards: what was trained counts more, and the notes tell so.
+
         Returns:
-            The automaton, its file, and what was trimmed.
+            The automaton, its file, and notes on what was trimmed and what became of it.
 
         Raises:
             TrainingError: if there is no training, or no example leaves Start.
-            LibraryError: if it cannot be written.
-            VocabularyError: if it does not fit into the repertoire.
+            LibraryError: if it cannot be written; then nothing has changed.
+            VocabularyError: if it does not fit into the repertoire; then nothing has changed.
         """
         session = self._session()
-        automaton, trimmed = self.preview_save(
-            name, bindings, description, keep_unused=keep_unused
-        )
-        before = self.repertoire.automata.get(automaton.name)
-        self.repertoire.add(automaton)
-        try:
-            path = self.library.save(
-                automaton, agent=self.name, classifier=session.curriculum.classifier
-            )
-        except Exception:
-            self.repertoire.discard(automaton.name)
-            if before is not None:
-                self.repertoire.add(before)
-            raise
-        self._checksums[automaton.name] = self.library.file_digest(automaton.name)
-        was_testing = self.mode is Mode.TESTING
-        self._stop()
+        curriculum = session.curriculum
+        automaton, notes = self.preview_save(name, bindings, description, keep_unused=keep_unused)
+        then = self.top if self.mode is Mode.PERFORMING else None
+        if self.mode is Mode.TESTING and automaton.parameters == curriculum.parameters:
+            then = Use(automaton.name, curriculum.arguments)
+        with self.library.change() as change:
+            saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
+            # What others have put into a library that is shared it takes up when it reloads.
+            edition = self._edition_with(saved)
+            try:
+                state = prepare(self._stage, edition, then, None)
+            except VocabularyError as error:
+                state = prepare(self._stage, edition, None, None)
+                notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
+            # A journal that was not put away is known by this as one whose training is saved.
+            self._write({"do": "save", "automaton": saved.name, "checksum": saved.checksum})
+            change.commit()
         self._close_journal()
-        self.session = None
-        use = Use(automaton.name, session.curriculum.arguments)
-        self.mode = Mode.IDLE
-        self._rebuild()
-        if was_testing and automaton.parameters == session.curriculum.parameters:
-            self.perform(use)
-        return automaton, path, trimmed
+        notes += self._swap(state, self.library, ends_training=True)
+        return saved.automaton, self.library.path(saved.name), notes
+
+    def _edition_with(self, saved: BehaviorFile) -> Edition:
+        try:
+            return self.library.editions.of({**self.edition.files, saved.name: saved})
+        except VocabularyError as error:
+            raise VocabularyError(
+                f'"{saved.name}" cannot be saved: {error}; save it under another name, or first '
+                "train again what uses it"
+            ) from None
 
     def preview_save(
         self,
@@ -388,8 +402,10 @@ class Agent:
             TrainingError: if there is none.
         """
         self._session()
+        if self._journal is not None:
+            self._journal.archive()
+            self._journal = None
         self._stop()
-        self._close_journal()
         self.session = None
         self.mode = Mode.IDLE
 
@@ -407,54 +423,103 @@ class Agent:
             The names of the trained behaviors.
 
         Raises:
-            LibraryError, VocabularyError: if a file is bad; then nothing changes.
+            LibraryError, VocabularyError: if a file is bad, or what it performs or is trained
+                does not fit; then nothing changes.
         """
         library = library or self.library
-        repertoire = Repertoire(self.domain, library.load())
-        if self.top is not None:
-            if self.top.name not in repertoire:
-                raise VocabularyError(
-                    f'"{self.top}", which {self.name} performs, is not in {library.folder}'
-                )
-            repertoire.check_state(self.top)
-        stage = self._stage
-        stage = Stage(
-            repertoire, stage.body, stage.senses, stage.draw, stage.most_probable, stage.observe
-        )
-        if self.session is not None:
-            self.session.check_on(stage)
-        self._stop()
-        self._stage = stage
-        self.library = library
-        self._checksums = library.checksums
-        self._rebuild()
-        return sorted(library.names())
+        self.take_up(library.edition(), library=library)
+        return sorted(self.edition.files)
 
-    def take_in(self, bundle: Bundle) -> str:
+    def take_in(self, bundle: Bundle, start: Use | None = None) -> str:
         """Add behaviors that another agent has sent, all or none; what is performed restarts.
+
+        Args:
+            bundle: the behaviors.
+            start: what to perform instead of what it performs now.
 
         Returns:
             The digest over the files as they are now in the library.
 
         Raises:
-            LibraryError: naming all that is wrong with the bundle; then nothing has changed.
+            LibraryError, VocabularyError: naming all that is wrong with the bundle, or what it
+                does not fit to; then nothing has changed.
         """
-        install(bundle, self.library)
-        self.reload()
-        texts = self.library.texts()
-        return bundle_digest(tuple((name, texts[name]) for name, _ in bundle.files))
+        files = read_bundle(bundle, self.library.editions)
+        with self.library.change() as change:
+            edition = plan_bundle(change, bundle, self.library.editions)
+            state = self._prepared_for(edition, start)
+            change.commit()
+        self._swap(state, self.library)
+        return digest_in(edition, files)
 
-    def _rebuild(self) -> None:
-        """Perform afresh, since behaviors may have changed underneath."""
+    def check_fit(self, edition: Edition, start: Use | None = None) -> None:
+        """Check that what it performs, or shall start, and is trained fit to an edition.
+
+        Raises:
+            VocabularyError: naming what does not fit, and the way out.
+        """
+        self._checked(edition, start)
+
+    def take_up(
+        self, edition: Edition, start: Use | None = None, library: BehaviorLibrary | None = None
+    ) -> list[str]:
+        """Know what an edition holds, which is on disk, instead of what it knew.
+
+        Args:
+            edition: of its library.
+            start: what to perform instead of what it performs now.
+            library: where the edition is from, if not from its library.
+
+        Returns:
+            Notes, if what it performs could not be begun.
+
+        Raises:
+            VocabularyError: if what it performs or is trained does not fit; then nothing changes.
+        """
+        return self._swap(self._prepared_for(edition, start), library or self.library)
+
+    def _checked(self, edition: Edition, start: Use | None) -> Use | None:
+        """Return what it performs after a change, having checked that and the training."""
+        use = start or (self.top if self.mode is Mode.PERFORMING else None)
+        try:
+            check_change(self._stage, edition, use, self.session)
+        except VocabularyError as error:
+            raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
+        return use
+
+    def _prepared_for(self, edition: Edition, start: Use | None) -> Prepared:
+        use = self._checked(edition, start)
+        return prepare(self._stage, edition, use, self.session)
+
+    def _swap(
+        self, state: Prepared, library: BehaviorLibrary, *, ends_training: bool = False
+    ) -> list[str]:
+        """Be in a state that was prepared. It is on disk, so nothing may go wrong any more."""
+        notes = []
+        try:
+            self._stop()
+        except Exception as error:  # a domain's code, a user's
+            notes.append(f"what {self.name} performed could not be stopped: {error!r}")
+        self.library, self.edition, self._stage = library, state.edition, state.stage
         self._performances.clear()
-        # Of what it knows itself: others in this process may have added to the library they share.
-        self.library_digest = digest_of(self._checksums)
-        if self.top is not None:
-            self._performance = self._prepared(self.top)
-            if self.mode is Mode.PERFORMING:
-                self._performance.start()
+        self.top, self._performance = state.use, state.performance
+        if ends_training:
+            self.session = None
         if self.session is not None:
             self.session.rebuild(self._stage)
+        if state.performance is not None:
+            assert state.use is not None
+            self._performances[state.use] = state.performance
+            self.mode = Mode.PERFORMING
+            try:
+                state.performance.start()
+            except Exception as error:
+                self.top = self._performance = None
+                self.mode = Mode.IDLE
+                notes.append(f'{self.name} is idle: "{state.use}" could not be begun: {error!r}')
+        elif self.session is None or self.mode is Mode.PERFORMING:
+            self.mode = Mode.IDLE
+        return notes
 
     # -- the journal of a training ----------------------------------------------------------
 
@@ -479,9 +544,12 @@ class Agent:
             self._journal.append(record)
 
     def _close_journal(self) -> None:
-        if self._journal is not None:
-            self._journal.archive()
-            self._journal = None
+        """Put the journal of a saved training away; if not now, then at the next start."""
+        journal, self._journal = self._journal, None
+        if journal is not None:
+            with suppress(LibraryError):
+                journal.archive()
+            journal.close()
 
     def _resume_interrupted_training(self) -> None:
         path = self._journal_path
@@ -491,6 +559,15 @@ class Agent:
         records = list(journal.records())
         if not records:
             journal.discard()
+            return
+        last = records[-1]
+        if last.get("do") == "save" and self.library.has_saved(
+            str(last.get("automaton")), str(last.get("checksum"))
+        ):
+            # The process ended after the behavior was saved and before the journal was put away.
+            with suppress(LibraryError):
+                journal.archive()
+            journal.close()
             return
         try:
             self.session = self._replayed(records)

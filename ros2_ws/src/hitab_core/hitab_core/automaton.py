@@ -50,13 +50,15 @@ class Automaton:
     def __post_init__(self) -> None:
         """Check what can be checked without knowing the behaviors that are used."""
         labels = tuple(str(state) for state in self.states)
+        there: set[str] = set()
         for label in labels:
-            if labels.count(label) > 1:
+            if label in there:
                 raise VocabularyError(f'automaton "{self.name}" has state "{label}" twice')
-        if START in labels:
+            there.add(label)
+        if START in there:
             raise VocabularyError(f'automaton "{self.name}": {START} is always there, not listed')
-        for state, _ in self.transitions.items():
-            if state != START and state not in labels:
+        for state in self.transitions:
+            if state != START and state not in there:
                 raise VocabularyError(
                     f'automaton "{self.name}" has a transition function for "{state}", '
                     "which is not one of its states"

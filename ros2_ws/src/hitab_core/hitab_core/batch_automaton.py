@@ -18,6 +18,7 @@ from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.batch_senses import BatchSenses
 from hitab_core.compiled_tree import Draw, ends
 from hitab_core.gain_ratio import Booleans, Floats, Integers
+from hitab_core.observing import guest
 from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.use import Use
@@ -51,6 +52,7 @@ class BatchLevel:
 
     Attributes:
         label: how the automaton is used.
+        path: labels of the automata from the top-level behavior's to this one.
         labels: of its states, Start first.
         above: the level of the automaton that uses it.
         active: shape (n,), index of each agent's active state; of meaning only where this level
@@ -67,6 +69,7 @@ class BatchLevel:
         above: BatchLevel | None,
     ) -> None:
         self.label = str(use)
+        self.path: tuple[str, ...] = (*(above.path if above is not None else ()), self.label)
         self.automaton = automaton
         self.above = above
         self.bindings = dict(zip(automaton.parameters, use.arguments, strict=True))
@@ -214,7 +217,7 @@ class BatchAutomaton:
         """
         self.size = size
         self.senses = senses
-        self.observe = observe
+        self.observe = None if observe is None else guest(observe)
         self.basics: list[Use] = []
         self.performed: Integers = np.full(size, NOTHING, np.int64)
         self._repertoire = repertoire

@@ -6,6 +6,7 @@ operation; any other is read agent by agent, and only for the agents whose decis
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -137,6 +138,13 @@ class BatchSenses:
         if not len(values):
             raise self.errors[row]
         return float(values[0])
+
+    def known(self, slot: int, row: int) -> float | None:
+        """Return a value that has been read since the last percepts; None if it has not."""
+        column = self._columns[slot]
+        read = column.whole or (column.known is not None and bool(column.known[row]))
+        value = float(column.values[row]) if read else math.nan
+        return None if value != value else value
 
     def _read_all(self, column: _Column) -> bool:
         """Read a column for all agents at once; return whether that can be done."""

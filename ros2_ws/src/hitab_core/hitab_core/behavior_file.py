@@ -24,7 +24,7 @@ HAND_WRITTEN = "hand-written"
 """What a file says of a used automaton that comes with the domain."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, weakref_slot=True)
 class BehaviorFile:
     """A behavior with all that its file says. Those with the same checksum say the same.
 

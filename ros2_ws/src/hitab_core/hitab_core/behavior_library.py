@@ -10,26 +10,24 @@ one library at the same time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_file import (
-    BASIC,
-    HAND_WRITTEN,
-    BehaviorFile,
-    file_name,
-    text_of,
-)
-from hitab_core.behavior_reader import read_behavior, read_text
+from hitab_core.behavior_file import BehaviorFile
+from hitab_core.behavior_reader import read_behavior
 from hitab_core.behavior_schema import SUFFIX
 from hitab_core.digests import digest_of
 from hitab_core.domain import Domain
+from hitab_core.durable_files import PATIENCE
+from hitab_core.edition import Edition, Editions
 from hitab_core.errors import LibraryError, has
+from hitab_core.library_change import LibraryChange, read_version
 from hitab_core.library_check import misfits
-from hitab_core.library_folder import Changes, LibraryFolder
-from hitab_core.provenance import Provenance, time_now, tool_name
+from hitab_core.library_folder import LibraryFolder
+from hitab_core.provenance import Provenance, time_now
 
 
 def accept_edit(path: Path, domain: Domain) -> Path:
@@ -46,10 +44,17 @@ class BehaviorLibrary:
         folder: where they are; made when first something is saved.
         domain: with which they were trained.
         problems: what was wrong with files when the library was last loaded, by behavior.
+        editions: what reads its files.
+        generation: counts the changes that were made through this object.
     """
 
     def __init__(
-        self, folder: Path | str, domain: Domain, *, clock: Callable[[], str] = time_now
+        self,
+        folder: Path | str,
+        domain: Domain,
+        *,
+        clock: Callable[[], str] = time_now,
+        editions: Editions | None = None,
     ) -> None:
         """Name a library; nothing is read yet.
 
@@ -57,10 +62,13 @@ class BehaviorLibrary:
             folder: where its files are.
             domain: with which they were trained.
             clock: the time, ISO 8601, that is put into what is saved.
+            editions: what reads files; libraries that hold the same should have one in common.
         """
         self.folder = Path(folder)
         self.domain = domain
+        self.editions = editions or Editions(domain)
         self.problems: Mapping[str, str] = {}
+        self.generation = 0
         self._clock = clock
         self._folder = LibraryFolder(self.folder)
         self._loaded: dict[str, BehaviorFile] | None = None
@@ -87,6 +95,24 @@ class BehaviorLibrary:
             raise LibraryError("\n".join(problems[name] for name in sorted(problems)))
         self._loaded, self.problems = loaded, problems
         return {name: file.automaton for name, file in loaded.items()}
+
+    def edition(self) -> Edition:
+        """Read all behaviors, and return them with those of the domain.
+
+        Raises:
+            LibraryError: naming all that is wrong with all files.
+            VocabularyError: if they do not fit to the domain.
+        """
+        self.load()
+        return self.editions.of(self.files)
+
+    def path(self, name: str) -> Path:
+        """Return where the file of a behavior is, or would be.
+
+        Raises:
+            LibraryError: if no behavior can have this name.
+        """
+        return self._folder.file(name)
 
     @property
     def files(self) -> Mapping[str, BehaviorFile]:
@@ -129,6 +155,23 @@ class BehaviorLibrary:
 
     # -- writing ----------------------------------------------------------------------------
 
+    @contextmanager
+    def change(self, *, patience: float = PATIENCE, sync: bool = True) -> Iterator[LibraryChange]:
+        """Hold the library to change it; nothing is written unless the change is committed.
+
+        Args:
+            patience: seconds to wait for another process to finish with it.
+            sync: whether the change will be committed, and not only announced.
+
+        Raises:
+            LibraryError: if it cannot be read, or another process does not let go of it.
+        """
+        with self._folder.held(alone=True, patience=patience, sync=sync):
+            there, problems = self._read()
+            yield LibraryChange(
+                self._folder, self.editions, there, problems, self._clock, self._changed
+            )
+
     def save(
         self,
         automaton: Automaton,
@@ -154,9 +197,10 @@ class BehaviorLibrary:
             LibraryError: if it does not fit to what is there, or cannot be written; then nothing
                 has changed.
         """
-        provenance = Provenance(agent=agent, author=author, note=note)
-        with self._folder.held(alone=True):
-            return self._save(automaton, classifier, provenance)
+        with self.change() as change:
+            change.save(automaton, classifier, Provenance(agent=agent, author=author, note=note))
+            change.commit()
+        return self.path(automaton.name)
 
     def remove(self, name: str) -> None:
         """Remove a behavior; its versions stay and can be restored.
@@ -164,21 +208,9 @@ class BehaviorLibrary:
         Raises:
             LibraryError: if there is none, or others use it.
         """
-        with self._folder.held(alone=True):
-            there, _ = self._read()
-            if name not in self._folder.names():
-                raise LibraryError(
-                    f'{self.folder}: has no behavior "{name}" {has(self._folder.names())}'
-                )
-            users = sorted(n for n, f in there.items() if name in f.automaton.behaviors_used)
-            if users and name not in self.domain.automata:
-                raise LibraryError(
-                    f'{self.folder}: "{name}" cannot be removed, since {", ".join(users)} '
-                    "cannot do without it; remove that first"
-                )
-            self._folder.change({**self._unkept(name, there), file_name(name): None})
-            if self._loaded is not None:
-                self._loaded.pop(name, None)
+        with self.change() as change:
+            change.remove(name)
+            change.commit()
 
     def accept_edit(self, name: str) -> Path:
         """Take a file as somebody has edited it: check it, and state its digests anew.
@@ -192,13 +224,15 @@ class BehaviorLibrary:
             LibraryError: naming what is wrong with it; then nothing has changed.
         """
         path = self._folder.file(name)
-        with self._folder.held(alone=True):
-            edited = read_behavior(read_text(path), path.name, self.domain, accepting=True)
-            there, _ = self._read()
-            if name in there:
+        with self.change() as change:
+            text = self._folder.text(path)
+            edited = read_behavior(text, path.name, self.domain, accepting=True)
+            if name in change.after:
                 return path  # nothing is wrong with it
             provenance = replace(edited.provenance, note="edited by hand")
-            return self._save(edited.automaton, edited.classifier, provenance, edited=True)
+            change.save(edited.automaton, edited.classifier, provenance, edited=True)
+            change.commit()
+        return path
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
         """Put files of another library into this one as they are: all, or none.
@@ -212,27 +246,23 @@ class BehaviorLibrary:
         Raises:
             LibraryError: naming what is wrong; then nothing has changed.
         """
-        new = {
-            name: read_behavior(text, self._folder.file(name).name, self.domain)
-            for name, text in texts.items()
-        }
-        with self._folder.held(alone=True):
-            there, problems = self._read()
-            self._check_fit(there, problems, new)
-            # By their texts, comments included: senders and receivers compare these.
-            changed = sorted(
-                name for name in new if name not in there or there[name].text != new[name].text
-            )
-            changes: dict[str, bytes | None] = {}
-            for name in changed:
-                changes |= self._unkept(name, there)
-                number = self._folder.next_number(name, changes)
-                changes |= self._folder.addition(name, number, texts[name])
-            if changes:
-                self._folder.change(changes)
-            if self._loaded is not None:
-                self._loaded |= new
+        # Before the folder is made; kept until then, so that they are read once.
+        read = [self.editions.read(t, self._folder.file(n).name) for n, t in texts.items()]
+        with self.change() as change:
+            changed = change.install(texts)
+            change.commit()
+        del read
         return changed
+
+    def has_saved(self, name: str, checksum: str) -> bool:
+        """Return whether a behavior is, or was, saved with this checksum."""
+        if name in self.files and self.files[name].checksum == checksum:
+            return True
+        for number in reversed(self.versions(name)):
+            with suppress(LibraryError):
+                if self.version(name, number).checksum == checksum:
+                    return True
+        return False
 
     # -- versions ---------------------------------------------------------------------------
 
@@ -246,12 +276,7 @@ class BehaviorLibrary:
         Raises:
             LibraryError: if there is none, or something is wrong with it.
         """
-        if number not in self.versions(name):
-            raise LibraryError(
-                f'{self.folder}: has no version {number} of "{name}" {has(self.versions(name))}'
-            )
-        path = self._folder.version_file(name, number)
-        return read_behavior(read_text(path), f"{name}/{path.name}", self.domain, name=name)
+        return read_version(self._folder, self.editions, name, number)
 
     def restore(self, name: str, number: int) -> Path:
         """Make an earlier version of a behavior the newest one.
@@ -262,96 +287,36 @@ class BehaviorLibrary:
         Raises:
             LibraryError: if there is no such version, or it does not fit to what is there now.
         """
-        with self._folder.held(alone=True):
-            earlier = self.version(name, number)
+        with self.change() as change:
+            earlier = change.version(name, number)
             provenance = replace(earlier.provenance, note=f"version {number} restored")
-            return self._save(earlier.automaton, earlier.classifier, provenance)
+            change.save(earlier.automaton, earlier.classifier, provenance)
+            change.commit()
+        return self.path(name)
 
-    # -- inside, while the folder is held ---------------------------------------------------
+    # -- inside -----------------------------------------------------------------------------
+
+    def _changed(self, change: LibraryChange) -> None:
+        self.generation += 1
+        if self._loaded is None:
+            return
+        for name, file in change.changed.items():
+            if file is None:
+                self._loaded.pop(name, None)
+            else:
+                self._loaded[name] = file
 
     def _read(self) -> tuple[dict[str, BehaviorFile], dict[str, str]]:
+        """Read all files, those only that have changed; the folder is held."""
         files: dict[str, BehaviorFile] = {}
         problems: dict[str, str] = {}
         for name in self._folder.names():
             try:
                 path = self._folder.file(name)
-                text = read_text(path)
-                before = (self._loaded or {}).get(name)
-                if before is not None and before.text == text:
-                    files[name] = before
-                else:
-                    files[name] = read_behavior(text, path.name, self.domain)
+                files[name] = self.editions.read(self._folder.text(path), path.name)
             except LibraryError as error:
                 problems[name] = str(error)
+        if not problems and self.editions.knows(files):
+            return files, {}
         problems |= misfits(files, self.domain, problems)
         return {name: file for name, file in files.items() if name not in problems}, problems
-
-    def _save(
-        self,
-        automaton: Automaton,
-        classifier: str,
-        provenance: Provenance,
-        *,
-        edited: bool = False,
-    ) -> Path:
-        name = automaton.name
-        path = self._folder.file(name)
-        there, problems = self._read()
-        # What was edited becomes the new version and need not be kept as one before it.
-        kept = {} if edited else self._unkept(name, there)
-        number = self._folder.next_number(name, kept)
-        text = text_of(
-            automaton,
-            self.domain,
-            classifier=classifier,
-            uses={used: self._as_it_is(used, there) for used in automaton.behaviors_used},
-            provenance=replace(
-                provenance,
-                version=max(number, provenance.version + 1) if edited else number,
-                created=self._clock(),
-                tool=tool_name(),
-                earlier=self._earlier(name, there),
-            ),
-        )
-        try:
-            new = read_behavior(text, path.name, self.domain)
-        except LibraryError as error:
-            raise LibraryError(f'"{name}" cannot be saved:\n{error}') from None
-        self._check_fit(there, problems, {name: new})
-        self._folder.change({**kept, **self._folder.addition(name, new.provenance.version, text)})
-        if self._loaded is not None:
-            self._loaded[name] = new
-        return path
-
-    def _unkept(self, name: str, there: Mapping[str, BehaviorFile]) -> Changes:
-        return self._folder.unkept(name, there[name].provenance.version if name in there else 0)
-
-    def _as_it_is(self, used: str, there: Mapping[str, BehaviorFile]) -> str:
-        if used in there:
-            return there[used].checksum
-        return BASIC if used in self.domain.behaviors else HAND_WRITTEN
-
-    def _earlier(self, name: str, there: Mapping[str, BehaviorFile]) -> str:
-        if name in there:
-            return there[name].checksum
-        for number in reversed(self.versions(name)):
-            try:
-                return self.version(name, number).checksum
-            except LibraryError:
-                continue
-        return ""
-
-    def _check_fit(
-        self,
-        there: Mapping[str, BehaviorFile],
-        problems: Mapping[str, str],
-        new: Mapping[str, BehaviorFile],
-    ) -> None:
-        """Refuse what would not fit together, so that a library never gets worse."""
-        others = {name: text for name, text in problems.items() if name not in new}
-        wrong = misfits({**there, **new}, self.domain, others)
-        if wrong:
-            names = ", ".join(f'"{name}"' for name in sorted(new))
-            raise LibraryError(
-                f"{names} cannot be added:\n" + "\n".join(wrong[name] for name in sorted(wrong))
-            )

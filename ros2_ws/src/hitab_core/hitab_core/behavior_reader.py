@@ -41,6 +41,15 @@ def read_text(path: Path) -> str:
             raise LibraryError(f"{path}: is a pipe, which cannot be read as a file; remove it")
         with path.open("rb") as file:
             data = file.read(4 * LARGEST + 1)
+    return text_in(data, path)
+
+
+def text_in(data: bytes, path: Path) -> str:
+    """Return the text of a behavior file of which the first bytes were read.
+
+    Raises:
+        LibraryError: if it is not text or is too large to be a behavior.
+    """
     if len(data) > 4 * LARGEST:
         raise LibraryError(f"{path.name}: has more than {4 * LARGEST} bytes; it is no behavior")
     try:

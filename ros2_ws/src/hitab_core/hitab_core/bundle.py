@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from hitab_core.automaton import Automaton
 from hitab_core.behavior_file import BehaviorFile, file_name
 from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.behavior_reader import read_behavior
 from hitab_core.domain import Domain
+from hitab_core.edition import Edition, Editions
 from hitab_core.errors import LibraryError, VocabularyError, has
+from hitab_core.library_change import LibraryChange
 from hitab_core.library_check import misfits
 from hitab_core.repertoire import Repertoire
 
@@ -84,7 +85,7 @@ def unpack(bundle: Bundle, domain: Domain) -> dict[str, Automaton]:
     Raises:
         LibraryError: naming all that is wrong with it.
     """
-    return {name: file.automaton for name, file in _verified(bundle, domain).items()}
+    return {name: file.automaton for name, file in read_bundle(bundle, Editions(domain)).items()}
 
 
 def install(bundle: Bundle, library: BehaviorLibrary) -> list[str]:
@@ -96,11 +97,41 @@ def install(bundle: Bundle, library: BehaviorLibrary) -> list[str]:
     Raises:
         LibraryError: naming all that is wrong; then nothing has changed.
     """
-    _verified(bundle, library.domain)
+    read_bundle(bundle, library.editions)
     return library.install(dict(bundle.files))
 
 
-def _verified(bundle: Bundle, domain: Domain) -> dict[str, BehaviorFile]:
+def plan_bundle(change: LibraryChange, bundle: Bundle, editions: Editions) -> Edition:
+    """Plan to put the behaviors of a bundle that was read into a library: all, or none.
+
+    Returns:
+        What the library will hold.
+
+    Raises:
+        LibraryError: naming all that is wrong with it or with other files in the library.
+        VocabularyError: if they do not fit to the domain.
+    """
+    change.install(dict(bundle.files))
+    if change.problems:
+        raise LibraryError("\n".join(change.problems[name] for name in sorted(change.problems)))
+    return editions.of(change.after)
+
+
+def digest_in(edition: Edition, names: Iterable[str]) -> str:
+    """Return the digest over the files of these behaviors, in their order, in an edition."""
+    return bundle_digest(tuple((name, edition.files[name].text) for name in names))
+
+
+def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
+    """Return the files of a bundle by name, each after those that it uses.
+
+    Args:
+        bundle: what was received.
+        editions: reads them; what it has read before costs nothing.
+
+    Raises:
+        LibraryError: naming all that is wrong with it.
+    """
     if not bundle.files:
         raise LibraryError("the bundle is empty; send it again")
     found = bundle_digest(bundle.files)
@@ -115,7 +146,7 @@ def _verified(bundle: Bundle, domain: Domain) -> dict[str, BehaviorFile]:
         if name in files:
             problems.append(f'"{name}" is in the bundle twice; send it again')
         try:
-            file = read_behavior(text, file_name(name), domain)
+            file = editions.read(text, file_name(name))
         except LibraryError as error:
             problems.append(str(error))
             continue
@@ -124,7 +155,7 @@ def _verified(bundle: Bundle, domain: Domain) -> dict[str, BehaviorFile]:
             problems.append(f'"{name}" comes after {late[0]}, which uses it; pack it again')
         files[name] = file
     if not problems:
-        problems += misfits(files, domain).values()
+        problems += misfits(files, editions.domain).values()
     if not problems:
         unneeded = {*files} - _made_of(bundle.name, files)
         if unneeded:

@@ -14,7 +14,8 @@ import inspect
 import json
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,9 @@ from hitab_core.feature_values import check_scales, feature_values
 from hitab_core.gain_ratio import Floats
 from hitab_core.transition_function import Decide, Explanation, Values
 
+_REMEMBERED = 64
+"""How many of its last predictions a function keeps, so that explaining one predicts nothing."""
+
 
 def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
     """Return what makes a fresh, unfitted classifier.
@@ -39,12 +43,11 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
         VocabularyError: if scikit-learn does not list the class or it lacks a keyword.
     """
     try:
-        from sklearn.utils import all_estimators  # here, so that trees do without it
+        listed = _listed()
     except ImportError as error:
         raise VocabularyError(
             f'"{spec}" needs scikit-learn, which is not installed; install it or use "tree"'
         ) from error
-    listed = {_public_name(made): made for _, made in all_estimators(type_filter="classifier")}
     if spec.name not in listed:
         raise VocabularyError(
             f'"{spec.name}" is not a classifier of scikit-learn {has(["tree", *listed])}'
@@ -62,6 +65,14 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
     except TypeError as error:
         raise VocabularyError(f'"{spec}" cannot be made: {error}') from error
     return lambda: made(**arguments)
+
+
+@cache
+def _listed() -> Mapping[str, type]:
+    """Return scikit-learn's classifiers by name; it looks through all its modules for them."""
+    from sklearn.utils import all_estimators  # here, so that trees do without it
+
+    return {_public_name(made): made for _, made in all_estimators(type_filter="classifier")}
 
 
 def _public_name(made: type) -> str:
@@ -91,6 +102,9 @@ class ClassifierFunction:
     classifier: Any
     encoding: FeatureEncoding
     data_digest: str
+    _recent: dict[tuple[float, ...], list[float]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @property
     def features_used(self) -> tuple[int, ...]:
@@ -150,7 +164,7 @@ class ClassifierFunction:
 
         def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
             row = [read(slot) if (v := values[slot]) is None else v for slot in used]
-            odds = self.predict_proba([row])[0, order]
+            odds = np.array(self._odds(row))[order]
             if most_probable or odds.max() == 1.0:
                 return choices[int(odds.argmax())]
             cumulative = odds.cumsum()
@@ -165,6 +179,26 @@ class ClassifierFunction:
         odds = self.predict_proba([values])[0].tolist()
         likely = {label: p for label, p in zip(self.labels, odds, strict=True) if p > 0}
         return Explanation((self.spec,), self.features_used, likely)
+
+    def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
+        """Explain a decision that has been made; the classifier does not predict again."""
+        read = tuple(i for i in self.features_used if values[i] is not None)
+        if self.classifier is None:
+            return Explanation((self.spec,), read, dict.fromkeys(self.labels, 1.0))
+        odds = self._recent.get(tuple(v for i in read if (v := values[i]) is not None), ())
+        likely = {label: p for label, p in zip(self.labels, odds, strict=False) if p > 0}
+        return Explanation((self.spec,), read, likely)
+
+    def _odds(self, row: Sequence[float]) -> list[float]:
+        """Return the probability of each next state, remembering the last ones."""
+        key, recent = tuple(row), self._recent
+        odds = recent.get(key)
+        if odds is None:
+            odds = self.predict_proba([row])[0].tolist()
+            while len(recent) >= _REMEMBERED:
+                del recent[next(iter(recent))]
+            recent[key] = odds
+        return odds
 
     def digest(self) -> str:
         """Return a SHA-256, in hexadecimal, of the spec and of all that was learned from.

@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Protocol
@@ -195,7 +196,7 @@ class Domain:
         made = [_by_name(group) for group in groups]
         return cls(name, version, body, made[0], made[1], made[2], made[3], link)
 
-    @property
+    @cached_property
     def signature(self) -> str:
         """A short digest of the vocabulary: two domains with the same one fit the same library."""
         described = {

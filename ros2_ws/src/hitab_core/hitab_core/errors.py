@@ -21,6 +21,10 @@ class LibraryError(HitabError):
     """A behavior file or library folder that cannot be read, trusted or written."""
 
 
+class FolderInUseError(LibraryError):
+    """A folder that somebody else holds at the moment."""
+
+
 def has(names: object) -> str:
     """Return ``(has: a, b, c)``, the tail of an error about an unknown name."""
     listed = ", ".join(sorted(str(name) for name in names))  # type: ignore[attr-defined]

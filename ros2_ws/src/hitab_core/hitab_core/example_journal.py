@@ -79,10 +79,17 @@ class ExampleJournal:
         try:
             journal.append(first)
             with file_errors(path, "begin"):
-                if path.exists():
-                    path.rename(_free_name(path))
-                beside.rename(path)
-                sync_folder(path.parent)
+                earlier = _free_name(path) if path.exists() else None
+                if earlier is not None:
+                    path.rename(earlier)
+                try:
+                    beside.rename(path)
+                    sync_folder(path.parent)
+                except BaseException:
+                    if earlier is not None:
+                        with suppress(OSError):
+                            earlier.rename(path)
+                    raise
         except BaseException:
             journal.close()
             with suppress(OSError):
@@ -112,6 +119,8 @@ class ExampleJournal:
         with file_errors(self.path, "write to"):
             if not os.fstat(self._open()).st_nlink:
                 self._write_afresh()
+            if os.fstat(self._descriptor).st_size != self._size:
+                os.ftruncate(self._descriptor, self._size)  # what could not be taken back before
             try:
                 write_all(self._descriptor, data)
                 os.fsync(self._descriptor)
@@ -162,7 +171,9 @@ class ExampleJournal:
             archived = _free_name(self.path)
             if self.path.exists():  # else somebody has removed it
                 self.path.rename(archived)
-                sync_folder(self.path.parent)
+                # Done for everybody now; at worst a power failure brings the old name back.
+                with suppress(OSError):
+                    sync_folder(self.path.parent)
         self.close()
         return archived
 

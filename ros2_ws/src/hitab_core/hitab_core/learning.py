@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -14,10 +16,14 @@ from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError, VocabularyError, has
 from hitab_core.example import Example
 from hitab_core.feature_values import feature_values
+from hitab_core.learning_memo import LearningMemo
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.transition_tree import TransitionTree
 
 TREE = "tree"
+
+_MEMO = LearningMemo()
+"""Of the process. It changes nothing but how long learning takes."""
 
 
 class LearnedTransition(TransitionFunction, Protocol):
@@ -99,6 +105,9 @@ def learn_transitions(
 ) -> dict[str, LearnedTransition]:
     """Learn one transition function for each state that has examples, in order of appearance.
 
+    A function that is learned from the same again is the same object, which nobody must change;
+    see `hitab_core.learning_memo`.
+
     Args:
         examples: of any states.
         scales: for each feature how its values compare.
@@ -125,12 +134,22 @@ def learn_transitions(
         X = np.array([example.features for example in own], dtype=np.float64)
         rows = [f'example {example.number} of state "{state}"' for example in own]
         feature_values(X, scales, names, rows)  # here errors can name the example
+        y = [example.next_state for example in own]
+        default = [example.is_default for example in own]
         try:
-            functions[state] = learn(
-                X,
-                [example.next_state for example in own],
-                [example.is_default for example in own],
+            functions[state] = _named(
+                _MEMO.learned(classifier, scales, X, y, default, partial(learn, X, y, default)),
+                names,
             )
         except TrainingError as error:
             raise TrainingError(f'state "{state}": {error}') from error
     return functions
+
+
+def _named(function: LearnedTransition, names: Sequence[str] | None) -> LearnedTransition:
+    """Return a function that calls its features so in errors."""
+    if not isinstance(function, TransitionTree) or function.feature_names == names:
+        return function
+    renamed = copy(function)
+    renamed.feature_names = names
+    return renamed

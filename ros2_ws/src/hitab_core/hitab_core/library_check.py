@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterable, Mapping
 
 from hitab_core.automaton import FLAGS
 from hitab_core.behavior_file import BehaviorFile, file_name
 from hitab_core.domain import Domain
 from hitab_core.errors import has
+from hitab_core.hierarchy import Uses, circular
 
 
 def misfits(
@@ -21,33 +23,49 @@ def misfits(
         unreadable: names of those that could not; what uses them cannot be used either.
     """
     lost = set(unreadable or ())
+    users: dict[str, list[str]] = {}
+    for name, file in files.items():
+        for used in file.automaton.behaviors_used:
+            users.setdefault(used, []).append(name)
+
+    def uses(name: str) -> Iterable[str]:
+        automaton = files[name].automaton if name in files else domain.automata.get(name)
+        return () if automaton is None else automaton.behaviors_used
+
+    circles = circular(files, uses)
     found: dict[str, str] = {}
-    while True:
-        fine = {name: file for name, file in files.items() if name not in found}
+    asked: Iterable[str] = files
+    while asked:
         more = {
             name: "\n".join(complaints)
-            for name, file in fine.items()
-            if (complaints := _complaints(file, files, domain, lost))
+            for name in asked
+            if (complaints := _complaints(files[name], files, domain, lost, circles, uses))
         }
-        if not more:
-            return found
         found |= more
         lost |= set(more)
+        # Only what uses one of these may have become wrong by that.
+        asked = {user: None for name in more for user in users.get(name, ()) if user not in found}
+    return found
 
 
 def _complaints(
-    file: BehaviorFile, files: Mapping[str, BehaviorFile], domain: Domain, lost: set[str]
+    file: BehaviorFile,
+    files: Mapping[str, BehaviorFile],
+    domain: Domain,
+    lost: set[str],
+    circles: Mapping[str, int],
+    uses: Uses,
 ) -> list[str]:
     complaints = []
     for state, line in zip(file.automaton.states, file.state_lines, strict=True):
         if state.name in FLAGS:
             continue
         place = f'{file_name(file.name)}:{line}: state "{state}" uses behavior "{state.name}"'
-        circle = _circle(file.name, state.name, files, domain)
         parameters = _parameters(state.name, files, domain)
-        if circle:
+        if file.name in circles and circles[file.name] == circles.get(state.name):
+            way = " -> ".join(_circle(file.name, state.name, uses))
             complaints.append(
-                f"{place}, which makes it recursive ({' -> '.join(circle)}); "
+                f"{place}, which makes it recursive ({way}); "
                 "a behavior cannot use itself: remove the state from one of these"
             )
         elif state.name in lost:
@@ -76,19 +94,17 @@ def _parameters(
     return known.parameters if known is not None else None
 
 
-def _circle(name: str, used: str, files: Mapping[str, BehaviorFile], domain: Domain) -> list[str]:
-    """Return the way from ``name`` over ``used`` back to ``name``, if there is one."""
-    ways = [[name, used]]
-    seen: set[str] = set()
-    while ways:
-        way = ways.pop()
-        last = way[-1]
-        if last == name:
-            return way
-        if last in seen:
-            continue
-        seen.add(last)
-        automaton = files[last].automaton if last in files else domain.automata.get(last)
-        if automaton is not None:
-            ways.extend([*way, next_] for next_ in sorted(automaton.behaviors_used))
-    return []
+def _circle(name: str, used: str, uses: Uses) -> list[str]:
+    """Return the shortest way from ``name`` over ``used`` back to ``name``; there is one."""
+    came_from = {used: name}
+    waiting = deque([used])
+    while name not in came_from:
+        last = waiting.popleft()
+        for below in sorted(uses(last)):
+            if below not in came_from:
+                came_from[below] = last
+                waiting.append(below)
+    way = [name]
+    while len(way) == 1 or way[-1] != name:
+        way.append(came_from[way[-1]])
+    return way[::-1]

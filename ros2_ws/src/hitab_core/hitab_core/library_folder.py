@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from hitab_core.automaton import RESERVED
 from hitab_core.behavior_file import file_name
+from hitab_core.behavior_reader import read_text, text_in
 from hitab_core.behavior_schema import SUFFIX
-from hitab_core.durable_files import file_errors, locked, make_folder
+from hitab_core.durable_files import PATIENCE, file_errors, locked, make_folder
 from hitab_core.errors import LibraryError
-from hitab_core.library_commit import commit, finish, is_unfinished
+from hitab_core.library_commit import announce, commit, finish, is_unfinished, pending
 from hitab_core.use import NAME, NAME_RULE
 
 VERSIONS = ".versions"
@@ -29,33 +31,64 @@ class LibraryFolder:
     def __init__(self, path: Path) -> None:
         """Name a folder, which need not be there yet."""
         self.path = path
+        self._pending: Changes = {}
 
     @contextmanager
-    def held(self, *, alone: bool) -> Iterator[None]:
+    def held(
+        self, *, alone: bool, patience: float = PATIENCE, sync: bool = True
+    ) -> Iterator[None]:
         """Hold the folder: ``alone`` to write, or with others to read. Not to be nested.
+
+        A change that was made but not carried out is carried out first. Who only reads does not
+        need that: where the disk does not allow it, he reads as if it were.
+
+        Args:
+            alone: to write, and not only to read.
+            patience: seconds to wait for others to let go of it.
+            sync: if the folder is made, force it to disk.
 
         Raises:
             LibraryError: if it cannot be made, or another process does not let go of it.
         """
         with file_errors(self.path, "use"):
             if alone:
-                make_folder(self.path)
+                make_folder(self.path, sync=sync)
             is_there = self.path.exists()
         if not is_there:
             yield
             return
         if not alone:
-            with locked(self.path, alone=False):
+            with locked(self.path, alone=False, patience=patience):
                 if not is_unfinished(self.path):
                     yield
                     return
-        with locked(self.path, alone=True):
+            with suppress(LibraryError), locked(self.path, alone=True, patience=patience):
+                finish(self.path)
+            with locked(self.path, alone=False, patience=patience):
+                self._pending = pending(self.path)
+                try:
+                    yield
+                finally:
+                    self._pending = {}
+            return
+        with locked(self.path, alone=True, patience=patience):
             finish(self.path)
             yield
 
     def names(self) -> list[str]:
         """Return the names of the behaviors for which there is a file, sorted."""
-        return _names(self.path)
+        return self._names(".")
+
+    def text(self, path: Path) -> str:
+        """Return the text of a file in the folder.
+
+        Raises:
+            LibraryError: if it cannot be read, is not text or is too large to be a behavior.
+        """
+        coming = None
+        if self._pending:
+            coming = self._pending.get(str(path.relative_to(self.path)))
+        return read_text(path) if coming is None else text_in(coming, path)
 
     def file(self, name: str) -> Path:
         """Return where the file of a behavior is, or would be.
@@ -69,8 +102,8 @@ class LibraryFolder:
 
     def versions(self, name: str) -> list[int]:
         """Return the numbers of the versions of a behavior, ascending."""
-        folder = self.path / VERSIONS / self.file(name).name.removesuffix(SUFFIX)
-        return sorted(int(number) for number in _names(folder) if number.isdecimal())
+        inner = f"{VERSIONS}/{self.file(name).name.removesuffix(SUFFIX)}"
+        return sorted(int(number) for number in self._names(inner) if number.isdecimal())
 
     def version_file(self, name: str, number: int) -> Path:
         """Return where a version of a behavior is, or would be."""
@@ -91,8 +124,10 @@ class LibraryFolder:
                 return {}
             data = path.read_bytes()
             numbers = self.versions(name)
-            if any(self.version_file(name, n).read_bytes() == data for n in reversed(numbers)):
-                return {}
+            newest = [n for n in (number,) if n in numbers]  # probably, and then that will do
+            for n in (*newest, *reversed(numbers)):
+                if self.version_file(name, n).read_bytes() == data:
+                    return {}
         return {_version(name, max([number, 1, *(n + 1 for n in numbers)])): data}
 
     def next_number(self, name: str, planned: Changes) -> int:
@@ -109,9 +144,30 @@ class LibraryFolder:
         """Make changes: all, or none.
 
         Raises:
-            LibraryError: if they cannot be made.
+            LibraryError: if they cannot be made; then nothing has changed.
         """
         commit(self.path, changes)
+
+    def announce(self, changes: Changes) -> bytes:
+        """Make changes that others see already and that are carried out later.
+
+        Returns:
+            The note by which they are known; see `hitab_core.library_commit.announce`.
+
+        Raises:
+            LibraryError: if they cannot be made; then nothing has changed.
+        """
+        return announce(self.path, changes)
+
+    def _names(self, inner: str) -> list[str]:
+        """Return the names of behavior files in a folder in this one, sorted."""
+        found = set(_names(self.path / inner))
+        for path, content in self._pending.items():
+            place = Path(path)
+            if str(place.parent) == inner and place.name.endswith(SUFFIX):
+                name = place.name.removesuffix(SUFFIX)
+                found = found - {name} if content is None else found | {name}
+        return sorted(found)
 
 
 def _version(name: str, number: int) -> str:
@@ -124,11 +180,12 @@ def _is_of(path: str, name: str) -> bool:
 
 def _names(folder: Path) -> list[str]:
     with file_errors(folder, "read"):
-        if not folder.exists():
+        try:
+            found = os.listdir(folder)
+        except FileNotFoundError:
             return []
-        found = [path.name for path in folder.iterdir()]
-    return sorted(
+    return [
         name.removesuffix(SUFFIX)
         for name in found
         if name.endswith(SUFFIX) and not name.startswith(".")
-    )
+    ]

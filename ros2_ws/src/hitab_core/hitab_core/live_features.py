@@ -1,13 +1,17 @@
-"""What an agent that performs something perceives at the moment, level by level, for people."""
+"""What an agent that performs something perceives at the moment, level by level, for people.
+
+They may ask at any time and change nothing: what is read for them is not kept (`Senses.look`), so
+that each decision reads for itself, and a feature that cannot be read is NaN.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from hitab_core.automaton import FLAGS
-from hitab_core.errors import FeatureValueError
 from hitab_core.running_automaton import Running, RunningAutomaton, Stage
+from hitab_core.senses import value_or_nan
 from hitab_core.troupe import LevelOfMember, TroupeMember
 from hitab_core.use import Use
 
@@ -30,30 +34,19 @@ def live_features(
     """
     for use in also:
         stage.repertoire.check_feature(use)
+    look = stage.senses.look
     readings: list[Reading] = []
     running = running.outermost if isinstance(running, TroupeMember) else running
     while isinstance(running, RunningAutomaton | LevelOfMember):
-        bound = [feature.bound(running.bindings) for feature in running.automaton.features]
-        values = _values(running)
-        readings += [
-            (running.label, str(use), value) for use, value in zip(bound, values, strict=True)
-        ]
-        running = running.child
-    readings += [("", str(use), _value(stage, use)) for use in also]
+        child = running.child
+        raised = child.raised if child is not None else ()
+        for feature in running.automaton.features:
+            use = feature.bound(running.bindings)
+            value = float(use.name in raised) if use.name in FLAGS else value_or_nan(look, use)
+            readings.append((running.label, str(use), value))
+        running = child
+    # A flag is raised by a behavior to the automaton that uses it, and to nobody else.
+    readings += [
+        ("", str(use), math.nan if use.name in FLAGS else value_or_nan(look, use)) for use in also
+    ]
     return readings
-
-
-def _values(running: RunningAutomaton | LevelOfMember) -> Iterable[float]:
-    try:
-        return running.peek_features()
-    except FeatureValueError:
-        return [math.nan] * len(running.automaton.features)
-
-
-def _value(stage: Stage, use: Use) -> float:
-    if use.name in FLAGS:
-        return math.nan  # a flag is raised by a behavior to the automaton that uses it
-    try:
-        return stage.senses.read(stage.senses.slot(use))
-    except FeatureValueError:
-        return math.nan

@@ -26,6 +26,7 @@ class Order:
         report_position: whether they are to report where they are.
         report_states: whether they are to report what is active inside their top-level behavior.
         report_period: s of a subordinate's own time between two reports of values that change.
+        round: in lockstep, the number of the round that the order ends; 0: given out of turn.
     """
 
     epoch: int = 0
@@ -36,6 +37,7 @@ class Order:
     report_position: bool = False
     report_states: bool = False
     report_period: float = 0.5
+    round: int = 0
 
     @property
     def number(self) -> Number:
@@ -65,6 +67,10 @@ class Report:
         values: of the features that the commander has asked for; NaN: has no such value.
         position: x and y, m; empty: not asked for, or unknown.
         cycle, episode, seed: of its last percept.
+        seconds: the agent's own time, s.
+        round: in lockstep, the number of the last percept; 0: in real time.
+        look: whether that percept was only to be looked at.
+        restart: whether it began an episode.
     """
 
     agent: str
@@ -79,3 +85,7 @@ class Report:
     cycle: int = 0
     episode: int = 0
     seed: int = 0
+    seconds: float = 0.0
+    round: int = 0
+    look: bool = False
+    restart: bool = False

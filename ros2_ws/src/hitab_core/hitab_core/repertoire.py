@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NoReturn
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, BasicBehavior, Domain, Scale
 from hitab_core.errors import VocabularyError, has
+from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.use import Use
 
 
@@ -19,12 +21,22 @@ class Repertoire:
 
     def __init__(self, domain: Domain, trained: Mapping[str, Automaton] | None = None) -> None:
         self.domain = domain
-        self._automata: dict[str, Automaton] = dict(domain.automata)
+        self._automata: dict[str, Automaton] = {}
+        # Kept up to date, so that checking a use does not go through all behaviors.
+        self._parameters = {name: b.parameters for name, b in domain.behaviors.items()}
+        self._feature_parameters = {name: f.parameters for name, f in domain.features.items()}
+        self._feature_parameters |= dict.fromkeys(FLAGS, ())
+        self._users: dict[str, set[str]] = {}
+        for automaton in domain.automata.values():
+            self._put(automaton)
         for automaton in (trained or {}).values():
             self._refuse_name(automaton.name)
-            self._automata[automaton.name] = automaton
+            self._put(automaton)
+        circle = circle_among(self._automata, self._used)
+        if circle:
+            _refuse(circle)
         for automaton in self._automata.values():
-            self.check(automaton)
+            self._check_uses(automaton)
 
     @property
     def automata(self) -> Mapping[str, Automaton]:
@@ -55,24 +67,44 @@ class Repertoire:
         Raises:
             VocabularyError: if it uses what does not exist, or itself, directly or through others.
         """
-        self._refuse_name(automaton.name)
+        self.check_new(automaton)
         before = self._automata.get(automaton.name)
-        self._automata[automaton.name] = automaton
+        self._put(automaton)
         try:
-            for affected in self._automata.values():
-                self.check(affected)
+            # What others do with it depends on its parameters; the rest of them is as it was.
+            for name in sorted(self._users.get(automaton.name, ())):
+                self._check_uses(self._automata[name])
         except VocabularyError:
             if before is None:
-                del self._automata[automaton.name]
+                self._remove(automaton.name)
             else:
-                self._automata[automaton.name] = before
+                self._put(before)
             raise
 
     def discard(self, name: str) -> None:
         """Remove a trained automaton; a hand-written one of that name takes its place again."""
-        self._automata.pop(name, None)
+        if name in self._automata:
+            self._remove(name)
         if name in self.domain.automata:
-            self._automata[name] = self.domain.automata[name]
+            self._put(self.domain.automata[name])
+
+    def _put(self, automaton: Automaton) -> None:
+        before = self._automata.get(automaton.name)
+        for used in () if before is None else before.behaviors_used:
+            self._users[used].discard(automaton.name)
+        self._automata[automaton.name] = automaton
+        self._parameters[automaton.name] = automaton.parameters
+        for used in automaton.behaviors_used:
+            self._users.setdefault(used, set()).add(automaton.name)
+
+    def _remove(self, name: str) -> None:
+        for used in self._automata.pop(name).behaviors_used:
+            self._users[used].discard(name)
+        basic = self.domain.behaviors.get(name)
+        if basic is None:
+            del self._parameters[name]
+        else:
+            self._parameters[name] = basic.parameters
 
     def parameters_of(self, name: str) -> tuple[str, ...]:
         """Return the parameters of the behavior called ``name``."""
@@ -103,8 +135,7 @@ class Repertoire:
             if use.arguments:
                 raise VocabularyError(f'flag state "{use.name}" takes no targets')
             return
-        known = {name: self.parameters_of(name) for name in self.names()}
-        self.domain.check_use(use, known, parameters, what="behavior")
+        self.domain.check_use(use, self._parameters, parameters, what="behavior")
 
     def check_feature(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
         """Check that ``use`` can be a feature of an automaton with these parameters.
@@ -114,9 +145,7 @@ class Repertoire:
         """
         if use.name in FLAGS and not use.arguments:
             return
-        known = {f.name: f.parameters for f in self.domain.features.values()}
-        known |= dict.fromkeys(FLAGS, ())
-        self.domain.check_use(use, known, parameters, what="feature")
+        self.domain.check_use(use, self._feature_parameters, parameters, what="feature")
 
     def check_new(self, automaton: Automaton) -> None:
         """Check an automaton that is about to be trained, its name included.
@@ -133,14 +162,22 @@ class Repertoire:
         Raises:
             VocabularyError: naming the automaton and what is wrong.
         """
+        # Recursion first: an automaton in its own states is also "unknown" while it is new.
+        circle = circle_among(
+            [automaton.name],
+            lambda name: automaton.behaviors_used if name == automaton.name else self._used(name),
+        )
+        if circle:
+            _refuse(circle)
+        self._check_uses(automaton)
+
+    def _check_uses(self, automaton: Automaton) -> None:
         for parameter in automaton.parameters:
             if parameter in self.domain.targets:
                 raise VocabularyError(
                     f'automaton "{automaton.name}": parameter "{parameter}" is also a target; '
                     "call it something else"
                 )
-        # Recursion first: an automaton in its own states is also "unknown" while it is new.
-        self._refuse_recursion(automaton, ())
         try:
             for state in automaton.states:
                 self.check_state(state, automaton.parameters)
@@ -149,14 +186,9 @@ class Repertoire:
         except VocabularyError as error:
             raise VocabularyError(f'automaton "{automaton.name}": {error}') from None
 
-    def _refuse_recursion(self, automaton: Automaton, above: tuple[str, ...]) -> None:
-        if automaton.name in above:
-            circle = " -> ".join((*above[above.index(automaton.name) :], automaton.name))
-            raise VocabularyError(f"recursive automaton: {circle}; a behavior cannot use itself")
-        for name in sorted(automaton.behaviors_used):
-            child = automaton if name == automaton.name else self._automata.get(name)
-            if child is not None:
-                self._refuse_recursion(child, (*above, automaton.name))
+    def _used(self, name: str) -> Iterable[str]:
+        automaton = self._automata.get(name)
+        return () if automaton is None else automaton.behaviors_used
 
     def _refuse_name(self, name: str) -> None:
         if name in RESERVED:
@@ -169,16 +201,11 @@ class Repertoire:
 
     def needed_by(self, name: str) -> list[str]:
         """Return the automata that ``name`` is made of, itself last, each after what it uses."""
-        order: list[str] = []
-
-        def visit(visited: str) -> None:
-            automaton = self._automata.get(visited)
-            if automaton is None or visited in order:
-                return
-            for used in sorted(automaton.behaviors_used):
-                visit(used)
-            order.append(visited)
-
         self.get(name)
-        visit(name)
-        return order
+        return [made for made in in_order([name], self._used) if made in self._automata]
+
+
+def _refuse(circle: Sequence[str]) -> NoReturn:
+    raise VocabularyError(
+        f"recursive automaton: {' -> '.join(circle)}; a behavior cannot use itself"
+    )

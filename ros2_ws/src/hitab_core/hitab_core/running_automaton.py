@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior
+from hitab_core.observing import Change, Observe, guest
 from hitab_core.repertoire import Repertoire
-from hitab_core.senses import Senses, resolved, value_or_nan
-from hitab_core.transition_function import Decide, Explanation, TransitionFunction
+from hitab_core.senses import Senses, resolved
+from hitab_core.transition_function import Decide, TransitionFunction
 from hitab_core.use import Use
 
 
@@ -45,8 +46,8 @@ class Stage:
         senses: its features, over the same body.
         draw: uniform random numbers on [0, 1), of the agent's own seeded generator.
         most_probable: take the most probable next state instead of drawing one.
-        observe: called at each change of state with the automaton and the states' labels, after
-            the decision and before the new state is started.
+        observe: called at each change of state, after the decision and before the new state is
+            started. What it raises goes no further; see `hitab_core.observing`.
     """
 
     repertoire: Repertoire
@@ -54,7 +55,12 @@ class Stage:
     senses: Senses
     draw: Callable[[], float]
     most_probable: bool = False
-    observe: Callable[[RunningAutomaton, str, str], None] | None = None
+    observe: Observe | None = None
+
+    def __post_init__(self) -> None:
+        """Keep what an observer raises out of whatever is performed here."""
+        if self.observe is not None:
+            object.__setattr__(self, "observe", guest(self.observe))
 
     def perform(self, use: Use, above: RunningAutomaton | None = None) -> Running:
         """Return a performance of ``use``, whose arguments must all be targets; not started."""
@@ -128,6 +134,7 @@ class RunningAutomaton:
         self.bindings = dict(bindings or {})
         self.above = above
         self.label = label or automaton.name
+        self.path: tuple[str, ...] = (*(above.path if above is not None else ()), self.label)
         self.raised: set[str] = set()
         self._senses = stage.senses
         self._values = stage.senses.values
@@ -156,11 +163,12 @@ class RunningAutomaton:
         label = str(state)
         if label in self._index:
             return
+        child: Running | None = None
+        if state.name not in FLAGS:
+            child = self.stage.perform(state.bound(self.bindings), self)
         self._index[label] = len(self._labels)
         self._labels.append(label)
-        self._children.append(
-            None if state.name in FLAGS else self.stage.perform(state.bound(self.bindings), self)
-        )
+        self._children.append(child)
         self._decide.append(None)
 
     def set_transitions(self, transitions: Mapping[str, TransitionFunction]) -> None:
@@ -238,7 +246,7 @@ class RunningAutomaton:
         """Change to a state on a demonstrator's command; the active state is not restarted."""
         index = self._index[label]
         if index != self._active:
-            self._enter(index)
+            self._enter(index, commanded=True)
 
     def take_down_flags(self) -> None:
         """Take down what the active state has raised: a demonstrator's command is the query."""
@@ -253,21 +261,6 @@ class RunningAutomaton:
             self._values[slot] = 1.0 if child is not None and flag in child.raised else 0.0
         return [self._read(slot) for slot in self._slots]
 
-    def last_features(self) -> list[float]:
-        """Return the values of all features as the last decision saw them, flags included.
-
-        NaN for those without a value, which the decision did not look at.
-        """
-        return [value_or_nan(self._read, slot) for slot in self._slots]
-
-    def explain(self, state: str, values: Sequence[float]) -> Explanation | None:
-        """Explain what ``state``'s transition function decides; None where it has none."""
-        function = self._functions.get(state)
-        if function is None:
-            return None
-        names = [str(f.bound(self.bindings)) for f in self.automaton.features]
-        return function.explain(values, names)
-
     def _see_flags(self, child: Running | None) -> None:
         raised = child.raised if child is not None else None
         for slot, flag in self._flag_slots:
@@ -275,10 +268,10 @@ class RunningAutomaton:
         if raised:
             raised.clear()
 
-    def _enter(self, index: int) -> Running | None:
-        stage = self.stage
-        if stage.observe is not None:
-            stage.observe(self, self._labels[self._active], self._labels[index])
+    def _enter(self, index: int, *, commanded: bool = False) -> Running | None:
+        observe = self.stage.observe
+        if observe is not None:
+            observe(self._change(index, commanded))
         old = self._children[self._active]
         if old is not None:
             old.stop()
@@ -290,3 +283,19 @@ class RunningAutomaton:
         else:
             child.start()
         return child
+
+    def _change(self, index: int, commanded: bool) -> Change:
+        source, destination = self._labels[self._active], self._labels[index]
+        if commanded:
+            return Change(self.path, source, destination, True)
+        values = self._values
+        return Change(
+            self.path,
+            source,
+            destination,
+            False,
+            self.automaton.features,
+            self.bindings,
+            [values[slot] for slot in self._slots],
+            self._functions.get(source),
+        )

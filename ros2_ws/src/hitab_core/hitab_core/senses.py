@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, ParamSpec
 
 from hitab_core.domain import Domain, FeatureKind
 from hitab_core.errors import FeatureValueError, VocabularyError
 from hitab_core.transition_function import Values
 from hitab_core.use import Use
+
+P = ParamSpec("P")
 
 
 def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) -> Any:
@@ -47,16 +49,17 @@ class Senses:
     def slot(self, use: Use) -> int:
         """Return the slot of a feature bound to targets, making it on first use."""
         if use not in self._slots:
-            feature = self._domain.features[use.name]
-            self._slots[use] = self._new(
-                partial(
-                    checked,
-                    resolved(feature.read, self._body, self._domain, use),
-                    str(use),
-                    len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
-                )
-            )
+            self._slots[use] = self._new(self._reader(use))
         return self._slots[use]
+
+    def _reader(self, use: Use) -> Callable[[], float]:
+        feature = self._domain.features[use.name]
+        return partial(
+            checked,
+            resolved(feature.read, self._body, self._domain, use),
+            str(use),
+            len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
+        )
 
     def slot_for_flag(self) -> int:
         """Return a fresh slot that its automaton fills by itself."""
@@ -81,15 +84,28 @@ class Senses:
             self.values[slot] = value
         return value
 
+    def look(self, use: Use) -> float:
+        """Return a feature's value to somebody who asks beside the decisions; keep nothing.
+
+        What a decision has read is returned as it was read. Anything else is read now, and the
+        decision that needs it reads it for itself.
+
+        Raises:
+            FeatureValueError: if the feature's value is missing or not a number.
+        """
+        slot = self._slots.get(use)
+        value = None if slot is None else self.values[slot]
+        return self._reader(use)() if value is None else value
+
     def forget(self) -> None:
         """Forget all values: a new percept has come."""
         self.values[:] = self._blank
 
 
-def value_or_nan(read: Callable[..., float], *slot: int) -> float:
-    """Return a value, such as that in a slot; NaN if it has none or cannot be read."""
+def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) -> float:
+    """Return a value, such as a feature's; NaN if it has none or cannot be read."""
     try:
-        return float(read(*slot))
+        return float(read(*args, **kwargs))
     except Exception:  # of the domain's code
         return math.nan
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.errors import HitabError
@@ -28,7 +29,8 @@ class Subordinate:
         ordered: what the agent is to perform by it; None: nothing was ordered.
         waits: whether that has not been taken up yet.
         refusal: why it cannot be obeyed, and the way out; empty if it can.
-        episode, seed: of the last percept, for the reports.
+        episode, seed, seconds: of the last percept, for the reports.
+        round: in lockstep, the number of the last percept; 0: in real time.
     """
 
     def __init__(self, agent: Agent, role: str = "") -> None:
@@ -40,6 +42,8 @@ class Subordinate:
         self.refusal = ""
         self.episode = 0
         self.seed = 0
+        self.seconds = 0.0
+        self.round = 0
         self._asked: tuple[str, ...] = ()
         self._readers: list[Callable[[], float] | None] = []
         self._told: Report | None = None
@@ -49,7 +53,15 @@ class Subordinate:
     # -- obeying ----------------------------------------------------------------------------
 
     def take(self, order: Order) -> bool:
-        """Hear an order, and obey if nothing is in the way; return whether it was newer."""
+        """Hear an order, and obey if nothing is in the way; return whether it was newer.
+
+        In lockstep an order that is given out of turn, such as by a person while the world is
+        paused, is obeyed at the end of the next round, which repeats it: whether it arrives
+        before or after a percept must make no difference. Until then it is only known from it
+        what a commander that has been started again wants to have reported.
+        """
+        if self.round and not order.round:
+            order = replace(order, sequence=0)
         if self.order is not None and order.number <= self.order.number:
             return False
         self.order = order
@@ -123,8 +135,29 @@ class Subordinate:
         self._told_at = seconds
         return self._report(doing)
 
+    def round_begins(self, number: int, *, look: bool, restart: bool) -> Report:
+        """Return the report that the commander is owed in a round of lockstep.
+
+        Args:
+            number: of the round, that of its percept.
+            look: whether the percept is only to be looked at.
+            restart: whether it begins an episode.
+        """
+        self.round = number
+        return replace(self._report(self._doing()), look=look, restart=restart)
+
+    def rounds_end(self) -> bool:
+        """Go over to real time; return whether it was in lockstep."""
+        was, self.round = self.round, 0
+        return bool(was)
+
     def heartbeat(self) -> Report | None:
-        """Return a report unless there was one since the last call: a sign of life."""
+        """Return a report unless there was one since the last call: a sign of life.
+
+        In lockstep there is none: there a subordinate is silent that owes the report of a round.
+        """
+        if self.round:
+            return None
         beaten, self._beaten = self._beaten, False
         if beaten:
             return None
@@ -154,6 +187,7 @@ class Subordinate:
             tuple(sorted(agent.raised)),
             episode=self.episode,
             seed=self.seed,
+            round=self.round,
         )
 
     def _report(self, doing: Report) -> Report:
@@ -173,6 +207,8 @@ class Subordinate:
             self.agent.cycle,
             doing.episode,
             doing.seed,
+            self.seconds,
+            doing.round,
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:

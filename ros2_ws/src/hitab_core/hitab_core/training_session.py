@@ -6,16 +6,16 @@ Source: the paper, section 3, "Training with HiTAB".
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.errors import TrainingError, VocabularyError, has
 from hitab_core.example import Example, ExampleKind
-from hitab_core.example_log import ExampleLog
+from hitab_core.example_log import Edit, ExampleLog
 from hitab_core.learning import learn_transitions, learner
 from hitab_core.running_automaton import RunningAutomaton, Stage
+from hitab_core.training_record import example_record, prepared, replay
 from hitab_core.use import NAME, NAME_RULE, Use
 
 Journal = Callable[[Mapping[str, Any]], None]
@@ -76,6 +76,10 @@ class TrainingSession:
     In training the demonstrator decides: `command` changes the state and records examples. In
     testing the learned transition functions decide. Changing between the two leaves the active
     state, and what it performs, as they are.
+
+    Taking back a command has the agent perform again what it performed when it was given, so
+    that the next command is recorded in that state; doing it again, what it led to. After a
+    crash the agent is in Start, and that can be done to all that the journal tells.
     """
 
     def __init__(
@@ -96,6 +100,7 @@ class TrainingSession:
         self.log = ExampleLog(examples)
         self.testing = False
         self._tested = False
+        self._left = False
         self._journal = journal
         self.running = self._perform(())
 
@@ -134,6 +139,12 @@ class TrainingSession:
         """Stop what is active and go back to Start, as at the beginning of an episode."""
         self.running.stop()
         self.running.start()
+        self._left = False
+
+    def leave(self) -> None:
+        """Stop, since the agent performs something else; `restart` is how to come back."""
+        self.running.stop()
+        self._left = True
 
     def check_on(self, stage: Stage) -> None:
         """Check that the training could go on with another repertoire.
@@ -201,7 +212,7 @@ class TrainingSession:
         )
         # On disk first: what is acknowledged must survive the agent.
         self._journal({"do": "command", "examples": [example_record(e) for e in taught]})
-        self.log.add(taught)
+        self.log.make(self.log.addition(taught))
         running.take_down_flags()
         running.add_state(state)
         running.go_to(label)
@@ -228,10 +239,20 @@ class TrainingSession:
     def undo(self) -> None:
         """Take back the last command, deletion or relabelling.
 
+        Of a command, the agent performs again what it performed when the command was given.
+
         Raises:
             TrainingError: if there is nothing to take back.
         """
         self._edit({"do": "undo"})
+
+    def redo(self) -> None:
+        """Do again what was taken back last; of a command, perform what it led to.
+
+        Raises:
+            TrainingError: if there is nothing, or something else was done since.
+        """
+        self._edit({"do": "redo"})
 
     def delete(self, numbers: Iterable[int]) -> None:
         """Delete examples by number.
@@ -255,15 +276,26 @@ class TrainingSession:
 
     def _edit(self, record: Mapping[str, Any]) -> None:
         # Whatever is refused is refused before it is written.
-        trial = deepcopy(self.log)
-        apply_edit(trial, record)
-        learned = self._learned(trial.examples) if self.testing else None
-        self._journal(record)
-        self.log = trial
-        for label in _labels(trial.examples):
+        edit = prepared(self.log, record)
+        assert edit is not None
+        learned = self._learned(self.log.after(edit)) if self.testing else None
+        labels = _labels(example for _, example in edit.came)
+        if edit.entered not in (None, START):
+            labels.append(str(edit.entered))
+        for label in labels:
             self.running.add_state(Use.parse(label))
+        self._journal(record)
+        self.log.make(edit)
         if learned is not None:
             self.running.set_transitions(learned.transitions)
+        self._perform_again(edit)
+
+    def _perform_again(self, edit: Edit) -> None:
+        """Perform what was performed before a command that was undone, or after a redone one."""
+        if edit.entered is None or self._left:
+            return
+        self.running.raised.discard(str(edit.left))
+        self.running.go_to(edit.entered)
 
     def automaton(self) -> Automaton:
         """Return what has been learned so far, untrimmed.
@@ -281,11 +313,12 @@ class TrainingSession:
             )
         repertoire = self.stage.repertoire
         scales = [repertoire.scale_of(feature) for feature in self.curriculum.features]
+        names = [str(feature) for feature in self.curriculum.features]
         return Automaton(
             self.curriculum.name,
             tuple(Use.parse(label) for label in _labels(examples)),
             self.curriculum.features,
-            learn_transitions(examples, scales, self.curriculum.classifier),
+            learn_transitions(examples, scales, self.curriculum.classifier, names),
             self.curriculum.parameters,
             examples,
         )
@@ -352,53 +385,3 @@ def _labels(examples: Iterable[Example]) -> list[str]:
             if label != START:
                 seen.setdefault(label)
     return list(seen)
-
-
-def example_record(example: Example) -> dict[str, Any]:
-    """Return an example as plain data for the journal."""
-    return {
-        "state": example.state,
-        "features": list(example.features),
-        "next_state": example.next_state,
-        "kind": example.kind.value,
-        "number": example.number,
-        "command": example.command,
-        "cycle": example.cycle,
-    }
-
-
-def example_from_record(record: Mapping[str, Any]) -> Example:
-    """Read what `example_record` wrote."""
-    return Example(
-        record["state"],
-        tuple(float(v) for v in record["features"]),
-        record["next_state"],
-        ExampleKind(record["kind"]),
-        int(record["number"]),
-        int(record["command"]),
-        int(record["cycle"]),
-    )
-
-
-def apply_edit(log: ExampleLog, record: Mapping[str, Any]) -> None:
-    """Do to a log what one record of the journal says.
-
-    Raises:
-        TrainingError: if it cannot be done.
-    """
-    match record["do"]:
-        case "command":
-            log.add([example_from_record(e) for e in record["examples"]])
-        case "undo":
-            log.undo()
-        case "delete":
-            log.delete(record["numbers"])
-        case "relabel":
-            log.relabel(record["numbers"], record["next_state"])
-
-
-def replay(records: Iterable[Mapping[str, Any]], log: ExampleLog) -> ExampleLog:
-    """Do again to ``log`` everything that a journal tells was done after it was begun."""
-    for record in records:
-        apply_edit(log, record)
-    return log

@@ -28,7 +28,8 @@ class Explanation:
         tests: readable conditions in the order they were tested, such as
             ``"DistanceTo(ball) <= 4"``.
         features: indices of the automaton's features that were looked at.
-        distribution: probability of each next state, by label.
+        distribution: probability of each next state, by label; empty where nothing but the
+            choice itself is known.
     """
 
     tests: tuple[str, ...]
@@ -56,6 +57,15 @@ class TransitionFunction(Protocol):
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
         """Explain the decision for a full feature vector; ``names`` name its features."""
+
+    def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
+        """Explain a decision that has been made, by what it read and without making it again.
+
+        Args:
+            values: of the features; None where the decision has not read one. Where one of these
+                would be needed the explanation ends.
+            names: of the features.
+        """
 
 
 @dataclass(frozen=True)
@@ -89,3 +99,8 @@ class HandWritten:
         """Explain the decision for a full feature vector."""
         chosen = self.choose(*(values[i] for i in self.features_used))
         return Explanation(("hand-written",), self.features_used, {chosen: 1.0})
+
+    def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
+        """Explain a decision that has been made; ``choose`` is not called again."""
+        read = tuple(i for i in self.features_used if values[i] is not None)
+        return Explanation(("hand-written",), read, {})

@@ -288,12 +288,24 @@ class TransitionTree:
         Raises:
             FeatureValueError: as `fit`.
         """
-        node = self._fitted()
+        self._fitted()
         feature_values([values], self.scales_, names, ["the values to explain"])
+        return self.retrace(values, names)
+
+    def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
+        """Explain a decision that has been made; see `TransitionFunction.retrace`.
+
+        Only values on the path are looked at. Where one is None the explanation ends, with the
+        distribution of the examples that came so far.
+        """
+        node = self._fitted()
         tests: list[str] = []
         features: list[int] = []
         while not isinstance(node, Leaf):
-            branch = node.branch_for(values[node.feature])
+            value = values[node.feature]
+            if value is None:
+                break
+            branch = node.branch_for(value)
             tests.extend(tree_text.conditions([(node, branch)], self.scales_, names))
             features.append(node.feature)
             node = node.branches[branch] if branch is not None else Leaf(node.counts)

@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.automaton import Automaton
 from hitab_core.batch_automaton import NOTHING, BatchAutomaton, BatchLevel, draws_of
 from hitab_core.batch_senses import BatchSenses
 from hitab_core.gain_ratio import Booleans, Integers
+from hitab_core.observing import Change
 from hitab_core.running_automaton import Condition, RunningBasicBehavior, Stage
-from hitab_core.senses import value_or_nan
-from hitab_core.transition_function import Explanation
 from hitab_core.use import Use
 
 
@@ -76,11 +75,21 @@ class Troupe:
         self.senses.forget()
 
     def _observe(self, level: BatchLevel, rows: Integers, source: int, chosen: int) -> None:
+        labels, automaton, known = level.labels, level.automaton, self.senses.known
         for row in rows.tolist():
             observe = self.stages[row].observe
             if observe is not None:
-                view: Any = LevelOfMember(self, level, row)  # what observers need of an automaton
-                observe(view, level.labels[source], level.labels[chosen])
+                change = Change(
+                    level.path,
+                    labels[source],
+                    labels[chosen],
+                    False,
+                    automaton.features,
+                    level.bindings,
+                    [known(slot, row) for slot in level.slots],
+                    automaton.transitions.get(labels[source]),
+                )
+                observe(change)
 
 
 class _Raised(set[str]):
@@ -117,7 +126,7 @@ class TroupeMember:
     @property
     def outermost(self) -> LevelOfMember:
         """The automaton that is performed."""
-        return LevelOfMember(self._troupe, self._troupe.batch.top, self._row)
+        return LevelOfMember(self._troupe.batch.top, self._row)
 
     @property
     def active_path(self) -> list[str]:
@@ -182,10 +191,9 @@ class TroupeMember:
 
 
 class LevelOfMember:
-    """One agent's automaton in a troupe, as observers of `RunningAutomaton` look at it."""
+    """One agent's automaton in a troupe, as those look at it who ask what the agent perceives."""
 
-    def __init__(self, troupe: Troupe, level: BatchLevel, row: int) -> None:
-        self._troupe = troupe
+    def __init__(self, level: BatchLevel, row: int) -> None:
         self._level = level
         self._row = row
 
@@ -205,53 +213,12 @@ class LevelOfMember:
         return self._level.label
 
     @property
-    def above(self) -> LevelOfMember | None:
-        """The automaton that uses it."""
-        above = self._level.above
-        return None if above is None else LevelOfMember(self._troupe, above, self._row)
+    def raised(self) -> set[str]:
+        """The flags that it has raised."""
+        return self._level.raised_by(self._row)
 
     @property
     def child(self) -> LevelOfMember | None:
         """What its active state performs, if that is an automaton."""
         child = self._level.children[int(self._level.active[self._row])]
-        return (
-            LevelOfMember(self._troupe, child, self._row)
-            if isinstance(child, BatchLevel)
-            else None
-        )
-
-    def peek_features(self) -> list[float]:
-        """Return the values of all features now, leaving raised flags up.
-
-        Raises:
-            FeatureValueError: if one has no value.
-        """
-        child = self.child
-        raised = child._level.raised_by(self._row) if child is not None else set()
-        # By the agent's own senses: those of the troupe are of the last decision, and a paused
-        # world shows itself without one.
-        senses = self._troupe.stages[self._row].senses
-        return [
-            float(feature.name in raised)
-            if feature.name in FLAGS
-            else senses.read(senses.slot(feature.bound(self.bindings)))
-            for feature in self.automaton.features
-        ]
-
-    def last_features(self) -> list[float]:
-        """Return the values of all features as the last decision saw them, flags included.
-
-        NaN for those without a value, which the decision did not look at.
-        """
-        return [value_or_nan(self._read, slot) for slot in self._level.slots]
-
-    def _read(self, slot: int) -> float:
-        return self._troupe.senses.value(slot, self._row)
-
-    def explain(self, state: str, values: Sequence[float]) -> Explanation | None:
-        """Explain what a state's transition function decides; None where it has none."""
-        function = self.automaton.transitions.get(state)
-        if function is None:
-            return None
-        names = [str(f.bound(self.bindings)) for f in self.automaton.features]
-        return function.explain(values, names)
+        return LevelOfMember(child, self._row) if isinstance(child, BatchLevel) else None

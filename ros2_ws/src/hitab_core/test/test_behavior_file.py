@@ -24,7 +24,7 @@ from hitab_core.provenance import Provenance
 
 Teach = Callable[..., Automaton]
 USES = {"Approach": "0" * 64, "Kick": "basic", "GoTo": "basic"}
-fuzzing = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+fuzzing = settings(max_examples=80, suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +97,7 @@ def test_a_reader_sees_kinds_units_and_rules_and_one_example_per_line(text: str)
 
 
 @given(data=st.data())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_values_and_descriptions_come_back_exactly(
     data: st.DataObject, robot: Domain, teach: Teach
 ) -> None:

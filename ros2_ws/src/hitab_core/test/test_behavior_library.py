@@ -340,8 +340,8 @@ def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
 
     with monkeypatch.context() as patch:
         patch.setattr("hitab_core.durable_files.os.replace", failing)
-        with pytest.raises(LibraryError, match="Input/output error"):
-            other.install(library.texts())
+        # The change is on disk in one piece, and nobody sees it half done: it is made.
+        assert other.install(library.texts()) == ["Approach", "Control", "Keepaway"]
     assert (other.folder / COMMIT).exists()
     assert again(other).load().keys() == {"Approach", "Control", "Keepaway"}
     assert again(other).digest == library.digest

@@ -164,7 +164,7 @@ def test_it_reads_all_features_from_their_slots_each_once():
     assert read == [2]
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(st.integers(1, 9), st.integers(1, 9))
 def test_it_draws_from_the_probabilities_that_it_predicts(stop, go):
     y = ["Stop"] * stop + ["GoFast"] * go

@@ -58,7 +58,7 @@ json_values = st.recursive(
 
 
 @given(records=st.lists(st.dictionaries(st.text(), json_values), max_size=4))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_any_record_comes_back_exactly(
     tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, object]]
 ) -> None:
@@ -71,7 +71,7 @@ def test_any_record_comes_back_exactly(
 
 
 @given(cut=st.integers(0, 250))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_wherever_it_is_cut_off_all_complete_records_are_there_and_it_goes_on(
     tmp_path_factory: pytest.TempPathFactory, cut: int
 ) -> None:

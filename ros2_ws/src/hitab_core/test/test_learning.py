@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
@@ -57,7 +57,6 @@ taught = st.lists(
 )
 
 
-@settings(deadline=None)
 @given(taught)
 def test_a_function_is_learned_from_the_examples_of_its_state_alone(examples):
     together = learn_transitions(examples, SCALES)

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from hitab_core.boundaries import end_between, on_circle, threshold_between
@@ -71,7 +71,6 @@ def test_a_threshold_below_an_example_and_above_a_default_one_is_just_below_the_
     assert threshold_between(2, 5, below_is_default=True) == math.nextafter(5, 2)
 
 
-@settings(deadline=None)
 @given(finite, finite, flags, flags)
 def test_a_threshold_tells_its_neighbours_apart_however_near_or_far_they_are(
     a, b, below_is_default, above_is_default
@@ -117,7 +116,6 @@ def test_an_end_of_an_arc_is_just_beside_the_example_that_is_not_default():
     assert end_between(math.nextafter(360, 0), 20, 360, after_is_default=True) == 0
 
 
-@settings(deadline=None)
 @given(places, places, flags, flags)
 def test_an_end_of_an_arc_is_behind_one_neighbour_and_not_behind_the_next(
     before, after, before_is_default, after_is_default
@@ -191,7 +189,6 @@ def test_the_two_ends_of_an_arc_are_placed_each_by_its_own_neighbours():
 # Which split is the best of a feature
 
 
-@settings(deadline=None)
 @given(rows, st.integers(1, 3))
 def test_a_threshold_has_the_largest_gain_of_all_thresholds(drawn, min_branch):
     given_examples = examples(*zip(*drawn, strict=True))
@@ -210,7 +207,6 @@ def test_a_threshold_has_the_largest_gain_of_all_thresholds(drawn, min_branch):
         assert np.flatnonzero(~below).tolist() == split.parts[1].tolist()
 
 
-@settings(deadline=None)
 @given(rows, st.integers(1, 3))
 def test_an_arc_has_the_largest_gain_of_all_arcs(drawn, min_branch):
     given_examples = examples(*zip(*drawn, strict=True))

@@ -73,7 +73,6 @@ def way_through(tree, values):
 # What is learned
 
 
-@settings(deadline=None)
 @given(taught)
 def test_every_example_that_no_other_contradicts_is_reproduced(examples):
     tree = learned(examples)
@@ -102,7 +101,6 @@ def test_features_that_can_never_tell_contradicting_examples_apart_are_not_teste
     assert tree.features_used == ()
 
 
-@settings(deadline=None)
 @given(taught, st.integers(1, 4))
 def test_the_distribution_at_a_leaf_is_that_of_the_examples_that_came_to_it(examples, fewest):
     tree = learned(examples, min_samples_leaf=fewest)
@@ -184,7 +182,7 @@ def test_a_tree_as_deep_as_it_has_examples_is_learned_read_and_run():
 # Zero may be put anywhere
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(
     st.lists(
         st.tuples(st.integers(0, 35), st.integers(0, 2), st.sampled_from(LABELS), st.booleans()),
@@ -362,7 +360,6 @@ print([m for m in sys.modules if m.split(".")[0] in ("sklearn", "scipy")])
 # Deciding
 
 
-@settings(deadline=None)
 @given(taught, queries)
 def test_the_compiled_decision_draws_from_the_distribution_that_is_predicted(examples, query):
     tree = learned(examples, max_depth=2)
@@ -377,7 +374,6 @@ def test_the_compiled_decision_draws_from_the_distribution_that_is_predicted(exa
     assert set(drawn) == {label for label, p in odds.items() if p > 0}
 
 
-@settings(deadline=None)
 @given(
     taught,
     st.lists(st.tuples(st.one_of(queries, value_rows), draw), min_size=1, max_size=20),
@@ -396,7 +392,6 @@ def test_many_decisions_at_once_are_the_same_as_one_by_one(
     assert at_once.tolist() == one_by_one
 
 
-@settings(deadline=None)
 @given(taught, st.one_of(queries, value_rows))
 def test_the_explanation_the_prediction_and_the_decision_agree(examples, query):
     tree = learned(examples, max_depth=3)
@@ -613,7 +608,6 @@ def test_a_boundary_beside_an_example_is_written_as_on_its_side_of_the_example()
     assert ("x = 2",) in [rule.conditions for rule in tree.rules(["x"])]
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 11), st.sampled_from("ABC")), min_size=2, max_size=12))
 def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
     tree = TransitionTree([DEGREES]).fit([[30 * a] for a, _ in drawn], [c for _, c in drawn])
@@ -725,7 +719,6 @@ def test_pruning_keeps_what_every_example_speaks_for():
     )
 
 
-@settings(deadline=None)
 @given(taught, st.sampled_from([0.05, 0.25, 0.5]))
 def test_a_pruned_tree_is_the_tree_with_some_nodes_made_leaves(examples, confidence):
     full = learned(examples).root_

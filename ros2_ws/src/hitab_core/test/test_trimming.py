@@ -89,7 +89,7 @@ def test_a_feature_stays_if_another_tree_would_grow_without_it(
 
 
 @given(data=st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_trimmed_automaton_decides_as_before(
     data: st.DataObject, repertoire: Repertoire, teach: Teach
 ) -> None:

@@ -1,18 +1,14 @@
-"""Answering services so that no mistake, a user's or a programmer's, ends the node.
-
-An exception that leaves a callback ends the process (rclpy's EventsExecutor), and whoever has
-asked waits for an answer that does not come.
-"""
+"""Answering services: a refusal is a reply, too."""
 
 from __future__ import annotations
 
-import sys
 import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from hitab_core.errors import HitabError
+from hitab_ros.plain_text import plain
 from hitab_ros.recent_requests import RecentRequests
 
 Serve = Callable[[Any, Any], str]
@@ -21,16 +17,21 @@ Serve = Callable[[Any, Any], str]
 
 def what_went_wrong(error: Exception) -> str:
     """Say an error in words, with its place if it is not a user's but one in the code."""
+    try:
+        said = str(error)
+    except Exception:  # an error of somebody else's
+        said = "(it cannot be said)"
     if isinstance(error, HitabError):
-        return str(error)
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__} in {Path(place.filename).name}:{place.lineno}: {error}"
+        return plain(said)
+    places = traceback.extract_tb(error.__traceback__)
+    place = f" in {Path(places[-1].filename).name}:{places[-1].lineno}" if places else ""
+    return plain(f"{type(error).__name__}{place}: {said}")
 
 
 def answering(
     serve: Serve, answered: Callable[[str], None] = lambda error: None
 ) -> Callable[[Any, Any], Any]:
-    """Return a service's callback: a refusal is a reply with ``success`` false and the reason.
+    """Return a service's callback, to be made on a `GuardedNode`, which answers what it raises.
 
     A request with a number (fields ``request`` and ``client``) that is sent again is not done
     again: it gets the same reply.
@@ -43,19 +44,20 @@ def answering(
 
     def answer(request: Any, response: Any) -> Any:
         number, client = getattr(request, "request", 0), getattr(request, "client", "")
-        if (given := recent.came_of(client, number)) is not None:
+        given = recent.came_of(client, number)
+        if isinstance(given, Exception):
+            raise given
+        if given is not None:
             return given
-        error = ""
         try:
             response.message = serve(request, response)
             response.success = True
-        except Exception as wrong:
-            if not isinstance(wrong, HitabError):
-                traceback.print_exception(wrong, file=sys.stderr)  # into the process's log
-            response.success = False
-            response.message = error = what_went_wrong(wrong)
+        except Exception as error:
+            recent.keep(client, number, error)
+            answered(what_went_wrong(error))
+            raise
         recent.keep(client, number, response)
-        answered(error)
+        answered("")
         return response
 
     return answer

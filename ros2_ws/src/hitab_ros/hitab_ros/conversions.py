@@ -56,6 +56,7 @@ def order_message(commander: str, order: Order) -> msg.Order:
         report_position=order.report_position,
         report_states=order.report_states,
         report_period=order.report_period,
+        round=order.round,
     )
 
 
@@ -70,6 +71,7 @@ def order_of(message: msg.Order) -> Order:
         message.report_position,
         message.report_states,
         message.report_period,
+        message.round,
     )
 
 
@@ -88,4 +90,8 @@ def report_message(report: Report) -> msg.Report:
         cycle=report.cycle,
         episode=report.episode,
         seed=report.seed,
+        seconds=report.seconds,
+        round=report.round,
+        look=report.look,
+        restart=report.restart,
     )

@@ -15,6 +15,11 @@ EVENTS = QoSProfile(
 )
 """Commands, transitions and results, none of which may be lost."""
 
+ROLL_CALL = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=10_000, reliability=ReliabilityPolicy.RELIABLE
+)
+"""What all agents of a swarm may say at the same moment, and none of which may be lost."""
+
 CYCLE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE
 )

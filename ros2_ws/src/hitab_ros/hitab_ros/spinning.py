@@ -20,11 +20,12 @@ import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from hitab_core.errors import HitabError
 from hitab_ros.exit_codes import FINAL, FINAL_AFTER
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode
 
 _WAKE_S = 0.1
 
@@ -33,9 +34,9 @@ class FinalError(HitabError):
     """Starting the process again would not help; its exit code is `FINAL`."""
 
 
-def make_node(name: str, **options: Any) -> Node:
+def make_node(name: str, **options: Any) -> GuardedNode:
     """Return a node without the topics and services that nobody here uses."""
-    return Node(name, enable_rosout=False, start_parameter_services=False, **options)
+    return GuardedNode(name, **options)
 
 
 class Spinner:
@@ -45,6 +46,7 @@ class Spinner:
         self.executor = executor
         self.exit_code = 0
         self._stopped = False
+        self._guard = Guard(rclpy.logging.get_logger("executor").error)
 
     @property
     def stopped(self) -> bool:
@@ -56,10 +58,18 @@ class Spinner:
         self._stopped = True
         self.exit_code = self.exit_code or exit_code
 
+    def spin_once(self, timeout_sec: float = _WAKE_S) -> None:
+        """Handle what has come, or wait so long, s, for something to come.
+
+        Callbacks are guarded by their nodes; what goes wrong between the middleware and a
+        callback, such as a message that cannot be read, is only logged.
+        """
+        self._guard.run("handling an event", self.executor.spin_once, timeout_sec)
+
     def spin(self) -> int:
         """Handle events until stopped; return the exit code."""
         while not self.stopped:
-            self.executor.spin_once(timeout_sec=_WAKE_S)
+            self.spin_once()
         return self.exit_code
 
     def spin_until(self, condition: Callable[[], bool], timeout_s: float) -> bool:
@@ -72,7 +82,7 @@ class Spinner:
             left = (deadline - clock.now().nanoseconds) / 1e9
             if left <= 0:
                 return False
-            self.executor.spin_once(timeout_sec=min(left, _WAKE_S))
+            self.spin_once(min(left, _WAKE_S))
         return condition()
 
 

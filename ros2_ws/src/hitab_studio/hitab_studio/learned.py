@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 from hitab_core.automaton import START, Automaton
@@ -16,6 +17,8 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import TREE, learn_transitions
 from hitab_core.transition_tree import TransitionTree
 from hitab_core.use import Use
+
+NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -141,7 +144,7 @@ class Vocabulary:
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
     features: tuple[str, ...] = ()
-    units: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     targets: tuple[str, ...] = ()
 
     @classmethod
@@ -153,10 +156,12 @@ class Vocabulary:
             trained=frozenset(answer.trained),
             one_shot=frozenset(answer.one_shot),
             features=tuple(answer.features),
-            units={
-                Use.parse(f).name: unit
-                for f, unit in zip(answer.features, answer.feature_units, strict=True)
-            },
+            units=MappingProxyType(
+                {
+                    Use.parse(f).name: unit
+                    for f, unit in zip(answer.features, answer.feature_units, strict=True)
+                }
+            ),
             targets=tuple(answer.targets),
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from builtin_interfaces.msg import Duration
@@ -14,7 +15,6 @@ from hitab_bringup.ros_link import RosLink
 from hitab_ros import qos
 from hitab_ros.conversions import time_of
 from hitab_studio.scene import NO_COLOR, Scene
-from hitab_studio.store import Store
 
 TOPIC = "/studio/markers"
 FRAME = "field"
@@ -49,19 +49,28 @@ class Markers:
         """Find out whether anybody listens."""
         self._heard = self._publisher.get_subscription_count() > 0
 
-    def show(self, scene: Scene, store: Store) -> None:
-        """Publish a moment, if it is time."""
+    def show(
+        self, scene: Scene, doing: Mapping[str, tuple[str, str]], colors: Mapping[str, int]
+    ) -> None:
+        """Publish a moment, if anybody listens and it is time.
+
+        Args:
+            scene: to show.
+            doing: mode and active state of each agent, by name.
+            colors: of states; one that has none yet leaves agents their own.
+        """
         if self._heard and abs(scene.seconds - self._last) >= EVERY_SECONDS:
             self._last = scene.seconds
-            self._publisher.publish(self._array(scene, store))
+            self._publisher.publish(self._array(scene, doing, colors))
 
-    def _array(self, scene: Scene, store: Store) -> MarkerArray:
+    def _array(
+        self, scene: Scene, doing: Mapping[str, tuple[str, str]], colors: Mapping[str, int]
+    ) -> MarkerArray:
         header = Header(frame_id=FRAME, stamp=time_of(scene.seconds))
-        doing = store.doing()
         markers = [_outline(header, scene)]
         for i, name in enumerate(scene.names):
             state = doing.get(name, ("", ""))[1]
-            color = store.palette.index(state)
+            color = colors.get(state, NO_COLOR)
             kind = scene.kinds[i]
             chosen = _kind_color(kind) if color == NO_COLOR else STATE_COLORS[color]
             x, y, heading = scene.places[i, :3].tolist()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from pathlib import Path
-from typing import Any
 
 from nicegui import Client, ui
 from nicegui.element import Element
 
-from hitab_studio.actions import perform
+from hitab_ros.answering import what_went_wrong
+from hitab_studio.actions import Wishes
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.views import PANELS, render
@@ -45,7 +46,8 @@ class Page:
         self._client = client
         self._seen: tuple[int, int] = (-1, -1)
         self._count = 0
-        self._queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        self._wishes = Wishes()
+        self._broken: dict[str, str] = {}
         self._build()
 
     def _build(self) -> None:
@@ -62,18 +64,18 @@ class Page:
             with ui.element("main"):
                 ui.element("canvas").props('id="field" aria-label="The field"')
                 self._panels.append(Panel("stage"))
-        ui.on("studio", lambda event: self._queue.put_nowait(event.args))
+        ui.on("studio", lambda event: self._wishes.add(event.args))
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)
         self._performing = asyncio.create_task(self._perform())
-        self._client.on_delete(self._close)
+        self._client.on_delete(self._wishes.close)
 
     async def _perform(self) -> None:
-        """Do what the person does, one thing after the other."""
-        while True:
-            data = await self._queue.get()
-            await perform(self._session, data)
-            self._refresh()
+        """Do what the person does; what was begun when the page goes is done to its end."""
+        try:
+            await self._wishes.perform(self._session, self._refresh)
+        finally:
+            self._studio.close(self._session)
 
     def _refresh(self) -> None:
         session = self._session
@@ -84,8 +86,12 @@ class Page:
             return
         self._seen = seen
         for panel in self._panels:
-            panel.show(render(panel.name, session))
-
-    def _close(self) -> None:
-        self._performing.cancel()
-        self._studio.close(self._session)
+            try:
+                panel.show(render(panel.name, session))
+                self._broken.pop(panel.name, None)
+            except Exception as error:  # the other panels, and the page, go on
+                why = what_went_wrong(error)
+                if self._broken.get(panel.name) != why:
+                    self._broken[panel.name] = why
+                    logging.getLogger(__name__).exception("panel %s", panel.name)
+                    session.tell(f"A part of the page cannot be shown: {why}", "bad")

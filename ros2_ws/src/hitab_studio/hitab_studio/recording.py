@@ -60,6 +60,10 @@ class Recorder:
     """Records every topic of the swarm's, those that appear later too, as it comes.
 
     Messages are not unpacked: they are written as they were received.
+
+    Attributes:
+        count: how many there are.
+        problem: why nothing more can be written; "" as long as all is well.
     """
 
     def __init__(self, link: RosLink, path: str | Path) -> None:
@@ -70,6 +74,7 @@ class Recorder:
         """
         self.path = Path(path)
         self.count = 0
+        self.problem = ""
         self._link = link
         self._subscriptions: dict[str, Any] = {}
         self._schemas: dict[str, int] = {}
@@ -106,18 +111,31 @@ class Recorder:
         )
 
         def take(data: bytes) -> None:
+            if self.problem:
+                return
             now = time.time_ns()
-            self._writer.add_message(channel, log_time=now, data=data, publish_time=now)
-            self.count += 1
+            try:
+                self._writer.add_message(channel, log_time=now, data=data, publish_time=now)
+            except OSError as error:
+                self.problem = f"The recording to {self.path} ends here: {error.strerror}"
+            else:
+                self.count += 1
 
         self._subscriptions[topic] = self._link.node.create_subscription(
             kind, topic, take, profile, raw=True
         )
 
     def close(self) -> None:
-        """End: write the index."""
+        """End: write the index.
+
+        Raises:
+            SwarmError: if that cannot be written.
+        """
         for subscription in self._subscriptions.values():
             self._link.node.destroy_subscription(subscription)
         self._subscriptions.clear()
-        self._writer.finish()
-        self._file.close()
+        try:
+            with self._file:
+                self._writer.finish()
+        except OSError as error:
+            raise SwarmError(f"{self.path} is not complete: {error.strerror}") from None

@@ -15,6 +15,7 @@ import json
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,7 @@ def scene_of(state: Any) -> Scene:
     places = np.array(
         [(e.x, e.y, e.heading, e.vx, e.vy) for e in entities], dtype=np.float64
     ).reshape(len(entities), 5)
+    places.setflags(write=False)
     return Scene(
         world=state.world,
         cycle=state.cycle,
@@ -89,7 +91,7 @@ def scene_of(state: Any) -> Scene:
         kinds=tuple([e.kind for e in entities]),
         radii=tuple([e.radius for e in entities]),
         places=places,
-        said={i: e.say for i, e in enumerate(entities) if e.say},
+        said=MappingProxyType({i: e.say for i, e in enumerate(entities) if e.say}),
     )
 
 
@@ -99,6 +101,10 @@ class Palette:
     def __init__(self) -> None:
         self.states: list[str] = []
         self._index: dict[str, int] = {}
+
+    def colors(self) -> Mapping[str, int]:
+        """Return the colors that were given so far, as a mapping that does not change."""
+        return MappingProxyType(dict(self._index))
 
     def index(self, state: str) -> int:
         """Return the color of a state."""

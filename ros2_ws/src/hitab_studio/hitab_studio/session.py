@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from hitab_bringup.errors import SwarmError
 from hitab_core.use import Use
+from hitab_studio.jobs import Connected
 from hitab_studio.learned import Learned
 from hitab_studio.locks import Holder
 from hitab_studio.replay import Player
-from hitab_studio.swarm_link import Connected
 from hitab_studio.watching import Watched
 
 if TYPE_CHECKING:
@@ -69,6 +69,7 @@ class Session:
         dialog: what is asked for, with all that is needed to show it.
         player: the recording that is played, if one is.
         connected: whether the browser is there.
+        sent: the frame that the browser has.
     """
 
     def __init__(self, studio: Studio, number: int, key: str) -> None:
@@ -88,6 +89,7 @@ class Session:
         self.compare: tuple[str, Learned] | None = None
         self.player: Player | None = None
         self.connected = False
+        self.sent = b""
         self.toasts: list[Toast] = []
         self.version = 0
         self.busy = 0
@@ -102,12 +104,12 @@ class Session:
         """The last status of the agent; in a replay, of that moment."""
         if self.player is not None:
             return self.player.recording.statuses(self.player.at).get(self.agent)
-        return self.studio.store.statuses.get(self.agent)
+        return self.studio.store.known.statuses.get(self.agent)
 
     @property
     def watched(self) -> Watched:
         """What else is known of the agent."""
-        return self.studio.store.watched.get(self.agent, NOTHING)
+        return self.studio.store.known.watched.get(self.agent, NOTHING)
 
     @property
     def is_training(self) -> bool:
@@ -122,7 +124,7 @@ class Session:
             self.asked = None
             self.compare = None
             self.table = Table()
-        self.studio.link.focus(self.id, {agent} if agent else set())
+        self.studio.link.focus(self.id, [agent] if agent else [])
         self.touch()
 
     def choose(self, names: list[str]) -> None:
@@ -133,8 +135,12 @@ class Session:
 
     # -- doing ------------------------------------------------------------------------------
 
-    async def ask(self, job: Callable[[Connected], T]) -> T:
+    async def ask(self, job: Callable[[Connected], T], agent: str = "") -> T:
         """Have the link do something; meanwhile the page says that it is busy.
+
+        Args:
+            job: does it, after all else that this page or, with an agent, anybody asked of it.
+            agent: whom it concerns, if one alone.
 
         Raises:
             SwarmError: if it cannot be done.
@@ -143,7 +149,8 @@ class Session:
             raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
         self.busy += 1
         try:
-            return await self.studio.link.do(job)
+            lines = [f"page {self.id}", *([f"agent {agent}"] if agent else [])]
+            return await self.studio.link.do(job, lines)
         finally:
             self.busy -= 1
             self.touch()
@@ -157,10 +164,10 @@ class Session:
         agent = self.agent
         if not agent:
             raise SwarmError("Choose an agent first, in the list or in the field.")
-        if not self.studio.store.answers(agent):
+        if not self.studio.store.known.answers(agent):
             raise SwarmError(f"{agent} does not answer at the moment.")
         self.studio.locks.claim(agent, self.holder)
-        answer = await self.ask(lambda swarm: job(swarm, agent))
+        answer = await self.ask(lambda swarm: job(swarm, agent), agent)
         self.studio.link.refresh(agent)
         return answer
 

@@ -3,20 +3,39 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from hitab_studio.scene import Scene
 
 RECENT = 600
 """Moments that are remembered, newest last; at 10 Hz the last minute."""
 
+Key = tuple[str, str, int, int]
+
+
+@dataclass(frozen=True)
+class Moments:
+    """The moments of examples, by agent, automaton, number and cycle of the example."""
+
+    scenes: Mapping[Key, Scene] = field(default_factory=lambda: MappingProxyType({}))
+
+    def of(self, agent: str, automaton: str, number: int, cycle: int) -> Scene | None:
+        """Return the moment in which an example was recorded, if it is known."""
+        return self.scenes.get((agent, automaton, number, cycle))
+
 
 class Situations:
-    """Remembers recent moments by the world's cycle, and for good those of examples."""
+    """Remembers recent moments by the world's cycle, and for good those of examples.
+
+    Attributes:
+        kept: those of examples; replaced when there are more, never changed.
+    """
 
     def __init__(self) -> None:
+        self.kept = Moments()
         self._recent: OrderedDict[int, Scene] = OrderedDict()
-        self._kept: dict[tuple[str, str, int, int], Scene] = {}
 
     def see(self, scene: Scene) -> None:
         """Remember a moment; one of the same cycle is replaced: something was placed since."""
@@ -27,13 +46,13 @@ class Situations:
 
     def keep(self, agent: str, automaton: str, examples: Iterable[tuple[int, int]]) -> None:
         """Keep the moments of examples, given by number and cycle, that are still remembered."""
+        new = {}
         for number, cycle in examples:
             key = (agent, automaton, number, cycle)
-            if key in self._kept:
-                continue
-            scene = self._nearest(cycle)
-            if scene is not None:
-                self._kept[key] = scene
+            if key not in self.kept.scenes and (scene := self._nearest(cycle)) is not None:
+                new[key] = scene
+        if new:
+            self.kept = Moments(MappingProxyType({**self.kept.scenes, **new}))
 
     def _nearest(self, cycle: int) -> Scene | None:
         # Viewers see one state of several cycles: the next older one is as good.
@@ -44,4 +63,4 @@ class Situations:
 
     def of(self, agent: str, automaton: str, number: int, cycle: int) -> Scene | None:
         """Return the moment in which an example was recorded, if it is known."""
-        return self._kept.get((agent, automaton, number, cycle))
+        return self.kept.of(agent, automaton, number, cycle)

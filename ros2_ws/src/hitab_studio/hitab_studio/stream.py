@@ -37,14 +37,18 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
 
 
 async def _send(studio: Studio, socket: WebSocket, session: Session) -> None:
-    sent = b""
+    session.sent = b""
     with suppress(WebSocketDisconnect):
         while True:
             await session.news.wait()
             session.news.clear()
             while session.outgoing:
                 await socket.send_text(session.outgoing.popleft())
-            newest = studio.frame_for(session)
-            if newest and newest is not sent:
-                sent = newest
+            try:
+                newest = studio.frame_for(session)
+            except Exception as error:
+                studio.stop_replay(session, error)
+                continue
+            if newest and newest is not session.sent:
+                session.sent = newest
                 await socket.send_bytes(newest)

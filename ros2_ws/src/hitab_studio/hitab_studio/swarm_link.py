@@ -1,35 +1,33 @@
 """The connection to the swarm, in a thread of its own beside the web server.
 
-The thread spins a node, keeps the store up to date, and does what the pages ask for one after the
-other. It connects anew whenever the swarm that is meant has been started again.
+The thread spins a node, finds out what is to be known, and gives jobs their turns. It connects
+anew whenever the swarm that is meant has been started again.
+
+The rule: the two threads share nothing. All that has to do with ROS belongs to the link's thread,
+all that has to do with pages to the server's. The link's thread hands over a frozen `Known` when
+something has changed; pages hand over functions, which the link's thread calls. Whatever goes
+wrong here is shown on the page that caused it, and ends nothing.
 """
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import queue
 import threading
 import time
-from collections.abc import Callable
-from concurrent.futures import Future
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any, TypeVar
 
-from hitab_msgs.msg import CommanderStatus
-
-from hitab_bringup import names
 from hitab_bringup.errors import SwarmError
-from hitab_bringup.identity import is_own
-from hitab_bringup.ros_link import RosLink
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.world_client import WorldClient
-from hitab_ros import qos
+from hitab_ros.answering import what_went_wrong
 from hitab_studio.finding import Target
-from hitab_studio.markers import Markers
-from hitab_studio.recording import Recorder
-from hitab_studio.scene import Scene, scene_of
-from hitab_studio.store import Store
+from hitab_studio.jobs import Connected, Job, Jobs, SharedLink
+from hitab_studio.known import Known, Trouble
+from hitab_studio.observer import Observer
 from hitab_studio.watching import Watch
 
 T = TypeVar("T")
@@ -37,42 +35,41 @@ T = TypeVar("T")
 SPIN_SECONDS = 0.01
 LOOK_SECONDS = 0.05
 FIND_SECONDS = 1.0
+AGAIN_SECONDS = 10.0
+"""Until the same trouble is told again."""
 
+ENDED = "The studio has ended."
 
-@dataclass
-class Connected:
-    """The swarm, as seen over ROS."""
-
-    link: RosLink
-    agents: SwarmClient
-    world: WorldClient
+FAILURES = 50
+"""Turns in a row that fail before the link connects anew."""
 
 
 class SwarmLink:
     """Talks to the swarm for all pages.
 
     Args:
-        store: what is known is put there.
         find: tells which swarm is meant.
-        shown: called in the link's thread with each new moment of the world.
+        tell: called in the link's thread with what is known, whenever that changes, and with what
+            goes wrong.
     """
 
     def __init__(
-        self, store: Store, find: Callable[[], Target], shown: Callable[[Scene], None]
+        self, find: Callable[[], Target], tell: Callable[[Known | Trouble], None]
     ) -> None:
-        self.store = store
         self._find = find
-        self._shown = shown
-        self._jobs: queue.SimpleQueue[tuple[Callable[[Connected], Any], Future[Any]]] = (
-            queue.SimpleQueue()
-        )
-        self._focus: dict[str, set[str]] = {}
-        self._watches: dict[str, Watch] = {}
-        self._group_topics: set[str] = set()
-        self._recorder: Recorder | None = None
-        self._markers: Markers | None = None
+        self._tell = tell
+        self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="swarm link", daemon=True)
+        # From here on: the link's thread alone.
+        self._known = self._told = Known()
+        self._jobs = Jobs()
+        self._connected: Connected | None = None
+        self._observer: Observer | None = None
+        self._focus: dict[str, frozenset[str]] = {}
+        self._colors: Mapping[str, int] = {}
+        self._next_look = self._next_find = 0.0
+        self._troubles: dict[str, float] = {}
 
     def start(self) -> None:
         """Begin."""
@@ -85,205 +82,200 @@ class SwarmLink:
 
     # -- called by pages --------------------------------------------------------------------
 
-    async def do(self, job: Callable[[Connected], T]) -> T:
+    async def do(self, job: Callable[[Connected], T], lines: Iterable[str] = ()) -> T:
         """Have something done by the link's thread and return what it returns.
+
+        Args:
+            job: does it.
+            lines: jobs that have one in common are done one after the other; all others at once.
 
         Raises:
             SwarmError: if it cannot be done; the message is for people.
         """
-        future: Future[T] = Future()
-        self._jobs.put((job, future))
-        return await asyncio.wrap_future(future)
+        if self._stopping.is_set():
+            raise SwarmError(ENDED)
+        made = Job(lambda: job(self._swarm()), lines)
+        self._requests.put(partial(self._jobs.add, made))
+        answer: T = await asyncio.wrap_future(made.answer)
+        return answer
 
-    def focus(self, session: str, agents: set[str]) -> None:
+    def focus(self, session: str, agents: Iterable[str]) -> None:
         """Look at these agents on behalf of a session; at none: it has gone."""
-        if agents:
-            self._focus[session] = agents
-        else:
-            self._focus.pop(session, None)
+        looked_at = frozenset(agents)
+
+        def change() -> None:
+            if looked_at:
+                self._focus[session] = looked_at
+            else:
+                self._focus.pop(session, None)
+
+        self._requests.put(change)
 
     def want(self, agent: str, behavior: str) -> None:
         """Ask a watched agent for a behavior of its library."""
-        if (watch := self._watches.get(agent)) is not None:
-            watch.want(behavior)
+        self._requests.put(lambda: self._with_watch(agent, lambda watch: watch.want(behavior)))
 
     def refresh(self, agent: str) -> None:
         """Ask for the examples of an agent again."""
-        if (watch := self._watches.get(agent)) is not None:
-            watch.refresh()
+        self._requests.put(lambda: self._with_watch(agent, Watch.refresh))
 
-    @property
-    def recorder(self) -> Recorder | None:
-        """What records the run at the moment."""
-        return self._recorder
+    def paint(self, colors: Mapping[str, int]) -> None:
+        """Give states these colors in what others than pages are shown."""
+        self._requests.put(lambda: setattr(self, "_colors", colors))
 
     # -- the thread -------------------------------------------------------------------------
 
     def _run(self) -> None:
         while not self._stopping.is_set():
-            target = self._find()
-            self.store.reset(target)
-            if target.problem:
-                self._wait_for_certainty(target)
-                continue
+            why = "The connection was lost meanwhile: look whether it was done."
             try:
-                with RosLink(target.domain_id) as link:
-                    connected = Connected(
+                target = self._find()
+                self._begin(target)
+                if target.problem:
+                    self._wait_for_certainty(target)
+                    continue
+                with SharedLink(target.domain_id) as link:
+                    self._connected = Connected(
                         link,
                         SwarmClient(link, target.agents, identity=target.identity),
                         WorldClient(link, identity=target.identity, started_by_it=target.world),
                     )
-                    self._markers = Markers(link)
+                    self._observer = Observer(
+                        self._connected, self._known, self._focus, self._trouble
+                    )
                     try:
-                        self._serve(connected, target)
+                        self._serve(target)
+                        why = ENDED if self._stopping.is_set() else _gone(target)
                     finally:
-                        self.stop_recording()  # while its node is there
+                        self._end(why)  # while its node is there
             except Exception as error:  # the thread must outlive whatever goes wrong
-                self.store.target = Target(0, problem=f"The connection was lost: {error}")
-                self.store.touch()
+                logging.getLogger(__name__).exception("the link to the swarm")
+                why = f"The connection was lost: {what_went_wrong(error)}"
+                self._known = Known(Target(0, problem=why), self._known.revision + 1)
+                self._end(why)
                 self._stopping.wait(FIND_SECONDS)
-            finally:
-                self._watches.clear()
-                self._group_topics.clear()
+        self._end(ENDED)
+
+    def _begin(self, target: Target) -> None:
+        """Forget the swarm before: another one is meant from now on, or another start of it."""
+        self._next_look = self._next_find = 0.0
+        self._known = Known(target, self._known.revision + 1)
+        self._deliver()
+
+    def _end(self, why: str) -> None:
+        """End what is under way."""
+        self._take_requests()
+        if self._observer is not None:
+            self._try(self._observer.stop_recording)
+        self._deliver()
+        for job in self._jobs.end(why):
+            job.reply()
+        self._connected = self._observer = None
 
     def _wait_for_certainty(self, target: Target) -> None:
         """Refuse all that is asked for until it is certain which swarm is meant."""
-        while not self._stopping.is_set() and self._find() == target:
-            while not self._jobs.empty():
-                _, future = self._jobs.get()
-                if future.set_running_or_notify_cancel():
-                    future.set_exception(SwarmError(target.problem))
+        while not self._stopping.is_set() and self._is_still(target):
+            self._end(target.problem)
             self._stopping.wait(FIND_SECONDS)
 
-    def _serve(self, connected: Connected, target: Target) -> None:
-        next_look = next_find = 0.0
-        shown = None
+    def _swarm(self) -> Connected:
+        if self._connected is None:
+            raise SwarmError("The studio is not connected to a swarm.")
+        return self._connected
+
+    def _observing(self) -> Observer:
+        if self._observer is None:
+            raise SwarmError("The studio is not connected to a swarm.")
+        return self._observer
+
+    def _with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:
+        if self._observer is not None:
+            self._observer.with_watch(agent, do)
+
+    def _deliver(self) -> None:
+        if self._observer is not None:
+            self._known = self._observer.known
+        if self._known is not self._told:
+            self._told = self._known
+            self._tell(self._known)
+
+    def _serve(self, target: Target) -> None:
+        failures = 0
+        observer = self._observing()
         while not self._stopping.is_set():
-            connected.link.spin(SPIN_SECONDS)
-            while not self._jobs.empty():
-                self._do_next(connected)
-            state = connected.world.state
-            if state is not None and state is not shown:
-                shown = state
-                self._see(scene_of(state), state)
+            if self._try(lambda: self._swarm().link.spin(SPIN_SECONDS)):
+                failures = 0
+            elif (failures := failures + 1) < FAILURES:
+                self._stopping.wait(SPIN_SECONDS)
+            else:
+                raise SwarmError("nothing could be received for a while")
+            self._take_requests()
+            ended = self._jobs.go_on()
             now = time.monotonic()
-            if now >= next_look:
-                next_look = now + LOOK_SECONDS
-                self._look(connected)
-            if now >= next_find:
-                next_find = now + FIND_SECONDS
-                self._housekeeping(connected)
-                if self._find() != target:
+            observer.colors = self._colors
+            self._try(observer.see)
+            if ended or now >= self._next_look:
+                self._next_look = now + LOOK_SECONDS
+                self._try(observer.look)
+            if now >= self._next_find:
+                self._next_find = now + FIND_SECONDS
+                self._try(observer.keep_house)
+                if not self._is_still(target):
                     return
+            self._deliver()
+            for job in ended:  # whoever asked knows by now what there is to be known
+                job.reply()
 
-    def _do_next(self, connected: Connected) -> None:
-        job, future = self._jobs.get()
-        if not future.set_running_or_notify_cancel():
-            return
+    def _is_still(self, target: Target) -> bool:
+        """Whether the same swarm is meant; if that cannot be found out at the moment, it is."""
+        found = [target]
+        self._try(lambda: found.append(self._find()))
+        return found[-1] == target
+
+    def _take_requests(self) -> None:
+        while not self._requests.empty():
+            self._try(self._requests.get())
+
+    def _try(self, work: Callable[[], Any]) -> bool:
+        """Do something and tell if it goes wrong; return whether it went well."""
         try:
-            future.set_result(job(connected))
+            work()
         except Exception as error:
-            future.set_exception(error)
-        self.store.touch()
+            self._trouble("", what_went_wrong(error), error)
+            return False
+        return True
 
-    def _see(self, scene: Scene, state: object) -> None:
-        store = self.store
-        before = store.scene
-        store.scene = scene
-        store.situations.see(scene)
-        if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
-            store.touch()
-        if self._markers is not None:
-            self._markers.show(scene, store)
-        self._shown(scene)
-
-    def _look(self, connected: Connected) -> None:
-        store = self.store
-        if connected.world.status is not store.world:
-            store.world = connected.world.status
-            store.touch()
-        statuses = connected.agents.statuses
-        if any(store.statuses.get(name) is not status for name, status in statuses.items()):
-            store.statuses = dict(statuses)
-            store.touch()
-            if store.scene is not None and store.scene.mode == "paused":
-                self._shown(store.scene)  # what agents do is shown in the field too
-        wanted = {agent for agents in list(self._focus.values()) for agent in agents}
-        for agent in wanted & statuses.keys() - self._watches.keys():
-            self._watches[agent] = Watch(
-                connected.link, agent, partial(statuses.get, agent), partial(self._knows, agent)
-            )
-        for agent in self._watches.keys() - wanted:
-            self._watches.pop(agent).close()
-        if store.watched.keys() != self._watches.keys():
-            store.watched = {name: watch.known for name, watch in self._watches.items()}
-            store.touch()
-        for agent, watch in self._watches.items():
-            watch.look()
-            self._keep_situations(agent, watch)
-
-    def _knows(self, agent: str) -> None:
-        # At once: in a paused world the next placement is a moment of the same cycle.
-        if (watch := self._watches.get(agent)) is not None:
-            self._keep_situations(agent, watch)
-        self.store.touch()
-
-    def _keep_situations(self, agent: str, watch: Watch) -> None:
-        training = watch.known.training
-        if training is not None:
-            self.store.situations.keep(
-                agent, training.name, [(e.number, e.cycle) for e in training.examples]
-            )
-
-    def _housekeeping(self, connected: Connected) -> None:
-        store, node = self.store, connected.link.node
-        connected.agents.discover()
-        gone = frozenset(
-            name
-            for name in connected.agents.statuses
-            if node.count_publishers(names.of_agent(name, "status")) == 0
-        )
-        if gone != store.gone:
-            store.gone = gone
-            store.touch()
-        for topic in connected.link.topics_of_type("hitab_msgs/msg/CommanderStatus"):
-            if topic not in self._group_topics:
-                self._group_topics.add(topic)
-                connected.link.subscribe(CommanderStatus, topic, self._take_group, qos.LATCHED)
-        if self._markers is not None:
-            self._markers.look()
-        if self._recorder is not None:
-            self._recorder.look()
-            store.recorded = self._recorder.count
-            store.touch()
-
-    def _take_group(self, status: CommanderStatus) -> None:
-        target = self.store.target
-        if target is None or not is_own(status.swarm, target.identity, started_by_it=False):
+    def _trouble(
+        self, agent: str, text: str, error: Exception | None = None, session: str = ""
+    ) -> None:
+        """Show what failed: on a page, on those that look at an agent, or else on all."""
+        now = time.monotonic()
+        if now < self._troubles.get(text, 0.0):
             return
-        self.store.groups = {**self.store.groups, status.commander: status}
-        self.store.touch()
+        self._troubles[text] = now + AGAIN_SECONDS
+        logging.getLogger(__name__).error("%s", text, exc_info=error)
+        self._tell(Trouble(text, session, agent))
 
     # -- recording; to be called as jobs ----------------------------------------------------
 
-    def start_recording(self, connected: Connected, path: str) -> None:
+    def start_recording(self, path: str, session: str = "") -> None:
         """Record all that is said from now on.
 
         Raises:
             SwarmError: if that is done already, or the file cannot be written.
         """
-        if self._recorder is not None:
-            raise SwarmError(f"already recording to {self._recorder.path}")
-        self._recorder = Recorder(connected.link, path)
-        self.store.recording, self.store.recorded = path, 0
+        self._observing().start_recording(path, session)
 
     def stop_recording(self) -> str:
-        """End the recording and return where it is; "" if there was none."""
-        if self._recorder is None:
-            return ""
-        path = str(self._recorder.path)
-        self._recorder.close()
-        self._recorder = None
-        self.store.recording = ""
-        self.store.touch()
-        return path
+        """End the recording and return where it is; "" if there was none.
+
+        Raises:
+            SwarmError: if its end could not be written.
+        """
+        return self._observing().stop_recording()
+
+
+def _gone(target: Target) -> str:
+    """Say why nothing more comes of a job."""
+    name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
+    return f"{name} went down meanwhile, or was started again: look whether it was done."

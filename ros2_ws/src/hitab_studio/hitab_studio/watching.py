@@ -1,15 +1,16 @@
 """What is known of agents that somebody looks at: what they perceive, decide and have learned.
 
 Looking costs an agent a little, so only those that are looked at are asked, and told apart by
-name. Everything here runs in the thread of the link.
+name. Everything here runs in the thread of the link; what pages read of it, `Watched`, is replaced
+as a whole and never changed.
 """
 
 from __future__ import annotations
 
 import time
-from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus, TransitionEvent
@@ -20,17 +21,21 @@ from hitab_bringup.ros_link import RosLink
 from hitab_core.automaton import FLAGS, START
 from hitab_core.use import Use
 from hitab_ros import qos
-from hitab_studio.learned import Effect, Learned, Vocabulary, effect, learned_of
+from hitab_ros.answering import what_went_wrong
+from hitab_studio.learned import NOTHING, Effect, Learned, Vocabulary, effect, learned_of
 
 HISTORY = 120
 """Values of a feature that are kept for its curve."""
+
+EVENTS = 60
+"""Changes of state that are kept."""
 
 READ_SECONDS = 0.15
 REFRESH_SECONDS = 2.0
 PATIENCE_SECONDS = 5.0
 
 
-@dataclass
+@dataclass(frozen=True)
 class Watched:
     """One agent that is looked at.
 
@@ -45,9 +50,9 @@ class Watched:
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
     training: Learned | None = None
-    behaviors: dict[str, Learned] = field(default_factory=dict)
-    readings: dict[tuple[str, str], deque[float]] = field(default_factory=dict)
-    transitions: deque[TransitionEvent] = field(default_factory=lambda: deque(maxlen=60))
+    behaviors: Mapping[str, Learned] = field(default_factory=lambda: NOTHING)
+    readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NOTHING)
+    transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
     silent: bool = False
 
@@ -60,6 +65,10 @@ class Watch:
         agent: whom.
         status: returns its last status.
         changed: called when something new is known.
+        failed: called with what went wrong with an answer.
+
+    Attributes:
+        known: what is known now.
     """
 
     def __init__(
@@ -68,12 +77,14 @@ class Watch:
         agent: str,
         status: Callable[[], AgentStatus | None],
         changed: Callable[[], None],
+        failed: Callable[[str, Exception], None],
     ) -> None:
         self.known = Watched()
         self._link = link
         self._agent = agent
         self._status = status
         self._changed = changed
+        self._failed = failed
         self._clients: dict[str, Any] = {}
         self._pending: dict[str, tuple[float, Any, Any]] = {}
         self._next_read = self._next_refresh = 0.0
@@ -104,7 +115,7 @@ class Watch:
         self._forget_unanswered(now)
         if status.library_digest != self._digest or not self.known.vocabulary.domain:
             self._digest = status.library_digest
-            self.known.behaviors.clear()
+            self._know(behaviors=NOTHING)
             self._ask("vocabulary", GetVocabulary, "get_vocabulary", {}, self._take_vocabulary)
         training = status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING)
         key = (
@@ -119,7 +130,7 @@ class Watch:
             if status.examples or training:
                 self._ask("training", GetBehavior, "get_behavior", {}, self._take_training)
             elif self.known.training is not None:
-                self.known.training = None
+                self._know(training=None)
                 self._changed()
         for name in self._needed(status) - self.known.behaviors.keys():
             self._ask(name, GetBehavior, "get_behavior", {"name": name}, self._take_behavior)
@@ -168,9 +179,17 @@ class Watch:
         self._pending[key] = (time.monotonic(), client, future)
 
         def answered(done: Any) -> None:
-            if self._pending.get(key, (0, 0, None))[2] is done:
-                del self._pending[key]
+            if self._pending.get(key, (0, 0, None))[2] is not done:
+                return
+            del self._pending[key]
+            try:
                 take(done.result(), **({"asked": key} if take == self._take_behavior else {}))
+            except Exception as error:  # it is not the page that has to know how to read this
+                self._failed(
+                    f"The answer of {self._agent} to {service} cannot be read: "
+                    f"{what_went_wrong(error)}",
+                    error,
+                )
 
         future.add_done_callback(answered)
 
@@ -180,15 +199,18 @@ class Watch:
             _, client, future = self._pending.pop(key)
             client.remove_pending_request(future)
         if old:
-            self.known.silent = True
+            self._know(silent=True)
 
     # -- answers ----------------------------------------------------------------------------
 
+    def _know(self, **changes: Any) -> None:
+        self.known = replace(self.known, **changes)
+
     def _take_event(self, event: TransitionEvent) -> None:
-        self.known.transitions.append(event)
+        self._know(transitions=(*self.known.transitions, event)[-EVENTS:])
 
     def _take_vocabulary(self, answer: Any) -> None:
-        self.known.vocabulary = Vocabulary.of(answer)
+        self._know(vocabulary=Vocabulary.of(answer))
         self._changed()
 
     def _take_training(self, answer: Any) -> None:
@@ -196,27 +218,26 @@ class Watch:
         after = learned_of(answer) if answer.success else None
         if after == before:
             return
-        self.known.training = after
+        change = None
         if before is not None and after is not None and before.name == after.name:
-            self.known.change = effect(before, after)
-        else:
-            self.known.change = None
+            change = effect(before, after)
+        self._know(training=after, change=change)
         self._changed()
 
     def _take_behavior(self, answer: Any, asked: str) -> None:
         if answer.success:
-            self.known.behaviors[asked] = learned_of(answer)
+            behaviors = {**self.known.behaviors, asked: learned_of(answer)}
+            self._know(behaviors=MappingProxyType(behaviors))
             self._changed()
 
     def _take_features(self, answer: Any) -> None:
-        self.known.silent = False
+        self._know(silent=False)
         if not answer.success:
             return
-        readings = self.known.readings
-        there = list(zip(answer.automata, answer.features, strict=True))
-        for key, value in zip(there, answer.values, strict=True):
-            if key not in readings:
-                readings[key] = deque(maxlen=HISTORY)
-            readings[key].append(value)
-        for key in readings.keys() - set(there):
-            del readings[key]
+        there = zip(answer.automata, answer.features, answer.values, strict=True)
+        before = self.known.readings
+        readings = {
+            (automaton, feature): (*before.get((automaton, feature), ()), value)[-HISTORY:]
+            for automaton, feature, value in there
+        }
+        self._know(readings=MappingProxyType(readings))

@@ -22,6 +22,7 @@ class Attendance:
             joined: tells whether a node listens to an agent's percepts.
         """
         self.agents = tuple(agents)
+        self._known = frozenset(self.agents)
         self.present: set[str] = set()
         self.answers: dict[str, Answer] = {}
         self.missed_deadlines = 0
@@ -57,10 +58,19 @@ class Attendance:
         """Begin a round: forget the answers to the last one."""
         self._sequence = sequence
         self.answers = {}
+        if self._silent >= self.present:
+            # What all of them have waited for in vain, such as a commander, they have given up.
+            self._silent = set()
         self._awaited = self.present - self._silent
+
+    def excuse(self, agent: str) -> None:
+        """Do not wait for an agent in this round: there is nothing that it could answer."""
+        self._awaited.discard(agent)
 
     def take(self, agent: str, sequence: int, answer: Answer) -> None:
         """Take an agent's answer; one to an earlier round only tells that the agent is alive."""
+        if agent not in self._known:
+            return
         self._silent.discard(agent)
         if sequence == self._sequence:
             self.answers[agent] = answer

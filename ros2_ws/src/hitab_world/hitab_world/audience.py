@@ -6,12 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_ros import names, qos
+from hitab_ros.guarded_node import GuardedNode
 from hitab_world.attendance import Answer
-from hitab_world.host_desk import HostDesk
-from hitab_world.world import Sensed
+from hitab_world.host_desk import HostDesk, PerceptOf
 
 ALONE_MAX = 64  # agents for which a topic each is made ready before they come
 
@@ -19,7 +18,7 @@ ALONE_MAX = 64  # agents for which a topic each is made ready before they come
 class Audience:
     """Sends percepts, a message per agent or per host, and passes answers on."""
 
-    def __init__(self, node: Node, agents: tuple[str, ...]) -> None:
+    def __init__(self, node: GuardedNode, agents: tuple[str, ...]) -> None:
         self._node = node
         self._agents = agents
         self._alone: dict[str, tuple[Any, msg.Percept]] = {}
@@ -52,19 +51,22 @@ class Audience:
             self._expect(agent)  # it is there as soon as the two have found each other
         return False
 
-    def send(self, common: dict[str, Any], percept_of: Callable[[str], Sensed]) -> None:
+    def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send all their percepts.
 
         Args:
             common: the fields that all percepts of a cycle have in common.
-            percept_of: returns what an agent perceives.
+            percept_of: returns what an agent perceives; None: nothing is sent to it.
         """
         for name, (publisher, percept) in self._alone.items():
             if self._hosted(name):
                 continue
+            sensed = percept_of(name)
+            if sensed is None:
+                continue
             for field, value in common.items():
                 setattr(percept, field, value)
-            percept.values, percept.heard = percept_of(name)
+            percept.values, percept.heard = sensed
             publisher.publish(percept)
         if self._hosts is not None:
             self._hosts.send(common, percept_of)

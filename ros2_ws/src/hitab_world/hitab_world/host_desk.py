@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from hitab_ros import names, qos
+from hitab_ros.guarded_node import GuardedNode
 from hitab_world.attendance import Answer
-from hitab_world.world import Sensed
 
+PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
+"""Returns what an agent perceives; None: nothing is to be sent to it."""
+
+GONE_MAX = 50  # hosts that do not listen, or not yet, and are kept all the same
 HOSTS_MAX = 1000  # announcements that are kept for one who reads them late
 TAKE_IN = QoSProfile(
     depth=HOSTS_MAX, reliability=qos.LATCHED.reliability, durability=qos.LATCHED.durability
@@ -23,7 +26,7 @@ TAKE_IN = QoSProfile(
 class _Host:
     """One host, as it has announced itself last."""
 
-    def __init__(self, node: Node, roster: msg.HostRoster, known: Iterable[str]) -> None:
+    def __init__(self, node: GuardedNode, roster: msg.HostRoster, known: Iterable[str]) -> None:
         self.number = roster.number
         self.names = tuple(roster.agents)
         places = set(known)
@@ -42,7 +45,7 @@ class HostDesk:
     """Knows the hosts that have announced themselves, and which agents they run."""
 
     def __init__(
-        self, node: Node, agents: Iterable[str], take: Callable[[str, int, Answer], None]
+        self, node: GuardedNode, agents: Iterable[str], take: Callable[[str, int, Answer], None]
     ) -> None:
         """Begin to listen.
 
@@ -53,6 +56,7 @@ class HostDesk:
         """
         self._node = node
         self._agents = tuple(agents)
+        self._places = frozenset(self._agents)
         self._take = take
         self._hosts: dict[str, _Host] = {}
         self._there: set[str] = set()
@@ -64,12 +68,20 @@ class HostDesk:
         )
 
     def _on_roster(self, roster: msg.HostRoster) -> None:
+        if self._places.isdisjoint(roster.agents):
+            return  # none of them has a place in this world
         before = self._hosts.get(roster.host)
         if before is not None:
             if roster.number <= before.number:
                 return
-            self._node.destroy_publisher(before.publisher)
+            self._forget(roster.host)
+        gone = [name for name, host in self._hosts.items() if not host.listens]
+        if len(gone) >= GONE_MAX:  # the one that announced itself first
+            self._forget(gone[0])
         self._hosts[roster.host] = _Host(self._node, roster, self._agents)
+
+    def _forget(self, name: str) -> None:
+        self._node.destroy_publisher(self._hosts.pop(name).publisher)
 
     def look(self) -> None:
         """Find out which hosts are there."""
@@ -81,32 +93,16 @@ class HostDesk:
         """Whether a host that was there at the last look runs an agent."""
         return agent in self._there
 
-    def send(self, common: dict[str, Any], percept_of: Callable[[str], Sensed]) -> None:
+    def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send all hosts their percepts.
 
         Args:
             common: the fields that all percepts of a cycle have in common.
-            percept_of: returns what an agent perceives.
+            percept_of: returns what an agent perceives; None: nothing is sent to it.
         """
-        for host in self._hosts.values():
-            if not host.listens:
-                continue
-            batch = host.percepts
-            for name, value in common.items():
-                setattr(batch, name, value)
-            values, value_counts = array("d"), array("I")
-            heard_counts, heard = array("I"), []
-            for index in host.indices:
-                seen, said = percept_of(host.names[index])
-                values.extend(seen)
-                value_counts.append(len(seen))
-                heard_counts.append(len(said))
-                heard += said
-            batch.values = values
-            batch.value_counts = value_counts
-            batch.heard = heard
-            batch.heard_counts = heard_counts if heard else array("I")
-            host.publisher.publish(batch)
+        for name, host in self._hosts.items():
+            if host.listens:
+                self._node.guard.run(f"percepts to {name}", _send_to, host, common, percept_of)
 
     def _on_actions(self, batch: msg.ActionBatch) -> None:
         host = self._hosts.get(batch.host)
@@ -119,3 +115,28 @@ class HostDesk:
             if index < len(host.names):
                 answer = values[begin:end], said.get(index, "")
                 self._take(host.names[index], batch.sequence, answer)
+
+
+def _send_to(host: _Host, common: dict[str, Any], percept_of: PerceptOf) -> None:
+    batch = host.percepts
+    for name, value in common.items():
+        setattr(batch, name, value)
+    agents, values, value_counts = host.indices, array("d"), array("I")
+    heard_counts = array("I")
+    heard: list[str] = []
+    for index in host.indices:
+        sensed = percept_of(host.names[index])
+        if sensed is None:
+            agents = array("I", (i for i in agents if i != index))
+            continue
+        seen, said = sensed
+        values.extend(seen)
+        value_counts.append(len(seen))
+        heard_counts.append(len(said))
+        heard += said
+    batch.agents = agents
+    batch.values = values
+    batch.value_counts = value_counts
+    batch.heard = heard
+    batch.heard_counts = heard_counts if heard else array("I")
+    host.publisher.publish(batch)

@@ -32,6 +32,9 @@ Policy = Callable[[Any], None]
 """Makes a body act: called once a cycle, after the body has sensed."""
 
 
+Between = Callable[[], None]
+
+
 class Player(Protocol):
     """What plays one agent.
 
@@ -111,6 +114,7 @@ def play(
     players: Mapping[str, Player],
     episodes: int = 1,
     *,
+    between: Between | None = None,
     cycles_max: int | None = None,
     first: int | None = None,
 ) -> list[EpisodeResult]:
@@ -120,6 +124,7 @@ def play(
         world: is reset before each episode.
         players: by agent; agents without a player do nothing.
         episodes: how many.
+        between: see `cycle`.
         cycles_max: break an episode off after so many cycles; its result has ``ended == ""``.
         first: number of the first episode; the next one by default, or the present one if it
             has not been begun to be played.
@@ -129,28 +134,41 @@ def play(
     results = []
     for episode in range(number, number + episodes):
         world.reset(episode)
-        results.append(play_on(world, players, cycles_max=cycles_max))
+        results.append(play_on(world, players, between=between, cycles_max=cycles_max))
     return results
 
 
 def play_on(
-    world: World, players: Mapping[str, Player], *, cycles_max: int | None = None
+    world: World,
+    players: Mapping[str, Player],
+    *,
+    between: Between | None = None,
+    cycles_max: int | None = None,
 ) -> EpisodeResult:
     """Play the present episode from where the world is, all agents at Start, to its end."""
     for player in players.values():
         player.begin(world.seed, world.episode)
     while not world.ended and (cycles_max is None or world.episode_cycle < cycles_max):
-        cycle(world, players)
+        cycle(world, players, between)
     return world.result()
 
 
-def cycle(world: World, players: Mapping[str, Player]) -> str | None:
-    """Play one cycle: all perceive, all act; return why the episode ended, or None."""
+def cycle(
+    world: World, players: Mapping[str, Player], between: Between | None = None
+) -> str | None:
+    """Play one cycle: all perceive, all act; return why the episode ended, or None.
+
+    Args:
+        world: is stepped.
+        players: by agent.
+        between: called when all have perceived and nobody has acted yet, such as for commanders.
+    """
+    for name, player in players.items():
+        player.body.sense(*world.percept(name))
+    if between is not None:
+        between()
     actions = {}
     for name, player in players.items():
-        body = player.body
-        values, heard = world.percept(name)
-        body.sense(values, heard)
         player.tick()
-        actions[name] = body.act()
+        actions[name] = player.body.act()
     return world.step(actions)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from array import array
+from collections.abc import Callable, Sequence
 
 from hitab_msgs import msg
 from rclpy.clock import Clock, ClockType
@@ -12,6 +14,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from hitab_core.errors import HitabError
 from hitab_ros import names, qos
 from hitab_ros.conversions import time_of
+from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.name_guard import refuse_second_of_name
 from hitab_ros.spinning import Loop, Spinner
 from hitab_world.attendance import Attendance
@@ -22,12 +25,14 @@ from hitab_world.world_services import WorldServices
 
 NANOSECONDS = 1_000_000_000
 STATUS_PERIOD_NS = NANOSECONDS
+FAULTS_PERIOD_NS = NANOSECONDS // 20  # until a fault that has come or gone is published
 LOOK_FOR_VIEWERS_EVERY = 50  # cycles
 NAMED_MAX = 10  # agents that an error names
+TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
 UNREAD_MAX = 100  # events that are handled after a deadline to find answers among them
 
 
-class WorldNode(Node):
+class WorldNode(GuardedNode):
     """A world in the namespace of its name.
 
     `run` is the process's main loop: a cycle sends a percept to each agent, waits for their
@@ -45,7 +50,7 @@ class WorldNode(Node):
         Raises:
             HitabError: if a parameter is not usable.
         """
-        super().__init__("world", enable_rosout=False, start_parameter_services=False)
+        super().__init__("world")
         self.settings = settings = WorldSettings.declare(self)
         self.world = make_world(self, settings.seed)
         self._live_world = self.world if isinstance(self.world, LiveWorld) else None
@@ -55,12 +60,13 @@ class WorldNode(Node):
         self.steps_left = 0
         self.episodes_left = 0
         self.disturbed = True
+        self._in_real_time = False
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._sequence = 0
+        # The time of day, so that the rounds of a world that is started again are new ones.
+        self._sequence = time.time_ns()
         self._restart = True
         self._note = ""
         self._error = ""
-        self._waiting = ""
         self._next_cycle_ns = 0
         self._next_state_ns = 0
         self._next_status_ns = 0
@@ -87,18 +93,30 @@ class WorldNode(Node):
     def run(self, spinning: Spinner) -> int:
         """Run the world until the spinner is stopped; return the exit code."""
         while not spinning.stopped:
-            self._attend()
-            if not self._live():
-                spinning.executor.spin_once(timeout_sec=0.01)
-            elif self.paused and not self.steps_left:
-                if self.disturbed:
-                    self._show(spinning)
-                spinning.executor.spin_once(timeout_sec=0.1)
-            elif self.pace == msg.WorldStatus.LOCKSTEP and not self.attendance.present:
-                spinning.executor.spin_once(timeout_sec=0.1)  # nobody to play with yet
-            else:
-                self._cycle(spinning)
+            if not self.guard.run(TURN, self._turn, spinning):
+                self._pause(TURN)
+                spinning.spin_once(timeout_sec=0.1)
         return spinning.exit_code
+
+    def _turn(self, spinning: Spinner) -> None:
+        """Do what is to be done now: wait, show the world, or play a cycle."""
+        self._attend()
+        if not self._live():
+            spinning.spin_once(timeout_sec=0.01)
+        elif self.paused and not self.steps_left:
+            if self.disturbed:
+                self._show(spinning)
+            spinning.spin_once(timeout_sec=0.1)
+        elif self.pace == msg.WorldStatus.LOCKSTEP and not self.attendance.present:
+            spinning.spin_once(timeout_sec=0.1)  # nobody to play with yet
+        else:
+            self._cycle(spinning)
+
+    def _pause(self, fault: str) -> None:
+        """Stand still after an error in the world itself, until a person resumes it."""
+        self.paused = True
+        self.steps_left = 0
+        self.report_error(f"paused: {self.guard.faults.text(fault)}")
 
     def _live(self) -> bool:
         """Keep a world that goes on by itself company; return whether it can be stepped."""
@@ -112,9 +130,9 @@ class WorldNode(Node):
                 self.mark_restart()
             elif happened == LOOK:
                 self.disturbed = True
-        if world.waiting != self._waiting:
-            self._waiting = world.waiting
-            self.report_error(world.waiting)
+        if world.waiting:
+            self.guard.log(world.waiting)
+        self.guard.faults.set(WAITING, world.waiting)
         return not world.waiting
 
     def _attend(self) -> None:
@@ -143,6 +161,7 @@ class WorldNode(Node):
     def _cycle(self, spinning: Spinner) -> None:
         self.disturbed = False
         lockstep = self.pace == msg.WorldStatus.LOCKSTEP
+        self._in_real_time |= not lockstep
         self._send_percepts(look=False)
         now = self._now_ns()
         if lockstep:
@@ -155,15 +174,19 @@ class WorldNode(Node):
         self._wait(spinning, deadline, whole=not lockstep)
         if self.disturbed or spinning.stopped:
             return  # what they answered was about another situation
+        late = ""
         if not self.attendance.complete:
-            late = self.attendance.count_late(exclude=lockstep)
-            self.report_error(f"no answer in time from {_some(late)} in cycle {self.world.cycle}")
+            names_of_late = self.attendance.count_late(exclude=lockstep)
+            late = f"no answer in time from {_some(names_of_late)}"
+            self.guard.log(f"{late} in cycle {self.world.cycle}", late)
+        if late or not self.attendance.silent:
+            self.guard.faults.set(LATE, late)
         self._advance()
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
         """Handle events until all have answered, or, with ``whole``, until the deadline."""
         attendance = self.attendance
-        spin_once = spinning.executor.spin_once
+        spin_once = spinning.spin_once
         while not self.disturbed and not spinning.stopped:
             if not whole and attendance.complete:
                 return
@@ -189,16 +212,39 @@ class WorldNode(Node):
             "episode": world.episode,
             "seed": world.seed,
             "look": look,
+            "lockstep": self.pace == msg.WorldStatus.LOCKSTEP,
             "restart": self._restart,
         }
-        self._audience.send(common, world.percept)
+        self._audience.send(common, self._percept)
         self._restart = False
+
+    def _percept(self, agent: str) -> tuple[Sequence[float], Sequence[str]] | None:
+        """Return what an agent perceives; None if the world cannot say it, which is a fault."""
+        key = f"percept of {agent}"
+        try:
+            values, heard = self.world.percept(agent)
+            sensed = array("d", values), heard
+        except Exception as error:
+            self.guard.failed(key, error)
+            self.attendance.excuse(agent)
+            return None
+        if key in self.guard.faults:
+            self.guard.faults.clear(key)
+        return sensed
 
     def _advance(self) -> None:
         world = self.world
-        ended = world.step(self.attendance.answers)
-        if world.refused:
-            self.report_error("; ".join(world.refused.values()))
+        try:
+            ended = world.step(self.attendance.answers)
+        except Exception as error:
+            self.guard.failed(STEP, error)
+            self._pause(STEP)
+            return
+        self.guard.faults.clear(STEP)
+        refused = _some(list(world.refused.values()), "; ")
+        if refused:
+            self.guard.log(refused)
+        self.guard.faults.set(REFUSED, refused)
         if self._clocked:
             self._clock_publisher.publish(
                 ClockMessage(clock=time_of(world.cycle * world.cycle_seconds))
@@ -223,6 +269,17 @@ class WorldNode(Node):
 
     # -- episodes ---------------------------------------------------------------------------
 
+    def begin_run(self, seed: int) -> None:
+        """Begin the first episode of a run, and to count what would make it another one."""
+        self.attendance.missed_deadlines = 0
+        self._in_real_time = False
+        self.begin_episode(0, seed)
+
+    @property
+    def reproducible(self) -> bool:
+        """Whether the same seed gives this run again: nobody was late, and no clock took part."""
+        return not (self._in_real_time or self.attendance.missed_deadlines)
+
     def _end_episode(self, ended: str) -> None:
         result = self.world.result()
         self._episodes.publish(
@@ -232,6 +289,7 @@ class WorldNode(Node):
                 cycles=result.cycles,
                 seconds=result.seconds,
                 ended=result.ended,
+                reproducible=self.reproducible,
                 measure_names=list(result.measures),
                 measures=[float(value) for value in result.measures.values()],
             )
@@ -257,16 +315,21 @@ class WorldNode(Node):
     # -- telling ----------------------------------------------------------------------------
 
     def report_error(self, text: str) -> None:
-        """Publish the status with an error, at most once for the same text."""
+        """Publish the status with what was refused last, at most once for the same text."""
         if text != self._error:
             self._error = text
             if text:
-                self.get_logger().warning(text)
+                self.guard.log(text)
             self.publish_status()
+
+    def faults_changed(self) -> None:
+        """Publish the status soon, at the next turn."""
+        self._next_status_ns = min(self._next_status_ns, self._now_ns() + FAULTS_PERIOD_NS)
 
     def publish_status(self) -> None:
         """Publish how the world runs."""
         world = self.world
+        faults = self.guard.faults.texts()
         self._status.publish(
             msg.WorldStatus(
                 stamp=time_of(world.cycle * world.cycle_seconds),
@@ -278,10 +341,12 @@ class WorldNode(Node):
                 episode=world.episode,
                 seed=world.seed,
                 missed_deadlines=self.attendance.missed_deadlines,
+                reproducible=self.reproducible,
                 agents=list(world.agents),
                 missing=self.attendance.missing,
                 episodes_left=self.episodes_left,
-                last_error=self._error,
+                last_error=self._error or (faults[0] if faults else ""),
+                faults=faults,
                 swarm=self.settings.swarm,
             )
         )
@@ -292,7 +357,7 @@ class WorldNode(Node):
 
     def _publish_state(self) -> None:
         world = self.world
-        fields = ("name", "kind", "x", "y", "heading", "vx", "vy", "radius", "say")
+        entities = self.guard.wrap("the state for viewers", self._entities, otherwise=[])()
         self._state.publish(
             msg.WorldState(
                 stamp=time_of(world.cycle * world.cycle_seconds),
@@ -303,20 +368,24 @@ class WorldNode(Node):
                 episode_cycle=world.episode_cycle,
                 width=float(world.size[0]),
                 height=float(world.size[1]),
-                entities=[
-                    msg.Entity(**{field: getattr(entity, field) for field in fields})
-                    for entity in world.entities()
-                ],
+                entities=entities,
                 note=self._note,
             )
         )
         self._note = ""
 
+    def _entities(self) -> list[msg.Entity]:
+        fields = ("name", "kind", "x", "y", "heading", "vx", "vy", "radius", "say")
+        return [
+            msg.Entity(**{field: getattr(entity, field) for field in fields})
+            for entity in self.world.entities()
+        ]
 
-def _some(agents: list[str]) -> str:
+
+def _some(agents: list[str], between: str = ", ") -> str:
     """Name some agents, and say how many there are besides."""
     more = len(agents) - NAMED_MAX
-    return ", ".join(agents[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
+    return between.join(agents[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
 
 
 def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:

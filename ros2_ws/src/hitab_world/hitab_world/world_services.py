@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from hitab_world.world_node import WorldNode
 
 
+SNAPSHOTS_MAX = 100
+"""Each is a whole world in memory."""
+
+
 class WorldServices:
     """Offers a world's services; a refusal is a reply with ``success`` false and the reason."""
 
@@ -66,6 +70,7 @@ class WorldServices:
                 if request.pace:
                     check_pace(request.pace)
                     node.pace = request.pace
+                    node.disturbed = True  # the agents have to know whether the world waits
                 if request.factor:
                     node.factor = request.factor
                 return f"pace {node.pace}, factor {node.factor:g}"
@@ -88,9 +93,8 @@ class WorldServices:
             raise HitabError(
                 f"no node answers for {', '.join(node.attendance.missing)}; start them first"
             )
-        node.attendance.missed_deadlines = 0
         node.episodes_left = request.episodes
-        node.begin_episode(0, request.seed)
+        node.begin_run(request.seed)
         node.paused = False
         node.steps_left = 0
         node.report_error("")
@@ -117,6 +121,8 @@ class WorldServices:
             raise HitabError(f'no snapshot "{name}" {has(kept)}')
         match request.action:
             case actions.SAVE:
+                if name not in kept and len(kept) >= SNAPSHOTS_MAX:
+                    raise HitabError(f"there are {len(kept)} snapshots; delete one of them first")
                 kept[name] = self._node.world.snapshot()
                 told = f'saved "{name}"'
             case actions.RESTORE:

@@ -68,15 +68,27 @@ def test_in_real_time_who_is_late_is_counted_and_still_waited_for(attendance):
 
 def test_a_late_answer_brings_its_agent_back(attendance):
     attendance.begin(1)
+    attendance.take("ann", 1, ANSWER)
     attendance.give_up_on_late()
     assert attendance.silent
     attendance.begin(2)
+    attendance.take("ann", 2, ANSWER)
     assert attendance.complete
     attendance.take("bob", 1, ANSWER)
     attendance.begin(3)
+    attendance.take("ann", 3, ANSWER)
+    assert not attendance.complete
     attendance.take("bob", 3, ANSWER)
     assert attendance.complete
-    assert attendance.missing == ["ann", "cy"]
+    assert attendance.missing == ["cy"]
+
+
+def test_when_all_are_late_they_waited_for_somebody_else_and_are_waited_for_again(attendance):
+    attendance.begin(1)
+    assert attendance.count_late(exclude=True) == ["ann", "bob"]
+    attendance.begin(2)
+    assert not attendance.complete
+    assert attendance.missing == ["cy"]
 
 
 def test_giving_up_on_somebody_in_a_pause_is_not_a_missed_deadline(attendance):
@@ -87,6 +99,7 @@ def test_giving_up_on_somebody_in_a_pause_is_not_a_missed_deadline(attendance):
 
 def test_who_leaves_and_comes_back_begins_anew(attendance, nodes):
     attendance.begin(1)
+    attendance.take("ann", 1, ANSWER)
     attendance.give_up_on_late()
     nodes.names = {"ann"}
     assert attendance.look()
@@ -94,4 +107,5 @@ def test_who_leaves_and_comes_back_begins_anew(attendance, nodes):
     assert attendance.look()
     assert not attendance.look()
     attendance.begin(2)
+    attendance.take("ann", 2, ANSWER)
     assert not attendance.complete, "bob is waited for again"

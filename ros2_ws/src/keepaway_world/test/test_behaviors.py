@@ -87,7 +87,7 @@ def test_a_keeper_that_stops_keeps_a_ball_that_rolls_by(quiet, put):
     assert math.hypot(ball.x, ball.y) < world.parameters.kickable
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), st.floats(-3.1, 3.1), st.floats(0.0, 3.9))
 def test_turning_to_the_ball_faces_it_however_fast_the_keeper_is(x, y, heading, speed):
     world = KeepawayWorld(

@@ -70,9 +70,10 @@ def test_hand_written_keepers_hold_the_ball_longer_than_idle_ones():
     world = KeepawayWorld(seed=3)
     idle = play(world, {}, 20, cycles_max=3000)
     playing = play(world, perform(world, REPERTOIRE, "Keepaway"), 20, cycles_max=3000)
-    assert sum(r.cycles for r in playing) > sum(r.cycles for r in idle)
+    assert sum(r.cycles for r in playing) > 1.5 * sum(r.cycles for r in idle)
     assert sum(r.measures["passes"] for r in playing) >= 20.0
-    assert {r.ended for r in playing} <= {"out", "taken", ""}
+    assert sum(r.measures["passes"] for r in idle) == 0.0
+    assert all(r.ended for r in [*idle, *playing])  # none was cut off
 
 
 def test_episodes_are_the_same_whatever_was_played_before():

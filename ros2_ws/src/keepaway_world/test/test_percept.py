@@ -58,7 +58,7 @@ def test_full_sight_gives_what_is_true(quiet, put):
     assert heard == []
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(2, 6), st.integers(0, 5), st.sampled_from(["full", "quantised"]))
 def test_every_keeper_of_any_team_can_read_its_percept(keepers, takers, sight):
     world = KeepawayWorld(variant("paper", keepers=keepers, takers=takers, sight=sight), seed=3)

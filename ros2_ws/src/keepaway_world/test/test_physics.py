@@ -124,7 +124,7 @@ powers = st.floats(-150.0, 150.0)
 commands = st.tuples(st.sampled_from(["dash", "turn", "kick"]), powers, angles)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 2**32), st.lists(st.lists(commands, min_size=3, max_size=3), max_size=20))
 def test_whatever_is_commanded_speeds_stay_in_bounds_and_nobody_overlaps(seed, plan):
     physics = make(seed=seed)

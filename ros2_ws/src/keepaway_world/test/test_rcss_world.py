@@ -464,7 +464,8 @@ def test_a_pause_holds_the_server_to_about_a_cycle_a_second():
         before = world.cycle
         began = time.monotonic()
         happened = idle_until(world, lambda: time.monotonic() - began > 2.5)
-        assert 1 <= world.cycle - before <= 4
+        # Without it, the server would go on as fast as this machine lets it: hundreds of cycles.
+        assert 1 <= world.cycle - before <= time.monotonic() - began + 1
         assert set(happened) == {LOOK}
 
 

@@ -76,7 +76,7 @@ def test_an_episode_starts_the_same_with_every_version_of_python():
     assert world.entities()[1].x == pytest.approx(7.453340158941588, abs=1e-12)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 80), st.integers(0, 1000))
 def test_a_restored_world_goes_on_as_if_nothing_had_happened(cycles, seed):
     world = KeepawayWorld(variant("standard"), seed=seed)

@@ -98,6 +98,8 @@ def _drawn(branch: Branch, agents: bool, onto: Tree | None = None) -> Tree:
     drawn = Tree(Text(_line(branch), style=_style(branch)))
     if onto is not None:
         onto.children.append(drawn)
+    for fault in branch.faults:
+        drawn.add(Text(fault, style="red"))
     leaves = [member for member in branch.below if not member.is_commander]
     for member in branch.below:
         if member.is_commander:
@@ -129,7 +131,7 @@ def _why_not(branch: Branch) -> str:
 
 
 def _style(branch: Branch) -> str:
-    if branch.silent:
+    if branch.silent or branch.faults:
         return "red"
     return "yellow" if branch.obeys is False else ""
 

@@ -159,6 +159,7 @@ def _status_data(swarm_up: Connection) -> dict[str, Any]:
             "cycle": s.cycle,
             "library_digest": s.library_digest,
             "last_error": s.last_error,
+            "faults": list(s.faults),
         }
         for name, s in sorted(swarm_up.agents.statuses.items())
     ]
@@ -182,6 +183,7 @@ def _status_data(swarm_up: Connection) -> dict[str, Any]:
             "missed_deadlines": world.missed_deadlines,
             "missing": list(world.missing),
             "last_error": world.last_error,
+            "faults": list(world.faults),
         },
     }
 
@@ -203,8 +205,7 @@ def _rendered(data: dict[str, Any]) -> Group:
         )
         for name in world["missing"]:
             lines.append(Text(f"the world hears no {name}", style="red"))
-        if world["last_error"]:
-            lines.append(Text(world["last_error"], style="red"))
+        lines += [Text(text, style="red") for text in _wrong(world)]
     table = Table(box=None, pad_edge=False)
     for column in ("agent", "mode", "behavior", "active", "examples", "library"):
         table.add_column(column)
@@ -224,8 +225,13 @@ def _rendered(data: dict[str, Any]) -> Group:
     for name in data["missing"]:
         lines.append(Text(f"{name} does not answer", style="red"))
     for agent in data["agents"]:
-        if agent["last_error"]:
-            lines.append(Text(f"{agent['agent']}: {agent['last_error']}", style="red"))
+        lines += [Text(f"{agent['agent']}: {text}", style="red") for text in _wrong(agent)]
     if data["run_folder"]:
         lines.append(Text(f"logs in {data['run_folder']}/logs", style="dim"))
     return Group(*lines)
+
+
+def _wrong(status: dict[str, Any]) -> list[str]:
+    """Return what is wrong and lasts, and what was refused last."""
+    faults, last = status["faults"], status["last_error"]
+    return [*faults, *([last] if last and last not in faults else [])]

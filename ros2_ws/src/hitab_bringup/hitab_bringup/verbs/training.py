@@ -1,4 +1,4 @@
-"""Verbs that train: train, test, undo, examples, save."""
+"""Verbs that train: train, test, undo, redo, examples, save."""
 
 from __future__ import annotations
 
@@ -39,6 +39,7 @@ def register(app: typer.Typer) -> None:
     app.command("begin", hidden=True)(train)
     app.command("test", rich_help_panel=PANEL)(start_testing)
     app.command(rich_help_panel=PANEL)(undo)
+    app.command(rich_help_panel=PANEL)(redo)
     app.add_typer(examples_app, name="examples", rich_help_panel=PANEL)
     app.command(rich_help_panel=PANEL)(save)
 
@@ -149,12 +150,26 @@ def start_testing(
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:
     """Take back the last command, deletion or relabelling.
 
+    Taking back a command has the agent perform again what it performed before.
+
     Example:
 
       hitab undo keeper_1
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "undo")
+    console.say(answer.message)
+
+
+def redo(agent: AgentName, swarm: SwarmName = None) -> None:
+    """Do again what was taken back last, unless something else was done since.
+
+    Example:
+
+      hitab redo keeper_1
+    """
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, "redo")
     console.say(answer.message)
 
 

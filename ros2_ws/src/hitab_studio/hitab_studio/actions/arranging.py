@@ -6,8 +6,8 @@ from typing import Any
 
 from hitab_bringup.errors import SwarmError
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.jobs import Connected
 from hitab_studio.session import Session
-from hitab_studio.swarm_link import Connected
 
 MOST_UNDO = 100
 
@@ -15,12 +15,12 @@ MOST_UNDO = 100
 @action("pause")
 async def pause(session: Session, data: Data) -> None:
     """Pause the world, or let it go on."""
-    world = session.studio.store.world
+    world = session.studio.store.known.world
     wanted = "resume" if world is not None and world.mode == "paused" else "pause"
     await session.ask(lambda swarm: swarm.world.control(wanted))
 
 
-@action("step")
+@action("step", repeats=True)
 async def step(session: Session, data: Data) -> None:
     """Let some cycles pass, then pause."""
     cycles = int(data.get("cycles", 1))
@@ -50,12 +50,12 @@ async def pace(session: Session, data: Data) -> None:
 def _remember(session: Session) -> None:
     """Remember where everything is, to be able to go back."""
     store = session.studio.store
-    if store.scene is not None:
-        store.placements.append(store.scene.everything())
+    if store.known.scene is not None:
+        store.placements.append(store.known.scene.everything())
         del store.placements[:-MOST_UNDO]
 
 
-@action("place")
+@action("place", repeats=True)
 async def place(session: Session, data: Data) -> None:
     """Put things where they were dragged to."""
     things = {
@@ -80,7 +80,7 @@ def _placed(swarm: Connected, things: Any) -> None:
         swarm.world.place(things)
 
 
-@action("unplace")
+@action("unplace", repeats=True)
 async def unplace(session: Session, data: Data) -> None:
     """Undo the last placement."""
     placements = session.studio.store.placements

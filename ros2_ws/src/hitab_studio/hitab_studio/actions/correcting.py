@@ -8,14 +8,14 @@ from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session
 
 
-@action("undo")
+@action("undo", repeats=True)
 async def undo(session: Session, data: Data) -> None:
     """Take back the last command or edit."""
     await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "undo"))
     session.tell("taken back")
 
 
-@action("mark")
+@action("mark", repeats=True)
 async def mark(session: Session, data: Data) -> None:
     """Choose an example, or choose it no more."""
     session.table.marked ^= {int(data["number"])}
@@ -27,7 +27,7 @@ async def mark_none(session: Session, data: Data) -> None:
     session.table.marked.clear()
 
 
-@action("sort")
+@action("sort", repeats=True)
 async def sort(session: Session, data: Data) -> None:
     """Sort by a column, or the other way round."""
     table, column = session.table, str(data["column"])
@@ -35,13 +35,13 @@ async def sort(session: Session, data: Data) -> None:
     table.sort = column
 
 
-@action("examples-text")
+@action("examples-text", repeats=True)
 async def examples_text(session: Session, data: Data) -> None:
     """Show examples with this in their states."""
     session.table.text = str(data["value"])
 
 
-@action("examples-kind")
+@action("examples-kind", repeats=True)
 async def examples_kind(session: Session, data: Data) -> None:
     """Show examples of one kind."""
     session.table.kind = str(data["value"])
@@ -87,7 +87,7 @@ async def situation(session: Session, data: Data) -> None:
     training = session.watched.training
     found = [e for e in training.examples if e.number == number] if training else []
     scene = (
-        session.studio.store.situations.of(session.agent, training.name, number, found[0].cycle)
+        session.studio.store.known.moments.of(session.agent, training.name, number, found[0].cycle)
         if training is not None and found
         else None
     )

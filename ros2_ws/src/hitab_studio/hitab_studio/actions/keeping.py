@@ -9,9 +9,9 @@ from hitab_msgs.srv import GetBehavior
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.swarm_client import DistributionReport
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.jobs import Connected
 from hitab_studio.learned import learned_of
 from hitab_studio.session import Session
-from hitab_studio.swarm_link import Connected
 
 
 def _bindings(values: Any) -> dict[str, str]:
@@ -33,7 +33,7 @@ async def save_dialog(session: Session, data: Data) -> None:
     await _preview(session, {})
 
 
-@action("save-preview")
+@action("save-preview", repeats=True)
 async def save_preview(session: Session, data: Data) -> None:
     """Show it again with other choices."""
     await _preview(session, data["values"])
@@ -94,12 +94,12 @@ async def library(session: Session, data: Data) -> None:
 @action("versions")
 async def versions(session: Session, data: Data) -> None:
     """Tell what has changed between two versions."""
-    name = session.behavior
+    name, agent = session.behavior, session.agent
     newer = int(data.get("newer") or data["values"]["newer"])
     older = int(data.get("older") or data["values"]["older"])
     answer = await session.ask(
         lambda swarm: swarm.agents.ask(
-            session.agent,
+            agent,
             GetBehavior,
             "get_behavior",
             name=name,

@@ -7,7 +7,7 @@ from hitab_studio.actions.teaching import give_target, targets_meant
 from hitab_studio.session import TABS, Session
 
 
-@action("choose")
+@action("choose", repeats=True)
 async def choose(session: Session, data: Data) -> None:
     """Choose something in the field: an agent to look at, or a target that was asked for."""
     name = str(data["name"])
@@ -30,7 +30,7 @@ async def choose(session: Session, data: Data) -> None:
         session.look_at(name)
 
 
-@action("agent")
+@action("agent", repeats=True)
 async def agent(session: Session, data: Data) -> None:
     """Look at an agent of the list."""
     name = str(data["name"])
@@ -38,7 +38,7 @@ async def agent(session: Session, data: Data) -> None:
     session.look_at(name)
 
 
-@action("neighbor")
+@action("neighbor", repeats=True)
 async def neighbor(session: Session, data: Data) -> None:
     """Look at the next agent of the list, or the one before."""
     agents = session.studio.agents(session)
@@ -48,27 +48,27 @@ async def neighbor(session: Session, data: Data) -> None:
         await agent(session, {"name": agents[(here + step) % len(agents)]})
 
 
-@action("deselect")
+@action("deselect", repeats=True)
 async def deselect(session: Session, data: Data) -> None:
     """Choose nothing in the field; the agent that is looked at stays."""
     if session.asked is None:
         session.choose([session.agent] if session.agent else [])
 
 
-@action("filter")
+@action("filter", repeats=True)
 async def filter_agents(session: Session, data: Data) -> None:
     """Show agents with this in their names."""
     session.filter = str(data["value"])
 
 
-@action("tab")
+@action("tab", repeats=True)
 async def tab(session: Session, data: Data) -> None:
     """Show a tab."""
     if data["name"] in TABS:
         session.tab = str(data["name"])
 
 
-@action("level")
+@action("level", repeats=True)
 async def level(session: Session, data: Data) -> None:
     """Look into one automaton of the hierarchy."""
     session.level, session.state = str(data.get("name", "")), ""
@@ -87,13 +87,13 @@ async def show_help(session: Session, data: Data) -> None:
     session.dialog = {"kind": "help"}
 
 
-@action("close")
+@action("close", repeats=True)
 async def close(session: Session, data: Data) -> None:
     """Close what is asked for."""
     session.dialog = {}
 
 
-@action("escape")
+@action("escape", repeats=True)
 async def escape(session: Session, data: Data) -> None:
     """Close what is in front."""
     if session.dialog:

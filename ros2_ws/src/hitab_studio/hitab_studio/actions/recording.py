@@ -15,12 +15,12 @@ from hitab_studio.session import Session
 async def record(session: Session, data: Data) -> None:
     """Record the run, or stop recording."""
     link, store = session.studio.link, session.studio.store
-    if store.recording:
+    if store.known.recording:
         path = await session.ask(lambda _: link.stop_recording())
         session.tell(f"recorded to {path}")
     else:
-        path = str(new_recording(store.target.swarm if store.target else ""))
-        await session.ask(lambda swarm: link.start_recording(swarm, path))
+        path = str(new_recording(store.known.target.swarm if store.known.target else ""))
+        await session.ask(lambda _: link.start_recording(path, session.id))
     session.tab = "record"
 
 
@@ -49,14 +49,14 @@ async def replay_play(session: Session, data: Data) -> None:
     player.playing = not player.playing
 
 
-@action("replay-seek")
+@action("replay-seek", repeats=True)
 async def replay_seek(session: Session, data: Data) -> None:
     """Go to a moment."""
     _player(session).seek(float(data["value"]))
     session.studio.show_moment(session)
 
 
-@action("replay-speed")
+@action("replay-speed", repeats=True)
 async def replay_speed(session: Session, data: Data) -> None:
     """Set how fast it plays."""
     _player(session).speed = float(data["value"])

@@ -43,7 +43,7 @@ def targets_meant(session: Session, name: str) -> list[str]:
     targets = session.watched.vocabulary.targets
     if name in targets:
         return [name]
-    scene = session.studio.store.scene
+    scene = session.studio.store.known.scene
     kinds = dict(zip(scene.names, scene.kinds, strict=True)) if scene is not None else {}
     words = set(kinds.get(name, "").split("_")) - {""}
     return [t for t in targets if words & set(t.split("_"))]
@@ -132,7 +132,7 @@ async def new(session: Session, data: Data) -> None:
     }
 
 
-@action("new-parameter")
+@action("new-parameter", repeats=True)
 async def new_parameter(session: Session, data: Data) -> None:
     """Offer features and behaviors of a parameter too."""
     session.dialog["parameter"] = str(data["value"]).strip()

@@ -57,6 +57,7 @@ class Field {
   takeRoster(roster) {
     const size = this.roster.size;
     if (roster.names.join() !== this.roster.names.join()) {
+      this.cancelDrag(); // what is dragged is another thing by now, or none
       this.before = this.now = null;
       this.trails = this.trails && new Map();
     }
@@ -415,6 +416,7 @@ class Field {
       this.zoom(Math.exp(-event.deltaY * 0.0015), event.offsetX, event.offsetY);
     }, { passive: false });
     canvas.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return; // a menu opens, or the page scrolls
       canvas.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
       if (pointers.size === 2) this.beginPinch(pointers);
@@ -427,12 +429,17 @@ class Field {
       else this.hover(event);
     });
     const end = (event) => {
-      pointers.delete(event.pointerId);
+      if (!pointers.delete(event.pointerId)) return;
       if (this.pinch) this.pinch = pointers.size ? this.pinch : null;
-      else if (this.drag) this.endDrag(event);
+      else if (this.drag && event.type === "pointerup") this.endDrag(event);
+      else this.cancelDrag();
     };
-    canvas.addEventListener("pointerup", end);
-    canvas.addEventListener("pointercancel", end);
+    // Only letting go puts a thing somewhere. The capture is lost after each of the others, too,
+    // and alone when the page is left or something else takes the pointer.
+    for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) {
+      canvas.addEventListener(name, end);
+    }
+    window.addEventListener("blur", () => this.cancelDrag());
     canvas.addEventListener("dblclick", () => this.fit());
     document.addEventListener("click", (event) => {
       if (event.target.closest("#trails")) this.toggleTrails();
@@ -513,8 +520,19 @@ class Field {
     this.redraw();
   }
 
-  beginPinch(pointers) {
+  // Gives up a drag as if it had not begun; tells whether there was one.
+  cancelDrag() {
+    const { drag } = this;
+    if (!drag) return false;
     this.drag = null;
+    if (drag.i < 0 && drag.moved) this.view = drag.view;
+    this.canvas.style.cursor = "default";
+    this.redraw();
+    return true;
+  }
+
+  beginPinch(pointers) {
+    this.cancelDrag();
     this.pinch = { apart: apart(pointers) };
   }
 

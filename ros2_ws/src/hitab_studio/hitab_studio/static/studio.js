@@ -22,6 +22,12 @@ function valuesOf(form) {
   return values;
 }
 
+// Whether what happens now comes of a further click of a double click: the server tells whether
+// that is meant.
+let again = false;
+document.addEventListener("click", (event) => (again = event.detail > 1), true);
+document.addEventListener("keydown", () => (again = false), true);
+
 document.addEventListener("click", (event) => {
   const element = event.target.closest("[data-do]");
   if (!element || element.disabled) return;
@@ -32,6 +38,7 @@ document.addEventListener("click", (event) => {
     ...dataOf(element),
     ...(form && element.dataset.withForm !== undefined ? { values: valuesOf(form) } : {}),
     shift: event.shiftKey || undefined,
+    again: again || undefined,
   });
   element.blur?.();
 });
@@ -57,12 +64,13 @@ document.addEventListener("submit", (event) => {
   const form = event.target.closest("form[data-submit]");
   if (!form) return;
   event.preventDefault();
-  told(form.dataset.submit, { ...dataOf(form), values: valuesOf(form) });
+  told(form.dataset.submit, { ...dataOf(form), values: valuesOf(form), again: again || undefined });
 });
 
 const TEXT = new Set(["INPUT", "SELECT", "TEXTAREA"]);
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") {
+    if (window.studioField?.cancelDrag()) return; // that was in front
     document.activeElement?.blur?.();
     told("escape");
     return;

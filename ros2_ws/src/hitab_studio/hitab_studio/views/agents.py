@@ -27,6 +27,7 @@ class Row:
     gone: bool
     lock: str
     order: str
+    faults: str
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -34,7 +35,7 @@ def context(session: Session) -> dict[str, Any]:
     statuses = (
         session.player.recording.statuses(session.player.at)
         if session.player is not None
-        else session.studio.store.statuses
+        else session.studio.store.known.statuses
     )
     ordered = list(_ordered(session))
     wanted = session.filter.lower()
@@ -55,7 +56,7 @@ def context(session: Session) -> dict[str, Any]:
 
 def _ordered(session: Session) -> Iterator[tuple[str, int]]:
     """Yield agents with their depth in the tree of commanders."""
-    groups = session.studio.store.groups
+    groups = session.studio.store.known.groups
     agents = session.studio.agents(session)
     below = {sub for group in groups.values() for sub in group.subordinates}
 
@@ -76,7 +77,7 @@ def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
     holder = session.studio.locks.holder(name)
     state = state_shown(status.active_path) if status is not None else ""
     index = store.palette.index(state)
-    group = store.groups.get(name)
+    group = store.known.groups.get(name)
     return Row(
         name=name,
         depth=depth,
@@ -84,7 +85,8 @@ def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
         state=state or (status.behavior if status is not None else ""),
         color="" if index == NO_COLOR else STATE_COLORS[index],
         chosen=name == session.agent,
-        gone=status is None or (session.player is None and name in store.gone),
+        gone=status is None or (session.player is None and name in store.known.gone),
         lock="" if holder is None else ("you" if holder.session == session.id else holder.name),
         order=group.order if group is not None else "",
+        faults="\n".join(status.faults) if status is not None else "",
     )

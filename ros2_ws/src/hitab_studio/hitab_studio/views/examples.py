@@ -59,7 +59,7 @@ def _arguments(behavior: str) -> tuple[str, ...]:
 
 def _lines(session: Session, training: Learned) -> list[Line]:
     against = is_contradicted(training.examples)
-    situations = session.studio.store.situations
+    moments = session.studio.store.known.moments
     lines = []
     for example in training.examples:
         decided = most_probable(training.decides(example.state, example.features))
@@ -68,7 +68,7 @@ def _lines(session: Session, training: Learned) -> list[Line]:
                 example,
                 decided if decided != example.next_state else "",
                 tuple(against.get(example.number, ())),
-                situations.of(session.agent, training.name, example.number, example.cycle)
+                moments.of(session.agent, training.name, example.number, example.cycle)
                 is not None,
                 example.number in session.table.marked,
             )

@@ -23,12 +23,12 @@ def context(session: Session) -> dict[str, Any]:
         found.append((stat.st_mtime, path.name, stat.st_size / 1e6))
     found.sort(reverse=True)
     return {
-        "recording": store.recording,
-        "recorded": store.recorded,
+        "recording": store.known.recording,
+        "recorded": store.known.recorded,
         "folder": str(recordings_folder()),
         "files": [
             (name, time.strftime("%d %b %H:%M", time.localtime(when)), size)
             for when, name, size in found[:MOST]
-            if not store.recording.endswith(name)
+            if not store.known.recording.endswith(name)
         ],
     }

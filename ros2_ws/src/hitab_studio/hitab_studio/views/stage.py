@@ -44,7 +44,7 @@ def context(session: Session) -> dict[str, Any]:
         "status": status,
         "mode": mode,
         "mode_words": MODE_WORDS.get(mode, ("", "")),
-        "gone": bool(session.agent) and not store.answers(session.agent),
+        "gone": bool(session.agent) and not store.known.answers(session.agent),
         "path": list(status.active_path) if status is not None else [],
         "lock": None if holder is None or holder.session == session.id else holder.name,
         "buttons": _buttons(session),
@@ -62,7 +62,9 @@ def _legend(session: Session) -> list[tuple[str, str]]:
     """Return the states that are active at the moment, with their colors."""
     palette = session.studio.store.palette
     player = session.player
-    doing = session.studio.store.doing() if player is None else player.recording.doing(player.at)
+    doing = (
+        session.studio.store.known.doing() if player is None else player.recording.doing(player.at)
+    )
     active = {state for _, state in doing.values() if state}
     return [(s, STATE_COLORS[palette.index(s)]) for s in palette.states if s in active][:8]
 
@@ -70,12 +72,12 @@ def _legend(session: Session) -> list[tuple[str, str]]:
 def _empty(session: Session) -> tuple[str, str, str]:
     """Return a title, what it means and what to type, where there is no field to be seen."""
     store = session.studio.store
-    if session.player is not None or store.scene is not None:
+    if session.player is not None or store.known.scene is not None:
         return ("", "", "")
-    target = store.target
+    target = store.known.target
     if target is not None and target.problem:
         return ("Which swarm?", target.problem, "hitab studio NAME")
-    if store.statuses:
+    if store.known.statuses:
         return ("No world", "There are agents, but no world shows them.", "")
     if target is not None and target.swarm:
         return (f"Waiting for {target.swarm}", "It is up but does not answer yet.", "")

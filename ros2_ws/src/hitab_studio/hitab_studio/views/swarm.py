@@ -29,20 +29,21 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     store = session.studio.store
     states = Counter(
-        state_shown(s.active_path) or s.behavior or "nothing" for s in store.statuses.values()
+        state_shown(s.active_path) or s.behavior or "nothing"
+        for s in store.known.statuses.values()
     )
-    digests = Counter(s.library_digest for s in store.statuses.values())
+    digests = Counter(s.library_digest for s in store.known.statuses.values())
     total = max(1, sum(states.values()))
     return {
         "shares": [
             (state, count, 100 * count / total, _color(store.palette.index(state)))
             for state, count in states.most_common(12)
         ],
-        "modes": Counter(s.mode for s in store.statuses.values()),
-        "groups": list(_groups(store.groups)),
+        "modes": Counter(s.mode for s in store.known.statuses.values()),
+        "groups": list(_groups(store.known.groups)),
         "libraries": len(digests),
-        "gone": sorted(store.gone),
-        "errors": [(n, s.last_error) for n, s in store.statuses.items() if s.last_error][:6],
+        "gone": sorted(store.known.gone),
+        "errors": [(n, s.last_error) for n, s in store.known.statuses.items() if s.last_error][:6],
     }
 
 

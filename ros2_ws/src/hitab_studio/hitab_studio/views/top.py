@@ -12,13 +12,13 @@ SPEEDS = ("0.25", "0.5", "1", "2", "4")
 def context(session: Session) -> dict[str, Any]:
     """Return what the bar shows."""
     store = session.studio.store
-    world, scene = store.world, store.scene
+    world, scene = store.known.world, store.known.scene
     pace = ""
     if world is not None:
         pace = "lockstep" if world.pace == "lockstep" else f"{world.factor:g}"
     return {
-        "swarm": store.target.swarm if store.target else "",
-        "there": len(store.statuses) - len(store.gone & store.statuses.keys()),
+        "swarm": store.known.target.swarm if store.known.target else "",
+        "there": len(store.known.statuses) - len(store.known.gone & store.known.statuses.keys()),
         "world": world,
         "paused": world is not None and world.mode == "paused",
         "scene": scene,

@@ -1,0 +1,29 @@
+"""What joins an agent to a robot of its own: sensors in, motors out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from hitab_msgs import msg
+from rclpy.node import Node
+
+OnPercept = Callable[[msg.Percept], tuple[Sequence[float], str]]
+
+
+class RobotLink(Protocol):
+    """A domain names the class of its robots' link in `Domain.link`."""
+
+    def __init__(self, node: Node, world: str, on_percept: OnPercept) -> None:
+        """Subscribe to the robot's topics.
+
+        Args:
+            node: of the agent, in the agent's namespace.
+            world: name of the world, if there is one.
+            on_percept: to be called with a percept made from the robot's sensors, at the rate at
+                which the agent should tick. Returns what to carry out: values in the domain's
+                layout, none if something was wrong, and a text to say.
+        """
+
+    def close(self) -> None:
+        """Leave the robot at rest: the agent ends."""

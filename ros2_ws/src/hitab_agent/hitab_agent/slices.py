@@ -1,0 +1,92 @@
+"""Long jobs done in slices, so that percepts and orders get their turn in between."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from threading import Thread
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+SLICE_S = 0.005
+"""How long a job goes on before something else gets its turn; far less than a cycle."""
+
+PAUSE_S = 0.001
+"""How long something else has to begin."""
+
+
+class Background:
+    """Something that is done in a thread of its own.
+
+    For what waits for the disk, or depends on nothing that changes: it must not touch nodes or
+    agents.
+    """
+
+    def __init__(self, call: Callable[[], Any]) -> None:
+        """Begin."""
+        self._call = call
+        self._result: Any = None
+        self._error: Exception | None = None
+        self._thread = Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._result = self._call()
+        except Exception as error:  # raised again where the result is asked for
+            self._error = error
+
+    @property
+    def done(self) -> bool:
+        """Whether it is over."""
+        return not self._thread.is_alive()
+
+    def result(self) -> Any:
+        """Return what came of it, or raise what it raised."""
+        self._thread.join()
+        if self._error is not None:
+            raise self._error
+        return self._result
+
+
+Job = Iterator[Background | None]
+"""Yields where it may be interrupted: None, or what it has to wait for."""
+
+
+class Slices:
+    """Does jobs one after the other, each in slices of a few milliseconds."""
+
+    def __init__(self, node: Node) -> None:
+        """Make ready; nothing is done before there is a job."""
+        self._jobs: deque[Job] = deque()
+        self._awaited: Background | None = None
+        self._timer: Any = node.create_timer(
+            PAUSE_S, self._turn, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._timer.cancel()
+
+    def do(self, job: Job) -> None:
+        """Do a job after those that wait already."""
+        if not self._jobs:
+            self._timer.reset()
+        self._jobs.append(job)
+
+    def _turn(self) -> None:
+        until = time.monotonic() + SLICE_S
+        try:
+            while self._jobs and time.monotonic() < until:
+                if self._awaited is not None and not self._awaited.done:
+                    break
+                try:
+                    self._awaited = next(self._jobs[0])
+                except BaseException as error:
+                    self._awaited = None
+                    self._jobs.popleft()
+                    if not isinstance(error, StopIteration):
+                        raise
+        finally:
+            if not self._jobs:
+                self._timer.cancel()

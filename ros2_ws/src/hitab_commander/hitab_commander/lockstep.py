@@ -1,0 +1,108 @@
+"""When a commander decides in lockstep: at most once in a round, and by no clock.
+
+In each round of lockstep reports pass up the tree and orders pass down it:
+
+1. Every agent perceives and owes its commander a report.
+2. A commander that has the reports of all who owe it one perceives, and reports to its superior.
+3. A commander that has heard its superior's order of the round takes it up, decides, and gives its
+   own order of the round; the root has nobody to wait for.
+4. An agent that has heard its commander's order of the round takes it up, and acts.
+
+So what is decided depends on what was reported and on nothing else, such as which message was
+faster. In real time, where nobody waits, commanders decide as `commander_link` says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hitab_commander.commander_body import CommanderBody
+from hitab_core.order import Report
+
+FORGIVEN = 1e-6
+"""s; times are sums of cycles."""
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """What all reports of a round have in common.
+
+    Attributes:
+        number: of the round.
+        cycle: of the world; of several worlds the smallest.
+        seconds: the subordinates' own time, s.
+        seed, episode: of the run, and its number.
+        look: whether nobody acts in this round.
+        restart: whether an episode begins.
+    """
+
+    number: int
+    cycle: int
+    seconds: float
+    seed: int
+    episode: int
+    look: bool
+    restart: bool
+
+
+class Lockstep:
+    """Hears reports, and tells when the round is complete and whether to decide in it."""
+
+    def __init__(self, body: CommanderBody) -> None:
+        self._body = body
+        self._news = True
+        self._began_at = 0.0
+        self._period = -1
+
+    @property
+    def active(self) -> bool:
+        """Whether the subordinates live in lockstep."""
+        return bool(self._body.roll.round)
+
+    def hear(self, report: Report, now: float) -> tuple[bool, Round | None]:
+        """Take a report.
+
+        Returns:
+            Whether something else than a value has changed, and the round if it is complete now.
+        """
+        body = self._body
+        changed = body.hear(report, now)
+        self._news |= changed
+        if not report.round or report.agent not in body.members:
+            return changed, None
+        complete = body.roll.take(report.agent, report.round)
+        return changed, self._round() if complete else None
+
+    def _round(self) -> Round:
+        reports = [report for _, report in self._body.present()]
+        first = reports[0]
+        return Round(
+            self._body.roll.round,
+            min(report.cycle for report in reports),
+            first.seconds,
+            first.seed,
+            first.episode,
+            all(report.look for report in reports),
+            any(report.restart for report in reports),
+        )
+
+    def expect(self) -> None:
+        """Decide in the next round whatever the reports say: an order has come, or a person's."""
+        self._news = True
+
+    def is_due(self, present: Round) -> bool:
+        """Return whether to decide in a round, once.
+
+        It is when something has changed, and at the commander's rate, counted in the
+        subordinates' time from the beginning of the episode.
+        """
+        if present.look:
+            self._news |= present.restart
+            return False
+        if present.restart:
+            self._began_at = present.seconds
+        seconds = present.seconds - self._began_at
+        period = int((seconds + FORGIVEN) * self._body.kind.rate)
+        due = self._news or present.restart or period != self._period
+        self._news, self._period = False, period
+        return due and self._body.ready

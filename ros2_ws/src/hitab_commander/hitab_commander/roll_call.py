@@ -1,0 +1,57 @@
+"""Who owes a commander a report in a round of lockstep, and whether all have given it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+PAST = 1 << 20
+"""A report of a round that is fewer rounds back than this is late; further back, the world began
+to count anew, or somebody forged a number."""
+
+
+class RollCall:
+    """Keeps account of the reports of one round after the other.
+
+    A member owes a report of each round until a round passes without one; from its next report on
+    it owes them again. No clock takes part: a round has passed when a later one begins.
+
+    Attributes:
+        round: the number of the present one; 0: real time.
+    """
+
+    def __init__(self, members: Collection[str]) -> None:
+        self._members = frozenset(members)
+        self._owing: set[str] = set()
+        self._missing: set[str] = set()
+        self._complete = False
+        self.round = 0
+
+    @property
+    def missing(self) -> Collection[str]:
+        """The members that did not report in a round and have not reported since."""
+        return self._missing
+
+    def begin(self, silent: Iterable[str]) -> None:
+        """Go over from real time to lockstep; those that are silent owe nothing for now."""
+        self._owing = set()
+        self._missing = set(silent)
+
+    def end(self) -> None:
+        """Go over to real time."""
+        self.round = 0
+
+    def take(self, member: str, number: int) -> bool:
+        """Take a member's report of a round; return whether it makes the round complete."""
+        if 0 < self.round - number < PAST:
+            self._missing.discard(member)  # it is late, and alive
+            return False
+        if number != self.round:
+            self._missing |= self._owing
+            self._missing.discard(member)
+            self._owing = set(self._members - self._missing)
+            self.round, self._complete = number, False
+        self._missing.discard(member)
+        self._owing.discard(member)
+        complete = not (self._complete or self._owing)
+        self._complete |= complete
+        return complete

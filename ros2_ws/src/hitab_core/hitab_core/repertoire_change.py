@@ -1,0 +1,89 @@
+"""What an agent can do changes in three steps: check everything, write it to disk, swap.
+
+Here is the first: nothing that is checked or prepared here has changed anything yet, so that
+afterwards writing may fail, and swapping cannot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from hitab_core.edition import Edition
+from hitab_core.errors import VocabularyError, has
+from hitab_core.repertoire import Repertoire
+from hitab_core.running_automaton import Running, Stage
+from hitab_core.training_session import TrainingSession
+from hitab_core.use import Use
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """All that an agent needs to go on with another repertoire.
+
+    Attributes:
+        edition: what it will know.
+        stage: on which it will perform.
+        use: what it will perform; None: nothing, or the training.
+        performance: of that; not started.
+    """
+
+    edition: Edition
+    stage: Stage
+    use: Use | None
+    performance: Running | None
+
+
+def check_performable(repertoire: Repertoire, use: Use) -> None:
+    """Check that a behavior can be the top-level one.
+
+    Raises:
+        VocabularyError: if there is no such behavior or target.
+    """
+    if use.name not in repertoire:
+        raise VocabularyError(f'unknown behavior "{use.name}" {has(repertoire.names())}')
+    repertoire.check_state(use)
+
+
+def check_change(
+    stage: Stage, edition: Edition, use: Use | None, session: TrainingSession | None
+) -> None:
+    """Check that an agent can go on with another edition.
+
+    Args:
+        stage: on which it performs now.
+        edition: what it will know.
+        use: what it will perform; None: nothing.
+        session: its training, which will go on.
+
+    Raises:
+        VocabularyError: naming what does not fit, and the way out.
+    """
+    if use is not None:
+        try:
+            check_performable(edition.repertoire, use)
+        except VocabularyError as error:
+            raise VocabularyError(
+                f'it cannot perform "{use}" any more: {error}; have it perform something else '
+                "first, or nothing"
+            ) from None
+    if session is not None:
+        try:
+            session.check_on(replace(stage, repertoire=edition.repertoire))
+        except VocabularyError as error:
+            raise VocabularyError(
+                f'the training of "{session.curriculum.name}" could not go on: {error}; '
+                "save it or discard it first"
+            ) from None
+
+
+def prepare(
+    stage: Stage, edition: Edition, use: Use | None, session: TrainingSession | None
+) -> Prepared:
+    """Return what an agent needs to go on with another edition; see `check_change`.
+
+    Raises:
+        VocabularyError: naming what does not fit, and the way out.
+    """
+    check_change(stage, edition, use, session)
+    new = replace(stage, repertoire=edition.repertoire)
+    return Prepared(edition, new, use, None if use is None else new.perform(use))

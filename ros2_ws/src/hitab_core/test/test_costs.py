@@ -1,0 +1,301 @@
+"""What checking and saving cost, counted: none of it grows faster than what is checked."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hitab_core.agent import Agent
+from hitab_core.automaton import Automaton
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.errors import VocabularyError
+from hitab_core.example import Example
+from hitab_core.hierarchy import circle_among, circular, in_order
+from hitab_core.learning import learn_transitions
+from hitab_core.learning_memo import LearningMemo
+from hitab_core.library_check import misfits
+from hitab_core.repertoire import Repertoire
+from hitab_core.training_session import Curriculum
+from hitab_core.transition_tree import TransitionTree
+from hitab_core.use import Use
+
+
+class Body:
+    x = y = 0.0
+
+    def sense(self, values: Any, heard: Any) -> None:
+        self.x, self.y = values
+
+    def act(self) -> tuple[list[float], str]:
+        return [], ""
+
+
+DOMAIN = Domain.of(
+    "line",
+    "1",
+    lambda name: Body(),
+    behaviors=[BasicBehavior(name) for name in ("Left", "Right", "Stay")],
+    features=[Feature("x", lambda body: body.x), Feature("y", lambda body: body.y)],
+)
+
+
+def lattice(levels: int) -> dict[str, Automaton]:
+    """Return two automata a level, both of which use both of the level below."""
+    made = {}
+    for level in range(levels):
+        below = (Use("Left"), Use("Right"))
+        if level:
+            below = (Use(f"A{level - 1}"), Use(f"B{level - 1}"))
+        for letter in "AB":
+            made[f"{letter}{level}"] = Automaton(f"{letter}{level}", below, (), {})
+    return made
+
+
+@pytest.fixture
+def looks(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """Count how often it is asked what an automaton uses."""
+    counted: Counter[str] = Counter()
+    told = Automaton.behaviors_used.fget  # type: ignore[attr-defined]
+
+    def used(automaton: Automaton) -> frozenset[str]:
+        counted[automaton.name] += 1
+        assert counted[automaton.name] < 1000, f"{automaton.name} is looked at far too often"
+        return told(automaton)
+
+    monkeypatch.setattr(Automaton, "behaviors_used", property(used))
+    return counted
+
+
+LEVELS = 40  # by every way through it, a trillion looks
+
+
+def test_a_repertoire_looks_at_each_automaton_a_few_times(looks: Counter[str]) -> None:
+    repertoire = Repertoire(DOMAIN, lattice(LEVELS))
+    assert max(looks.values()) <= 4
+    looks.clear()
+    assert repertoire.needed_by(f"A{LEVELS - 1}")[-1] == f"A{LEVELS - 1}"
+    assert len(looks) == 2 * LEVELS - 1
+    assert max(looks.values()) <= 2
+
+
+def test_adding_to_a_repertoire_looks_at_what_is_affected(looks: Counter[str]) -> None:
+    repertoire = Repertoire(DOMAIN, lattice(LEVELS))
+    checked: list[str] = []
+    check_state = Repertoire.check_state
+
+    def counts(self: Repertoire, use: Use, parameters: tuple[str, ...] = ()) -> None:
+        checked.append(use.name)
+        check_state(self, use, parameters)
+
+    looks.clear()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Repertoire, "check_state", counts)
+        repertoire.add(Automaton("A0", (Use("Stay"),), (), {}))
+    assert sum(looks.values()) <= 6
+    assert sorted(checked) == ["A0", "A0", "B0", "B0", "Stay"]
+
+
+def test_checking_a_state_goes_through_no_other_behaviors(monkeypatch: pytest.MonkeyPatch) -> None:
+    repertoire = Repertoire(DOMAIN, lattice(LEVELS))
+    asked: list[str] = []
+    get = Repertoire.get
+
+    def counts(self: Repertoire, name: str) -> Any:
+        asked.append(name)
+        return get(self, name)
+
+    monkeypatch.setattr(Repertoire, "get", counts)
+    repertoire.check_state(Use("A3"))
+    assert set(asked) <= {"A3"}
+
+
+def test_whether_files_fit_is_found_by_a_few_looks_at_each(
+    looks: Counter[str], tmp_path: Path
+) -> None:
+    library = BehaviorLibrary(tmp_path, DOMAIN)
+    library.save(learned("Base"), agent="", classifier="tree")
+    one = library.file("Base")
+    files = {
+        name: replace(one, automaton=automaton, state_lines=(1, 2))
+        for name, automaton in lattice(LEVELS).items()
+    }
+    looks.clear()
+    assert misfits(files, DOMAIN) == {}
+    assert max(looks.values()) <= 4
+    looks.clear()
+    found = misfits(files, DOMAIN, {"A0": "cannot be read"})
+    assert len(found) == 2 * LEVELS - 2
+    assert max(looks.values()) <= 4
+
+
+def learned(name: str) -> Automaton:
+    examples = (Example("Start", (0.0,), "Left", number=1, command=1),)
+    scales = [DOMAIN.features["x"].scale]
+    return Automaton(
+        name, (Use("Left"),), (Use("x"),), learn_transitions(examples, scales), (), examples
+    )
+
+
+# The same as before -----------------------------------------------------------------------------
+
+graphs = st.dictionaries(
+    st.sampled_from("ABCDEF"), st.frozensets(st.sampled_from("ABCDEFG"), max_size=3), max_size=6
+)
+
+
+def reachable(graph: dict[str, frozenset[str]], name: str) -> set[str]:
+    found: set[str] = set()
+    while more := {u for n in (found or {name}) for u in graph.get(n, ())} - found:
+        found |= more
+    return found | set(graph.get(name, ()))
+
+
+@given(graphs)
+def test_circles_groups_and_orders_are_those_of_the_definition(
+    graph: dict[str, frozenset[str]],
+) -> None:
+    def uses(name: str) -> frozenset[str]:
+        return graph.get(name, frozenset())
+
+    below = {name: reachable(graph, name) for name in graph}
+    recursive = {name for name in graph if name in below[name]}
+    groups = circular(graph, uses)
+    assert set(groups) == recursive
+    for one in recursive:
+        for other in recursive:
+            together = other in below[one] and one in below[other]
+            assert (groups[one] == groups[other]) == (together or one == other)
+    circle = circle_among(sorted(graph), uses)
+    assert bool(circle) == bool(recursive)
+    assert not circle or circle[0] == circle[-1]
+    assert all(b in uses(a) for a, b in pairwise(circle))
+    if not circle:
+        order = in_order(sorted(graph), uses)
+        assert sorted(order) == sorted(set(graph) | {u for n in graph for u in graph[n]})
+        for place, name in enumerate(order):
+            assert uses(name) <= set(order[:place])
+
+
+def test_an_automaton_that_cannot_be_added_leaves_the_repertoire_as_it_was() -> None:
+    repertoire = Repertoire(DOMAIN, lattice(3))
+    before = dict(repertoire.automata)
+    with pytest.raises(VocabularyError, match=r"recursive automaton: A0 -> A2 -> .* -> A0"):
+        repertoire.add(Automaton("A0", (Use("A2"),), (), {}))
+    with pytest.raises(VocabularyError, match='behavior "A0" takes 1 target'):
+        repertoire.add(Automaton("A0", (Use("Left"),), (), {}, ("G",)))
+    assert dict(repertoire.automata) == before
+    repertoire.check_state(Use("A0"))
+    repertoire.discard("A2")
+    assert "A2" not in repertoire
+    with pytest.raises(VocabularyError, match='unknown behavior "A2"'):
+        repertoire.check_state(Use("A2"))
+    repertoire.add(Automaton("A0", (Use("Left"),), (), {}))
+
+
+# Learning ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def fits(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Write down from what trees are grown."""
+    done: list[Any] = []
+    fit = TransitionTree.fit
+
+    def counts(self: TransitionTree, X: Any, y: Any, default: Any = None) -> Any:
+        done.append(([list(row) for row in X], list(y)))
+        return fit(self, X, y, default)
+
+    monkeypatch.setattr(TransitionTree, "fit", counts)
+    return done
+
+
+def taught(agent: Agent, tag: float) -> None:
+    """Teach two states with a feature that is not needed."""
+    agent.begin(Curriculum("Home", (Use("x"), Use("y"))))
+    for x, y, label in ((5.0 + tag, 1.0, "Left"), (0.0, 1.0, "Stay"), (9.0, 1.0, "Left")):
+        agent.sense((x, y), ())
+        agent.command(Use(label))
+
+
+def test_one_save_learns_from_the_same_examples_once(tmp_path: Path, fits: list[Any]) -> None:
+    """Preview, trimming, reading the file back and performing it would each learn again."""
+    library = BehaviorLibrary(tmp_path / "library", DOMAIN)
+    agent = Agent("ann", DOMAIN, library, tmp_path)
+    taught(agent, 0.125)
+    agent.test()
+    agent.preview_save()
+    agent.save()
+    agent.reload()
+    assert fits
+    distinct = {repr(learned_from) for learned_from in fits}
+    assert len(fits) == len(distinct)
+    states, ways = 3, 2  # with all features, and with those that are needed
+    assert len(fits) <= states * ways
+
+
+def test_what_is_learned_again_from_the_same_tells_the_names_that_were_asked_for() -> None:
+    first, again = learned("One").transitions["Start"], learned("Two").transitions["Start"]
+    assert first.digest() == again.digest()  # type: ignore[attr-defined]
+    scales = [DOMAIN.features["x"].scale]
+    examples = learned("One").examples
+    (named,) = learn_transitions(examples, scales, names=["Speed"]).values()
+    (other,) = learn_transitions(examples, scales, names=["Distance"]).values()
+    assert isinstance(named, TransitionTree)
+    assert isinstance(other, TransitionTree)
+    assert (named.feature_names, other.feature_names) == (["Speed"], ["Distance"])
+    assert named.digest() == other.digest()
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"classifier": "tree(max_depth=1)"},
+        {"X": [[1.0], [3.0]]},
+        {"y": ["A", "C"]},
+        {"default": [False, True]},
+    ],
+)
+def test_what_differs_is_learned_by_itself(other: dict[str, Any]) -> None:
+    memo = LearningMemo()
+    calls: list[int] = []
+
+    def learns() -> Any:
+        calls.append(1)
+        return TransitionTree().fit([[0.0]], ["A"])
+
+    given_ = {"classifier": "tree", "X": [[1.0], [2.0]], "y": ["A", "B"], "default": [False] * 2}
+    for what in (given_, given_, given_ | other):
+        memo.learned(
+            what["classifier"], [], np.array(what["X"]), what["y"], what["default"], learns
+        )
+    assert len(calls) == 2
+
+
+def test_only_the_last_functions_are_remembered_for_nobody() -> None:
+    memo = LearningMemo(kept=2)
+    calls: list[float] = []
+
+    def learn(x: float) -> Any:
+        def learns() -> Any:
+            calls.append(x)
+            return TransitionTree().fit([[x]], ["A"])
+
+        return memo.learned("tree", [], np.array([[x]]), ["A"], [False], learns)
+
+    held = learn(0.0)
+    for x in (1.0, 2.0, 3.0):
+        learn(x)
+    assert learn(0.0) is held
+    learn(3.0)
+    assert calls == [0.0, 1.0, 2.0, 3.0]
+    learn(1.0)
+    assert calls[-1] == 1.0

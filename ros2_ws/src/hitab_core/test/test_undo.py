@@ -1,0 +1,469 @@
+"""Undo and redo restore the examples and the state in which the next command is recorded."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+
+from hitab_core.agent import Agent, Mode
+from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.errors import TrainingError
+from hitab_core.example import Example, ExampleKind
+from hitab_core.example_log import ExampleLog
+from hitab_core.observing import Change
+from hitab_core.training_session import Curriculum
+from hitab_core.use import Use
+
+LASTING = ("Left", "Right", "Stay")
+LABELS = (*LASTING, "Beep", "Done")
+
+
+class Body:
+    """Sees one number and says what it was made to do since the last action."""
+
+    def __init__(self, name: str) -> None:
+        self.x = 0.0
+        self.did: list[str] = []
+
+    def sense(self, values: Any, heard: Any) -> None:
+        (self.x,) = values
+
+    def act(self) -> tuple[list[float], str]:
+        did, self.did = self.did, []
+        return [], " ".join(did)
+
+
+def behavior(name: str, one_shot: bool = False) -> BasicBehavior:
+    def does(what: str) -> Any:
+        return lambda body: body.did.append(what)
+
+    return BasicBehavior(
+        name, does(name), does(f"start-{name}"), does(f"stop-{name}"), one_shot=one_shot
+    )
+
+
+DOMAIN = Domain.of(
+    "line",
+    "1",
+    Body,
+    behaviors=[*map(behavior, LASTING), behavior("Beep", one_shot=True)],
+    features=[Feature("x", lambda body: body.x)],
+)
+
+
+class Trained:
+    """An agent that is being trained; its process can be killed."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.changes: list[Change] = []
+        self._start()
+        self.agent.begin(Curriculum("Home", (Use("x"),)))
+        self.see(0.0)
+
+    def _start(self) -> None:
+        library = BehaviorLibrary(self._folder / "library", DOMAIN)
+        self.agent = Agent("ann", DOMAIN, library, self._folder, observe=self.changes.append)
+
+    def see(self, x: float) -> None:
+        self.agent.sense([x], [])
+
+    def do(self, x: float) -> str:
+        self.see(x)
+        self.agent.tick()
+        return self.agent.act()[1]
+
+    def command(self, label: str) -> None:
+        self.agent.command(Use(label))
+
+    def crash(self) -> None:
+        self.agent._journal.close()  # as the end of the process does
+        self._start()
+        self.see(0.0)
+
+    @property
+    def session(self) -> Any:
+        return self.agent.session
+
+    @property
+    def active(self) -> str:
+        return str(self.session.running.active)
+
+    @property
+    def taught(self) -> list[tuple[str, str]]:
+        return [(e.state, e.next_state) for e in self.session.examples if not e.is_default]
+
+
+@contextmanager
+def training() -> Iterator[Trained]:
+    with tempfile.TemporaryDirectory() as folder:
+        yield Trained(Path(folder))
+
+
+@pytest.fixture
+def trained() -> Iterator[Trained]:
+    with training() as made:
+        yield made
+
+
+# What must be -----------------------------------------------------------------------------------
+
+
+def test_after_undo_the_next_command_is_recorded_where_the_undone_one_was(
+    trained: Trained,
+) -> None:
+    """Recorded as leaving the undone state, nothing would leave Start and testing be refused."""
+    trained.command("Left")
+    trained.session.undo()
+    assert trained.active == "Start"
+    assert trained.do(1.0) == "start-Left stop-Left", "and nothing is performed any more"
+    trained.command("Right")
+    assert trained.taught == [("Start", "Right")]
+    trained.agent.test()
+
+
+def test_after_undo_the_body_performs_again_what_it_did_before(trained: Trained) -> None:
+    trained.command("Left")
+    trained.command("Right")
+    trained.do(1.0)
+    trained.session.undo()
+    assert trained.do(1.0) == "stop-Right start-Left Left"
+    assert trained.changes[-1].commanded
+    trained.session.redo()
+    assert trained.do(1.0) == "stop-Left start-Right Right"
+
+
+def test_a_command_that_changed_nothing_restarts_nothing_when_undone(trained: Trained) -> None:
+    trained.command("Left")
+    trained.command("Left")
+    trained.do(1.0)
+    trained.session.undo()
+    assert trained.do(1.0) == "Left"
+    trained.session.redo()
+    assert trained.do(1.0) == "Left"
+
+
+def test_undoing_a_deletion_or_relabelling_leaves_the_state(trained: Trained) -> None:
+    trained.command("Left")
+    trained.session.relabel([1], Use("Right"))
+    trained.session.delete([2])
+    for _ in range(2):
+        trained.session.undo()
+        assert trained.active == "Left"
+    assert trained.taught == [("Start", "Left")]
+    trained.session.redo()
+    assert (trained.active, trained.taught) == ("Left", [("Start", "Right")])
+
+
+def test_undo_after_a_crash_restores_the_state_of_the_command(trained: Trained) -> None:
+    trained.command("Left")
+    trained.command("Right")
+    trained.session.undo()
+    trained.crash()
+    assert trained.active == "Start", "after a crash nothing moves before somebody says so"
+    trained.session.redo()
+    assert trained.do(1.0) == "start-Right Right"
+    trained.session.undo()
+    trained.command("Stay")
+    assert trained.taught == [("Start", "Left"), ("Left", "Stay")]
+
+
+def test_undo_restores_the_state_of_a_takeover(trained: Trained) -> None:
+    trained.command("Left")
+    trained.see(9.0)
+    trained.command("Right")
+    trained.agent.test(restart=True)
+    trained.do(0.0)
+    assert trained.active == "Left"
+    trained.agent.take_over()
+    trained.command("Stay")
+    trained.session.undo()
+    assert trained.active == "Left", "that is where testing had brought it"
+    trained.session.undo()
+    assert trained.active == "Left", "and where the command to go right was given"
+    trained.session.undo()
+    assert trained.active == "Start"
+
+
+def test_a_new_command_or_edit_forgets_what_was_undone(trained: Trained) -> None:
+    for edit in (
+        lambda: trained.command("Stay"),
+        lambda: trained.session.delete([1]),
+        lambda: trained.session.relabel([2], Use("Right")),
+    ):
+        trained.command("Left")
+        trained.command("Right")
+        trained.session.undo()
+        edit()
+        with pytest.raises(TrainingError, match="nothing to redo"):
+            trained.session.redo()
+
+
+def test_an_undone_flag_is_down(trained: Trained) -> None:
+    trained.command("Left")
+    trained.command("Done")
+    assert trained.agent.raised == {"Done"}
+    trained.session.undo()
+    assert (trained.agent.raised, trained.active) == (frozenset(), "Left")
+    trained.session.redo()
+    assert trained.agent.raised == {"Done"}
+
+
+def test_undo_while_something_else_is_performed_moves_nothing(trained: Trained) -> None:
+    trained.command("Left")
+    trained.command("Right")
+    trained.agent.perform(Use("Stay"))
+    trained.do(1.0)
+    trained.session.undo()
+    assert trained.do(1.0) == "Stay"
+    trained.session.redo()
+    assert trained.do(1.0) == "Stay"
+    trained.agent.take_over()
+    assert trained.active == "Start"
+    trained.session.undo()
+    assert trained.active == "Left"
+
+
+def test_undo_and_redo_that_are_refused_change_nothing(trained: Trained) -> None:
+    for refused in (trained.session.undo, trained.session.redo):
+        with pytest.raises(TrainingError, match="nothing to"):
+            refused()
+    trained.command("Left")
+    trained.agent.test()
+    with pytest.raises(TrainingError, match="no example leaves Start"):
+        trained.session.undo()
+    assert (trained.active, len(trained.session.log)) == ("Left", 2)
+    with pytest.raises(TrainingError, match="nothing to redo"):
+        trained.session.redo()
+
+
+# Against a plain model --------------------------------------------------------------------------
+
+
+class Model:
+    """What a demonstrator expects, with a copy of everything for each thing that was done."""
+
+    def __init__(self) -> None:
+        self.examples: list[list[Any]] = []
+        self.active = "Start"
+        self.x = 0.0
+        self.testing = self.tested = self.away = False
+        self.counter = 1
+        self.past: list[dict[str, Any]] = []
+        self.future: list[dict[str, Any]] = []
+
+    def copy(self) -> list[list[Any]]:
+        return [list(e) for e in self.examples]
+
+    def command(self, label: str) -> None:
+        source = "Start" if self.active == "Done" else self.active
+        before = self.copy()
+        kind = "correction" if self.tested else "demonstrated"
+        self.examples.append([self.counter, source, self.x, label, kind])
+        self.counter += 1
+        if label in LASTING and label != source:
+            self.examples.append([self.counter, label, self.x, label, "default"])
+            self.counter += 1
+        self.active = label
+        self.past.append({"before": before, "after": self.copy(), "come": source, "go": label})
+        self.future.clear()
+
+    def edit(self, after: list[list[Any]]) -> bool:
+        if self.refuses(after):
+            return False
+        self.past.append({"before": self.copy(), "after": after, "come": None, "go": None})
+        self.future.clear()
+        self.examples = [list(e) for e in after]
+        return True
+
+    def refuses(self, after: list[list[Any]]) -> bool:
+        return self.testing and all(e[1] != "Start" for e in after)
+
+    def step(self, here: list[Any], there: list[Any], examples: str, state: str) -> bool:
+        if not here or self.refuses(here[-1][examples]):
+            return False
+        done = here.pop()
+        there.append(done)
+        self.examples = [list(e) for e in done[examples]]
+        if done[state] is not None and not self.away:
+            self.active = done[state]
+        return True
+
+    def undo(self) -> bool:
+        return self.step(self.past, self.future, "before", "come")
+
+    def redo(self) -> bool:
+        return self.step(self.future, self.past, "after", "go")
+
+    def come_back(self) -> None:
+        if self.away:
+            self.away, self.active = False, "Start"
+
+
+commands = st.tuples(st.just("command"), st.sampled_from(LABELS))
+steps = st.lists(
+    st.one_of(
+        commands,
+        commands,
+        st.tuples(st.sampled_from(["undo", "redo", "undo", "redo"]), st.none()),
+        st.tuples(st.just("tick"), st.sampled_from([0.0, 1.0, 5.0, 9.0])),
+        st.tuples(st.sampled_from(["delete", "relabel"]), st.integers(0, 30)),
+        st.tuples(st.sampled_from(["test", "train", "restart", "crash", "perform"]), st.none()),
+    ),
+    max_size=25,
+)
+
+
+def accepted(do: Any, *arguments: Any) -> bool:
+    try:
+        do(*arguments)
+    except TrainingError:
+        return False
+    return True
+
+
+def play(trained: Trained, model: Model, what: str, how: Any) -> None:
+    """Do the same with an agent and with the model; compare whether it was accepted."""
+    session = trained.session
+    match what:
+        case "command":
+            refused = model.testing or model.away
+            assert accepted(trained.command, how) == (not refused)
+            if not refused:
+                model.command(how)
+        case "undo" | "redo":
+            expected = model.undo() if what == "undo" else model.redo()
+            event(f"{what} {expected}")
+            assert accepted(session.undo if what == "undo" else session.redo) == expected
+        case "delete":
+            there = [e[0] for e in model.examples]
+            if there:
+                number = there[how % len(there)]
+                after = [list(e) for e in model.examples if e[0] != number]
+                assert accepted(session.delete, [number]) == model.edit(after)
+        case "relabel":
+            there = [e[0] for e in model.examples]
+            if there:
+                number, label = there[how % len(there)], LABELS[how % len(LABELS)]
+                after = model.copy()
+                for e in after:
+                    if e[0] == number and e[3] != label:
+                        e[3] = label
+                        e[4] = "correction" if e[4] == "default" else e[4]
+                assert accepted(session.relabel, [number], Use(label)) == model.edit(after)
+        case "tick":
+            model.x = how
+            said = trained.do(how)
+            if model.away:
+                assert said.split()[-1] == "Stay"
+            elif model.testing:
+                model.active = trained.active  # what was learned decides
+            else:
+                if model.active == "Done":
+                    model.active = "Start"
+                if model.active in LASTING:
+                    assert said.split()[-1] == model.active
+                assert model.active != "Start" or not said or said.split()[-1][:4] == "stop"
+        case "test":
+            possible = any(e[1] == "Start" for e in model.examples)
+            assert accepted(trained.agent.test) == possible
+            if possible:
+                model.testing = model.tested = True
+                model.come_back()
+        case "train":
+            trained.agent.take_over()
+            model.testing = False
+            model.come_back()
+        case "restart":
+            trained.agent.restart(1, 1)
+            model.active = "Start"
+        case "perform":
+            trained.agent.perform(Use("Stay"))
+            model.away, model.active = True, "Start"
+        case "crash":
+            trained.crash()
+            model.x = 0.0
+            model.active, model.testing, model.away = "Start", False, False
+
+
+@settings(max_examples=150)
+@given(steps)
+def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: list[Any]) -> None:
+    with training() as trained:
+        model = Model()
+        for what, how in done:
+            play(trained, model, what, how)
+            told = [
+                [e.number, e.state, e.features[0], e.next_state, e.kind.value]
+                for e in trained.session.examples
+            ]
+            assert told == model.examples
+            assert trained.active == model.active
+            log = trained.session.log
+            assert (log.can_undo, log.can_redo) == (bool(model.past), bool(model.future))
+            assert log.defaults == sum(e[4] == "default" for e in model.examples)
+            assert (trained.agent.mode is Mode.PERFORMING) == model.away
+        trained.agent._journal.close()
+
+
+# What it costs ----------------------------------------------------------------------------------
+
+
+def test_the_history_grows_with_what_was_done_and_not_with_its_square() -> None:
+    """Kept as a copy of all examples for each command it would hold n * n references."""
+
+    def size(commands: int) -> int:
+        log = ExampleLog()
+        for i in range(commands):
+            log.add([Example("A", (0.0,), "B", ExampleKind.DEMONSTRATED, i + 1, i + 1)])
+        for i in range(0, commands, 2):
+            log.make(log.deletion([i + 1]))
+        for _ in range(commands):
+            log.make(log.undoing())
+        seen: dict[int, int] = {}
+        waiting: list[Any] = [vars(log)]
+        while waiting:
+            thing = waiting.pop()
+            if id(thing) in seen:
+                continue
+            seen[id(thing)] = sys.getsizeof(thing)
+            if isinstance(thing, dict):
+                waiting += thing.values()
+            elif isinstance(thing, list | tuple):
+                waiting += thing
+            elif hasattr(thing, "gone"):
+                waiting += [thing.gone, thing.came]
+        return sum(seen.values())
+
+    small, large = size(50), size(500)
+    assert large < 12 * small
+
+
+def test_an_edit_goes_through_what_it_changes_and_not_through_all_examples(
+    trained: Trained, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Copying the log for each trial, an undo would touch every example that there is."""
+    for label in ("Left", "Right") * 20:
+        trained.command(label)
+    asked: list[Example] = []
+    monkeypatch.setattr(
+        Example,
+        "is_default",
+        property(lambda e: asked.append(e) or e.kind is ExampleKind.DEFAULT),
+    )
+    for _ in range(10):
+        trained.session.undo()
+    for _ in range(10):
+        trained.session.redo()
+    assert len(asked) == 2 * 20
+    assert trained.session.log.defaults == 40
+    assert len(asked) == 2 * 20, "telling how many there are counts none"

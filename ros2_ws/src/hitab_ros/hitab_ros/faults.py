@@ -1,0 +1,64 @@
+"""What is wrong with a node and lasts: each fault has a key, and goes when its cause ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hitab_ros.plain_text import plain
+
+FAULTS_MAX = 50
+"""Faults that are kept; a node in which more things fail shows the first ones."""
+
+SHOWN_MAX = 10
+"""Faults that a status carries."""
+
+
+class Faults:
+    """The faults of one node, oldest first.
+
+    Attributes:
+        changed: called when a fault appears, changes or goes.
+    """
+
+    def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
+        self.changed = changed
+        self._texts: dict[str, str] = {}
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._texts
+
+    def __bool__(self) -> bool:
+        return bool(self._texts)
+
+    def set(self, key: str, text: str) -> bool:
+        """Keep a fault until `clear` is called with its key; return whether it is a new one.
+
+        Args:
+            key: what fails; only one fault is kept for it.
+            text: what is wrong and, if there is one, the way out. An empty text clears it.
+        """
+        if not text:
+            self.clear(key)
+            return False
+        text = plain(text)
+        before = self._texts.get(key)
+        if before == text or (before is None and len(self._texts) >= FAULTS_MAX):
+            return False
+        self._texts[key] = text
+        self.changed()
+        return before is None
+
+    def clear(self, key: str) -> None:
+        """Forget a fault, since its cause has ended."""
+        if self._texts.pop(key, None) is not None:
+            self.changed()
+
+    def text(self, key: str) -> str:
+        """Return what is wrong under a key; "" if nothing is."""
+        return self._texts.get(key, "")
+
+    def texts(self) -> list[str]:
+        """Return what is wrong, as a status shows it."""
+        texts = list(self._texts.values())
+        more = len(texts) - SHOWN_MAX
+        return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {more} more faults"]

@@ -1,0 +1,175 @@
+"""The one guard through which every callback of every node goes.
+
+An exception that leaves a callback ends the process (rclpy's EventsExecutor), and with it all
+other nodes there. A guarded callback logs what it raised, once for each cause and with the trace,
+and shows it among the node's faults until the same callback succeeds again.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.serialization import serialize_message
+
+from hitab_core.errors import HitabError
+from hitab_ros.answering import what_went_wrong
+from hitab_ros.checks import BadMessage, check
+from hitab_ros.faults import Faults
+from hitab_ros.sparing_log import SparingLog
+
+TRACE_MAX = 6000
+"""Characters of a trace that are logged."""
+
+
+class Guard:
+    """Runs callbacks so that what one raises ends neither the process nor anything else in it.
+
+    Attributes:
+        faults: of the node that the callbacks belong to.
+        log: writes what others send, or what fails, sparingly.
+    """
+
+    def __init__(self, write: Callable[[str], None]) -> None:
+        """Make it.
+
+        Args:
+            write: writes to the node's log.
+        """
+        self.faults = Faults()
+        self.log = SparingLog(write)
+
+    def failed(self, key: str, error: Exception) -> None:
+        """Log an error, once for each cause, and show it until ``key`` succeeds.
+
+        Args:
+            key: what failed, in words, such as ``topic command``.
+            error: what was raised.
+        """
+        places = traceback.extract_tb(error.__traceback__)
+        place = (places[-1].filename, places[-1].lineno) if places else ("", 0)
+        text = f"{key} failed: {what_went_wrong(error)}"
+        if not isinstance(error, HitabError):
+            trace = "".join(traceback.format_exception(error))
+            self.log(f"{text}\n{trace}", (key, type(error), place), TRACE_MAX)
+        else:
+            self.log(text)
+        self.faults.set(key, text)
+
+    def run(self, key: str, call: Callable[..., Any], *arguments: Any) -> bool:
+        """Call a function; return whether it returned instead of raising.
+
+        Args:
+            key: what it does, in words.
+            call: the function; what it returns is dropped.
+            arguments: what to call it with.
+        """
+        try:
+            call(*arguments)
+        except Exception as error:
+            self.failed(key, error)
+            return False
+        if key in self.faults:
+            self.faults.clear(key)
+        return True
+
+    def wrap(
+        self, key: str, callback: Callable[..., Any], otherwise: Any = None
+    ) -> Callable[..., Any]:
+        """Return a callback that never raises but returns ``otherwise`` instead."""
+        faults = self.faults
+
+        if inspect.iscoroutinefunction(callback):
+
+            @functools.wraps(callback)
+            async def guarded_coroutine(*arguments: Any) -> Any:
+                try:
+                    answer = await callback(*arguments)
+                except Exception as error:
+                    self.failed(key, error)
+                    return otherwise
+                if key in faults:
+                    faults.clear(key)
+                return answer
+
+            return guarded_coroutine
+
+        @functools.wraps(callback)
+        def guarded(*arguments: Any) -> Any:
+            try:
+                answer = callback(*arguments)
+            except Exception as error:
+                self.failed(key, error)
+                return otherwise
+            if key in faults:
+                faults.clear(key)
+            return answer
+
+        return guarded
+
+    def wrap_topic(
+        self, key: str, callback: Callable[..., Any], *, checked: bool = True
+    ) -> Callable[..., Any]:
+        """Return a subscription's callback that never raises.
+
+        A message that cannot be meant (see `hitab_ros.checks`) is left out, which is logged once:
+        it is no fault of the node.
+
+        Args:
+            key: the topic, in words.
+            callback: takes a message.
+            checked: whether messages are checked; if not, the callback does so itself.
+        """
+        guarded = self.wrap(key, callback)
+        if not checked:
+            return guarded
+
+        @functools.wraps(callback)
+        def checked_and_guarded(message: Any, *information: Any) -> Any:
+            try:
+                check(message)
+            except BadMessage as error:
+                self.log(f"{key}: left out what was sent: {error}", key)
+                return None
+            return guarded(message, *information)
+
+        return checked_and_guarded
+
+    def wrap_service(self, key: str, serve: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a service's callback that always returns a response that can be sent.
+
+        Where the given one raises, or returns what cannot be sent, the response has ``success``
+        false and the reason in ``message``, as far as it has these fields. A `HitabError` is the
+        caller's mistake: it is answered, but is not a fault of the node.
+        """
+
+        @functools.wraps(serve)
+        def guarded(request: Any, response: Any) -> Any:
+            try:
+                check(request)
+                answer = serve(request, response)
+                serialize_message(answer)
+            except BadMessage as error:
+                self.log(f"{key}: refused a request: {error}", key)
+                return refusal(type(response), error)
+            except HitabError as error:
+                return refusal(type(response), error)
+            except Exception as error:
+                self.failed(key, error)
+                return refusal(type(response), error)
+            if key in self.faults:
+                self.faults.clear(key)
+            return answer
+
+        return guarded
+
+
+def refusal(kind: type[Any], error: Exception) -> Any:
+    """Return a response that refuses, with the reason if it has a field for that."""
+    response = kind()
+    if hasattr(response, "message"):
+        response.message = what_went_wrong(error)
+    return response

@@ -1,0 +1,59 @@
+"""Logging what is sent by others, or fails again and again, without filling the disk."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Hashable
+
+from hitab_ros.plain_text import plain
+
+AT_ONCE = 20
+"""Lines that may be written at once ..."""
+
+REFILL_S = 10.0
+"""... and the time, s, after which one more may be."""
+
+REMEMBERED = 500
+"""Distinct causes that are remembered."""
+
+
+class SparingLog:
+    """Writes the same thing once, and different things at a bounded rate."""
+
+    def __init__(
+        self, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Write with ``write``; ``clock`` returns the time in seconds."""
+        self._write = write
+        self._clock = clock
+        self._seen: dict[Hashable, None] = {}
+        self._left = float(AT_ONCE)
+        self._at = clock()
+        self._left_out = 0
+
+    def __call__(self, text: str, cause: Hashable = None, limit: int = 1000) -> None:
+        """Write a text unless the same was written before or too much is written.
+
+        Args:
+            text: what to write.
+            cause: what it is about, if that is not the text itself.
+            limit: characters of it that are written.
+        """
+        cause = text if cause is None else cause
+        if cause in self._seen:
+            return
+        now = self._clock()
+        self._left = min(AT_ONCE, self._left + (now - self._at) / REFILL_S)
+        self._at = now
+        if self._left < 1.0:
+            self._left_out += 1
+            return
+        self._left -= 1.0
+        if len(self._seen) >= REMEMBERED:
+            del self._seen[next(iter(self._seen))]
+        self._seen[cause] = None
+        text = plain(text, limit)
+        if self._left_out:
+            text += f" ({self._left_out} other messages were left out before this one)"
+            self._left_out = 0
+        self._write(text)

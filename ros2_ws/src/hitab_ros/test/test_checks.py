@@ -1,0 +1,68 @@
+"""What cannot be meant is refused at the border, by name, before any callback sees it."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from hitab_msgs import msg, srv
+from std_msgs.msg import String
+
+from hitab_ros.checks import BadMessage, check
+
+FAR = time.time_ns() + 365 * 24 * 3600 * 10**9
+
+BAD = [
+    (msg.HostRoster(host="no topic name"), 'HostRoster.host: "no topic name" is not a name'),
+    (msg.HostRoster(host=".."), "HostRoster.host"),
+    (msg.HostRoster(host="h", agents=["a", "../b"]), 'HostRoster.agents: "../b" is not a name'),
+    (msg.HostRoster(host="h", agents=["a"] * 50_000), "HostRoster.agents has 50000 items"),
+    (msg.HostRoster(host="h", number=FAR), "HostRoster.number"),
+    (msg.Command(behavior="x" * 100_000), "Command.behavior has 100000 characters"),
+    (msg.Command(targets=["ball", "a\x00b"]), "Command.targets"),
+    (msg.Command(demonstrator="\x1b[31m"), r'"\x1b[31m" has control characters'),
+    (msg.Order(epoch=2**63), "h ahead of this machine's clock"),
+    (msg.Order(report_period=float("inf")), "Order.report_period is infinite"),
+    (msg.Reports(reports=[msg.Report(), msg.Report(epoch=FAR)]), "Report.epoch"),
+    (msg.Distribution(files=[msg.BehaviorFile(name="a\nb")]), r'"a\nb" has control characters'),
+    (srv.Place.Request(entities=[msg.Entity(name="a\x00")]), "Entity.name"),
+    (srv.LoadLibrary.Request(path="/" * 5000), "LoadLibrary_Request.path has 5000 characters"),
+    (srv.SaveBehavior.Request(description="a\x00"), "SaveBehavior_Request.description"),
+]
+
+
+@pytest.mark.parametrize(("message", "why"), BAD, ids=[why for _, why in BAD])
+def test_it_is_refused(message, why):
+    with pytest.raises(BadMessage) as error:
+        check(message)
+    assert why in str(error.value)
+    assert len(str(error.value)) < 300
+    assert "\n" not in str(error.value)
+
+
+GOOD = [
+    msg.Command(behavior="GoTo(ball)", demonstrator="Zoë O'Hara"),
+    msg.HostRoster(host="host_1a2b", number=time.time_ns(), agents=["ant_1"] * 10_000),
+    msg.Order(epoch=time.time_ns()),
+    msg.Report(values=[float("nan"), float("inf")], position=[float("inf"), 0.0]),
+    msg.Percept(values=[float("inf")] * 1000, heard=["here!"]),
+    msg.Distribution(files=[msg.BehaviorFile(name="A", text="format: 1\n" * 100_000)]),
+    msg.AgentStatus(last_error="line 1\nline 2", faults=["a\nb"]),
+    srv.Place.Request(entities=[msg.Entity(name="ball", x=1.0, y=float("nan"))]),
+    srv.SaveBehavior.Request(description="Two\nlines."),
+    String(data="\x00" * 100_000),  # not ours
+]
+
+
+@pytest.mark.parametrize("message", GOOD, ids=lambda message: type(message).__name__)
+def test_what_can_be_meant_passes(message):
+    check(message)
+
+
+def test_each_message_and_service_of_the_project_can_be_checked():
+    kinds = [getattr(msg, name) for name in dir(msg) if name[0].isupper()]
+    services = [getattr(srv, name) for name in dir(srv) if name[0].isupper()]
+    kinds += [service.Request for service in services if hasattr(service, "Request")]
+    for kind in kinds:
+        if kind is not msg.HostRoster:  # whose name must not be empty
+            check(kind())

@@ -1,0 +1,181 @@
+"""Nothing that a callback raises leaves it: it is logged once, shown, and forgotten when it ends.
+
+Without the guard each of these exceptions leaves the executor, which ends a node's process.
+"""
+
+from __future__ import annotations
+
+import functools
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from hitab_msgs import msg, srv
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+
+from hitab_core.errors import HitabError
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.testing import context_of_its_own
+
+SECONDS = 20.0
+
+
+class Pair:
+    """A node whose callbacks fail, and one that talks to it; whatever is logged is kept."""
+
+    def __init__(self, context: Context) -> None:
+        self.node = GuardedNode("failing", context=context)
+        self.peer = GuardedNode("peer", context=context)
+        self.logged: list[str] = []
+        self.node.guard.log = type(self.node.guard.log)(self.logged.append)
+        self.executor = EventsExecutor(context=context)
+        self.executor.add_node(self.node)
+        self.executor.add_node(self.peer)
+
+    @property
+    def faults(self) -> list[str]:
+        return self.node.guard.faults.texts()
+
+    def until(self, condition: Callable[[], Any]) -> None:
+        deadline = time.monotonic() + SECONDS
+        while not condition():
+            assert time.monotonic() < deadline, "it did not happen in time"
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def publisher(self, kind: Any, topic: str) -> Any:
+        publisher = self.peer.create_publisher(kind, topic, 10)
+        self.until(lambda: publisher.get_subscription_count() > 0)
+        return publisher
+
+    def ask(self, kind: Any, service: str, request: Any) -> Any:
+        client = self.peer.create_client(kind, service)
+        self.until(client.service_is_ready)
+        future = client.call_async(request)
+        self.until(future.done)
+        return future.result()
+
+
+@pytest.fixture
+def pair() -> Iterator[Pair]:
+    with context_of_its_own() as context:
+        pair = Pair(context)
+        yield pair
+        pair.executor.shutdown()
+        pair.node.destroy_node()
+        pair.peer.destroy_node()
+
+
+def test_an_error_in_a_topics_callback_is_shown_until_the_callback_succeeds(pair: Pair) -> None:
+    taken: list[str] = []
+
+    def take(command: msg.Command) -> None:
+        taken.append(command.behavior)
+        if command.behavior == "bad":
+            raise IndexError("list index out of range")
+
+    pair.node.create_subscription(msg.Command, "command", take, 10)
+    publisher = pair.publisher(msg.Command, "command")
+    for _ in range(50):
+        publisher.publish(msg.Command(behavior="bad"))
+        pair.until(lambda: pair.faults)
+        expected = len(taken)
+        pair.until(lambda expected=expected: len(taken) >= expected)
+    assert "topic command failed: IndexError in test_guarded_node.py" in pair.faults[0]
+    publisher.publish(msg.Command(behavior="good"))
+    pair.until(lambda: not pair.faults)
+    # Its trace is written once, not for each message.
+    assert len(pair.logged) == 1
+    assert "Traceback" in pair.logged[0]
+
+
+def test_an_error_in_a_timer_does_not_stop_it(pair: Pair) -> None:
+    calls: list[int] = []
+
+    def tick() -> None:
+        calls.append(1)
+        if len(calls) < 3:
+            raise ZeroDivisionError
+
+    pair.node.create_timer(0.01, functools.partial(tick))
+    pair.until(lambda: len(calls) == 2)
+    assert "tick failed: ZeroDivisionError" in pair.faults[0]
+    pair.until(lambda: len(calls) > 2)
+    assert not pair.faults
+
+
+@pytest.mark.parametrize("error", [IndexError("of nothing"), HitabError("it is missing")])
+def test_a_service_that_raises_answers_with_the_reason(pair: Pair, error: Exception) -> None:
+    def serve(request: Any, response: Any) -> Any:
+        response.success = True
+        raise error
+
+    pair.node.create_service(srv.ReadFeatures, "read", serve)
+    answer = pair.ask(srv.ReadFeatures, "read", srv.ReadFeatures.Request())
+    assert not answer.success
+    assert str(error) in answer.message
+    # The caller's mistake is no fault of the node.
+    assert bool(pair.faults) is not isinstance(error, HitabError)
+
+
+def test_a_service_whose_response_cannot_be_sent_answers_with_the_reason(pair: Pair) -> None:
+    def serve(request: Any, response: Any) -> Any:
+        response.success, response.message = True, "\ud800"  # what UTF-8 has no bytes for
+        return response
+
+    pair.node.create_service(srv.Perform, "perform", serve)
+    answer = pair.ask(srv.Perform, "perform", srv.Perform.Request())
+    assert not answer.success
+    assert "UnicodeEncodeError" in answer.message
+
+
+def test_a_service_without_such_fields_answers_empty(pair: Pair) -> None:
+    def serve(request: Any, response: Any) -> Any:
+        raise KeyError("domain")
+
+    pair.node.create_service(srv.GetVocabulary, "vocabulary", serve)
+    assert not pair.ask(srv.GetVocabulary, "vocabulary", srv.GetVocabulary.Request()).domain
+    assert "service vocabulary failed: KeyError" in pair.faults[0]
+
+
+def test_what_is_done_with_an_answer_is_guarded(pair: Pair) -> None:
+    pair.peer.create_service(srv.Perform, "perform", lambda request, response: response)
+    client = pair.node.create_client(srv.Perform, "perform")
+    pair.until(client.service_is_ready)
+
+    def take(future: Any) -> None:
+        raise RuntimeError("the answer is not to my liking")
+
+    client.call_async(srv.Perform.Request()).add_done_callback(take)
+    pair.until(lambda: pair.faults)
+    assert "answer of perform failed: RuntimeError" in pair.faults[0]
+
+
+def test_different_errors_are_logged_at_a_bounded_rate(pair: Pair) -> None:
+    for number in range(10_000):
+        pair.node.guard.failed(f"topic number_{number}", HitabError("x" * 100_000))
+    assert len(pair.logged) < 30
+    assert sum(map(len, pair.logged)) < 100_000
+    assert sum(map(len, pair.faults)) < 30_000
+
+
+class Unspeakable(Exception):
+    """An error of somebody else's that cannot even be printed."""
+
+    def __str__(self) -> str:
+        raise ValueError("no")
+
+    __repr__ = __str__
+
+
+def test_the_guard_survives_errors_that_cannot_be_printed_and_a_status_that_fails(pair):
+    pair.node.faults_changed = lambda: 1 / 0
+
+    def take(command: msg.Command) -> None:
+        raise Unspeakable
+
+    pair.node.create_subscription(msg.Command, "command", take, 10)
+    pair.publisher(msg.Command, "command").publish(msg.Command())
+    pair.until(lambda: pair.faults)
+    assert "topic command failed: Unspeakable" in pair.faults[0]

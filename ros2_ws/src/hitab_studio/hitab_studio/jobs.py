@@ -1,0 +1,165 @@
+"""What pages ask of the swarm: jobs that wait without stopping anybody else.
+
+A job is ordinary code that waits by spinning the link. Each has a thread of its own, which runs
+only while the link's thread lets it: from one wait to the next. So there is never more than one
+thread at the node, the clients and what they know, and none of it needs a lock; and while a job
+waits the link's thread spins the node for everybody.
+
+The rule for jobs: wait by the link (`spin`, `spin_until`, `call`), never by sleeping.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import Any
+
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.ros_link import RosLink
+from hitab_bringup.swarm_client import SwarmClient
+from hitab_bringup.world_client import WorldClient
+from hitab_core.errors import HitabError
+
+STUBBORN = 100
+"""Waits after which a job that was ended, and waits again and again, is left alone."""
+
+_here = threading.local()
+
+
+class JobError(RuntimeError):
+    """A mistake in a job, as a future can carry it."""
+
+
+class Job:
+    """One thing that a page asks for.
+
+    Args:
+        work: does it, and returns the answer.
+        lines: jobs that have a line in common are done one after the other.
+
+    Attributes:
+        answer: for whoever asked.
+    """
+
+    def __init__(self, work: Callable[[], Any], lines: Iterable[str] = ()) -> None:
+        self.lines = frozenset(lines)
+        self.answer: Future[Any] = Future()
+        self._work = work
+        self._thread: threading.Thread | None = None
+        self._turn, self._back = threading.Semaphore(0), threading.Semaphore(0)
+        self._why = ""
+        self._result: Any = None
+        self._error: Exception | None = None
+        self._has_ended = False
+
+    def go_on(self) -> bool:
+        """Let it work until it waits; return whether it has ended. For the link's thread."""
+        if self._has_ended:
+            return True
+        if self._thread is not None:
+            self._turn.release()
+        elif self.answer.set_running_or_notify_cancel():
+            self._thread = threading.Thread(target=self._run, name="studio job", daemon=True)
+            self._thread.start()
+        else:
+            self._has_ended = True
+            return True
+        self._back.acquire()
+        return self._has_ended
+
+    def end(self, why: str) -> None:
+        """Have it end with an error, wherever it waits. For the link's thread."""
+        self._why = why
+        if self._thread is None:
+            self._error, self._has_ended = SwarmError(why), True
+            self.answer.set_running_or_notify_cancel()
+        for _ in range(STUBBORN):
+            if self.go_on():
+                return
+        self._error = SwarmError(why)
+
+    def reply(self) -> None:
+        """Give the answer to whoever asked."""
+        if self.answer.cancelled():
+            return
+        if self._error is not None:
+            self.answer.set_exception(self._error)
+        else:
+            self.answer.set_result(self._result)
+
+    def wait(self) -> None:
+        """Wait for the next turn. For the job's own thread.
+
+        Raises:
+            SwarmError: if the job is to end.
+        """
+        self._back.release()
+        self._turn.acquire()
+        if self._why:
+            raise SwarmError(self._why)
+
+    def _run(self) -> None:
+        _here.job = self
+        try:
+            self._result = self._work()
+        except HitabError as error:
+            self._error = error
+        except BaseException as error:
+            # A future cannot carry every exception, and some would end the server's loop.
+            self._error = JobError(f"{type(error).__name__}: {error}")
+            self._error.__cause__ = error
+        self._has_ended = True
+        self._back.release()
+
+
+class Jobs:
+    """The jobs that have not ended, in the order in which they were asked for."""
+
+    def __init__(self) -> None:
+        self._jobs: list[Job] = []
+
+    def add(self, job: Job) -> None:
+        """Do this too."""
+        self._jobs.append(job)
+
+    def go_on(self) -> list[Job]:
+        """Give each job that need not wait for another one its turn; return those that ended."""
+        ended: list[Job] = []
+        taken: set[str] = set()
+        for job in self._jobs:
+            if taken.isdisjoint(job.lines) and job.go_on():
+                ended.append(job)
+            else:
+                taken |= job.lines
+        self._jobs = [job for job in self._jobs if job not in ended]
+        return ended
+
+    def end(self, why: str) -> list[Job]:
+        """Have all end with an error; return them."""
+        ended, self._jobs = self._jobs, []
+        for job in ended:
+            job.end(why)
+        return ended
+
+
+class SharedLink(RosLink):
+    """A link that jobs use beside the thread that spins it: they wait for their next turn."""
+
+    def spin(self, seconds: float = 0.1) -> None:
+        """Handle what has come; in a job: have the link's thread do that."""
+        job: Job | None = getattr(_here, "job", None)
+        if job is None:
+            super().spin(seconds)
+        else:
+            job.wait()
+
+
+@dataclass
+class Connected:
+    """The swarm, as seen over ROS."""
+
+    link: SharedLink
+    agents: SwarmClient
+    world: WorldClient

@@ -1,0 +1,190 @@
+"""Finds out what is to be known of the swarm that is connected; in the link's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import Any, Protocol
+
+from hitab_msgs.msg import CommanderStatus
+
+from hitab_bringup import names
+from hitab_bringup.errors import SwarmError
+from hitab_bringup.identity import is_own
+from hitab_ros import qos
+from hitab_studio.jobs import Connected
+from hitab_studio.known import Known
+from hitab_studio.markers import Markers
+from hitab_studio.recording import Recorder
+from hitab_studio.scene import scene_of
+from hitab_studio.situations import Situations
+from hitab_studio.watching import Watch
+
+
+class Complain(Protocol):
+    """Shows what failed: on a page, on those that look at an agent, or else on all."""
+
+    def __call__(
+        self, agent: str, text: str, error: Exception | None = None, session: str = ""
+    ) -> None:
+        """Show it."""
+
+
+class Observer:
+    """What is known of one swarm, from its being connected to its end.
+
+    Args:
+        swarm: to look at.
+        known: to begin with.
+        focus: the agents that each session looks at, as it is at any time.
+        complain: called with what goes wrong.
+
+    Attributes:
+        known: what is known now.
+        colors: of states, in what others than pages are shown.
+    """
+
+    def __init__(
+        self,
+        swarm: Connected,
+        known: Known,
+        focus: Mapping[str, frozenset[str]],
+        complain: Complain,
+    ) -> None:
+        self.known = known
+        self.colors: Mapping[str, int] = {}
+        self._swarm = swarm
+        self._focus = focus
+        self._complain = complain
+        self._situations = Situations()
+        self._watches: dict[str, Watch] = {}
+        self._group_topics: set[str] = set()
+        self._recorder: Recorder | None = None
+        self._recording_page = ""
+        self._markers = Markers(swarm.link)
+        self._shown: object = None
+
+    def _know(self, **changes: Any) -> None:
+        """Know this, which pages show, from now on."""
+        self.known = replace(self.known, revision=self.known.revision + 1, **changes)
+
+    def see(self) -> None:
+        """Take the newest moment of the world."""
+        state = self._swarm.world.state
+        if state is None or state is self._shown:
+            return
+        self._shown = state
+        before, scene = self.known.scene, scene_of(state)
+        self._situations.see(scene)
+        if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
+            self._know(scene=scene)
+        else:
+            self.known = replace(self.known, scene=scene)
+        self._markers.show(scene, self.known.doing(), self.colors)
+
+    def look(self) -> None:
+        """Find out what has changed of the agents."""
+        swarm, known = self._swarm, self.known
+        if swarm.world.status is not known.world:
+            self._know(world=swarm.world.status)
+        statuses = swarm.agents.statuses
+        if any(known.statuses.get(name) is not status for name, status in statuses.items()):
+            self._know(statuses=MappingProxyType(dict(statuses)))
+        wanted = {agent for agents in self._focus.values() for agent in agents}
+        for agent in wanted & statuses.keys() - self._watches.keys():
+            self._watches[agent] = Watch(
+                swarm.link,
+                agent,
+                partial(statuses.get, agent),
+                partial(self._learns, agent),
+                partial(self._complain, agent),
+            )
+        for agent in self._watches.keys() - wanted:
+            self._watches.pop(agent).close()
+        for agent, watch in self._watches.items():
+            watch.look()
+            self._keep_situations(agent, watch)
+        watched = {name: watch.known for name, watch in self._watches.items()}
+        if watched.keys() != known.watched.keys():
+            self._know(watched=MappingProxyType(watched))
+        elif any(known.watched[name] is not it for name, it in watched.items()):
+            self.known = replace(self.known, watched=MappingProxyType(watched))
+
+    def _learns(self, agent: str) -> None:
+        # At once: in a paused world the next placement is a moment of the same cycle.
+        self.with_watch(agent, partial(self._keep_situations, agent))
+        watched = {name: watch.known for name, watch in self._watches.items()}
+        self._know(watched=MappingProxyType(watched))
+
+    def _keep_situations(self, agent: str, watch: Watch) -> None:
+        training = watch.known.training
+        if training is not None:
+            self._situations.keep(
+                agent, training.name, [(e.number, e.cycle) for e in training.examples]
+            )
+            if self._situations.kept is not self.known.moments:
+                self._know(moments=self._situations.kept)
+
+    def with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:
+        """Do something with what watches an agent, if anything does."""
+        if (watch := self._watches.get(agent)) is not None:
+            do(watch)
+
+    def keep_house(self) -> None:
+        """Find who has come and who has gone."""
+        swarm = self._swarm
+        node = swarm.link.node
+        swarm.agents.discover()
+        gone = frozenset(
+            name
+            for name in swarm.agents.statuses
+            if node.count_publishers(names.of_agent(name, "status")) == 0
+        )
+        if gone != self.known.gone:
+            self._know(gone=gone)
+        for topic in swarm.link.topics_of_type("hitab_msgs/msg/CommanderStatus"):
+            if topic not in self._group_topics:
+                self._group_topics.add(topic)
+                swarm.link.subscribe(CommanderStatus, topic, self._take_group, qos.LATCHED)
+        self._markers.look()
+        if self._recorder is not None:
+            self._recorder.look()
+            self._know(recorded=self._recorder.count)
+            if self._recorder.problem:
+                self._complain("", self._recorder.problem, session=self._recording_page)
+                self.stop_recording()
+
+    def _take_group(self, status: CommanderStatus) -> None:
+        target = self.known.target
+        if target is None or not is_own(status.swarm, target.identity, started_by_it=False):
+            return
+        self._know(groups=MappingProxyType({**self.known.groups, status.commander: status}))
+
+    # -- recording; to be called as jobs ----------------------------------------------------
+
+    def start_recording(self, path: str, session: str = "") -> None:
+        """Record all that is said from now on.
+
+        Raises:
+            SwarmError: if that is done already, or the file cannot be written.
+        """
+        if self._recorder is not None:
+            raise SwarmError(f"already recording to {self._recorder.path}")
+        self._recorder = Recorder(self._swarm.link, path)
+        self._recording_page = session
+        self._know(recording=path, recorded=0)
+
+    def stop_recording(self) -> str:
+        """End the recording and return where it is; "" if there was none.
+
+        Raises:
+            SwarmError: if its end could not be written.
+        """
+        recorder, self._recorder = self._recorder, None
+        if recorder is None:
+            return ""
+        self._know(recording="")
+        recorder.close()
+        return str(recorder.path)

@@ -1,0 +1,352 @@
+"""Pages share one node and one server: none of them stops, or misleads, another."""
+
+import asyncio
+import dataclasses
+import errno
+import sys
+import threading
+import time
+from collections.abc import Awaitable, Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hitab_bringup.errors import SwarmError
+from hitab_studio import recording
+from hitab_studio.actions import Wishes
+from hitab_studio.actions.registry import ACTIONS
+from hitab_studio.store import Store
+from hitab_studio.studio import Studio
+
+SECONDS = 30.0
+
+
+async def until(true: Callable[[], Any], what: str) -> None:
+    deadline = time.monotonic() + SECONDS
+    while not true():
+        assert time.monotonic() < deadline, what
+        await asyncio.sleep(0.005)
+
+
+def in_the_server(find: Callable[[], Any], use: Callable[[Studio], Awaitable[None]]) -> None:
+    """Run a studio, and use it in its server's loop."""
+
+    async def run() -> None:
+        studio = Studio(find)
+        await studio.start()
+        try:
+            await until(lambda: studio.frame, "the field is shown")
+            await use(studio)
+        finally:
+            await studio.stop()
+
+    asyncio.run(asyncio.wait_for(run(), 3 * SECONDS))
+
+
+def waiting(released: threading.Event) -> Callable[[Any], str]:
+    """Return a job that waits as all jobs do: for something that ROS has to bring."""
+
+    def job(swarm: Any) -> str:
+        assert swarm.link.spin_until(released.is_set, 2 * SECONDS), "it was not released"
+        return "done"
+
+    return job
+
+
+# -- jobs do not stop each other ------------------------------------------------------------
+
+
+def test_while_the_job_of_one_page_waits_the_field_moves_and_others_get_their_jobs_done(stand_in):
+    """A job in the thread that spins the node would stop the stream and all other jobs."""
+
+    async def use(studio: Studio) -> None:
+        one, two, released = studio.open(), studio.open(), threading.Event()
+        waits = asyncio.create_task(one.ask(waiting(released)))
+        await until(lambda: one.busy, "it has begun")
+        before = studio.frames
+        await until(lambda: studio.frames > before + 10, "the field stands still")
+        answer = await asyncio.wait_for(two.ask(lambda swarm: "at once"), SECONDS)
+        assert answer == "at once"
+        assert not waits.done()
+        released.set()
+        assert await asyncio.wait_for(waits, SECONDS) == "done"
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+@pytest.mark.parametrize("shared", ["page", "agent"])
+def test_jobs_of_one_page_and_jobs_with_one_agent_are_done_in_order(stand_in, shared):
+    """Else the second command of a page could come first, or two pages mix their commands."""
+
+    async def use(studio: Studio) -> None:
+        one, two, three = studio.open(), studio.open(), studio.open()
+        released, done = threading.Event(), []
+        agent, other = ("keeper_1", two) if shared == "agent" else ("", one)
+        first = asyncio.create_task(one.ask(waiting(released), agent))
+        await until(lambda: one.busy, "it has begun")
+        second = asyncio.create_task(other.ask(lambda swarm: done.append("second"), agent))
+        await until(lambda: other.busy == (2 if other is one else 1), "it was asked for")
+        await three.ask(lambda swarm: done.append("third"), "keeper_2")
+        assert done == ["third"]
+        released.set()
+        await asyncio.wait_for(asyncio.gather(first, second), SECONDS)
+        assert done == ["third", "second"]
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+def test_a_job_whose_swarm_goes_down_ends_with_the_reason(stand_in):
+    """Else its page is busy until the last of the job's own deadlines has passed."""
+    target = stand_in.target
+
+    async def use(studio: Studio) -> None:
+        nonlocal target
+        page, queued = studio.open(), studio.open()
+        waits = asyncio.create_task(page.ask(waiting(threading.Event()), "keeper_1"))
+        behind = asyncio.create_task(queued.ask(lambda swarm: "too late", "keeper_1"))
+        await until(lambda: page.busy and queued.busy, "both were asked for")
+        target = dataclasses.replace(target, start=2)
+        for job in (waits, behind):
+            with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
+                await asyncio.wait_for(job, SECONDS)
+        assert not page.busy
+        assert await asyncio.wait_for(page.ask(lambda swarm: "again"), SECONDS) == "again"
+
+    in_the_server(lambda: target, use)
+
+
+@pytest.mark.parametrize(
+    "error", [ValueError, StopIteration, SystemExit, asyncio.CancelledError, KeyboardInterrupt]
+)
+def test_whatever_a_job_raises_reaches_its_page_and_ends_nothing(stand_in, error):
+    """Some exceptions cannot stand in a future, some end the thread that they leave."""
+
+    async def use(studio: Studio) -> None:
+        page, other = studio.open(), studio.open()
+
+        def job(swarm: Any) -> None:
+            raise error("a mistake")
+
+        with pytest.raises(Exception, match="a mistake"):
+            await asyncio.wait_for(page.ask(job), SECONDS)
+        before = studio.frames
+        await until(lambda: studio.frames > before, "the field stands still")
+        assert await asyncio.wait_for(other.ask(lambda swarm: "goes on"), SECONDS) == "goes on"
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
+    """What looks for the swarm reads files: an error there would end the link for good."""
+    failing, once = threading.Event(), iter([True])
+
+    def find() -> Any:
+        if next(once, False) or failing.is_set():
+            raise PermissionError("somebody else's run folder")
+        return stand_in.target
+
+    async def use(studio: Studio) -> None:
+        page = studio.open()
+        failing.set()
+        await until(lambda: any("run folder" in toast.text for toast in page.toasts), "not told")
+        before = studio.frames
+        await until(lambda: studio.frames > before, "the field stands still")
+
+    in_the_server(find, use)
+
+
+def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(stand_in):
+    """Else the pages show old values for ever, and nobody knows why."""
+    stand_in.nonsense = True
+
+    async def use(studio: Studio) -> None:
+        looks, other = studio.open(), studio.open()
+        await until(lambda: studio.store.known.answers("keeper_2"), "it is there")
+        other.look_at("keeper_1")
+        looks.look_at("keeper_2")
+        await until(lambda: other.watched.vocabulary.features, "the other agent answers")
+        await until(lambda: looks.toasts, "it was not told")
+        assert "The answer of keeper_2 to get_vocabulary cannot be read" in looks.toasts[0].text
+        assert not other.toasts
+        before = studio.frames
+        await until(lambda: studio.frames > before, "the field stands still")
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
+    stand_in, monkeypatch, tmp_path
+):
+    """Else the error leaves a callback: the node would stop, and nobody know why."""
+
+    class Full(recording.Writer):
+        def add_message(self, *_: Any, **__: Any) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(recording, "Writer", Full)
+
+    async def use(studio: Studio) -> None:
+        page, other = studio.open(), studio.open()
+        path = str(tmp_path / "run.mcap")
+        await page.ask(lambda _: studio.link.start_recording(path, page.id))
+        assert studio.store.known.recording == path
+        await until(lambda: page.toasts, "it was not told")
+        assert "run.mcap ends here: No space left" in page.toasts[0].text
+        await until(lambda: not studio.store.known.recording, "it has ended")
+        assert not other.toasts
+        before = studio.frames
+        await until(lambda: studio.frames > before, "the field stands still")
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+# -- nothing is shared by the threads -------------------------------------------------------
+
+
+def test_only_the_servers_thread_changes_what_pages_read(stand_in, monkeypatch):
+    """Else a page that is being made sees one half of a change."""
+    writers: dict[str, set[int]] = {}
+    change = Store.__setattr__
+
+    def noting(store: Store, name: str, value: object) -> None:
+        writers.setdefault(name, set()).add(threading.get_ident())
+        change(store, name, value)
+
+    monkeypatch.setattr(Store, "__setattr__", noting)
+
+    async def use(studio: Studio) -> None:
+        page = studio.open()
+        await until(lambda: studio.store.known.answers("keeper_1"), "it is there")
+        page.look_at("keeper_1")
+        await until(lambda: page.watched.readings, "it is looked at")
+        assert {"known", "version"} <= writers.keys()
+        assert set.union(*writers.values()) == {threading.get_ident()}
+        assert mutable_parts(studio.store.known) == []
+
+    in_the_server(lambda: stand_in.target, use)
+
+
+def mutable_parts(value: Any, place: str = "known") -> list[str]:
+    """Return where something frozen holds something that can be changed; messages do not count."""
+    if type(value).__module__.startswith("hitab_msgs."):
+        return []
+    if dataclasses.is_dataclass(value):
+        if not value.__dataclass_params__.frozen:  # type: ignore[attr-defined]
+            return [place]
+        parts = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+        return [m for k, v in parts.items() for m in mutable_parts(v, f"{place}.{k}")]
+    if isinstance(value, np.ndarray):
+        return [place] if value.flags.writeable else []
+    if isinstance(value, Mapping):
+        inside = [m for k, v in value.items() for m in mutable_parts(v, f"{place}[{k!r}]")]
+        return inside if isinstance(value, MappingProxyType) else [place]
+    if isinstance(value, tuple):
+        return [m for i, v in enumerate(value) for m in mutable_parts(v, f"{place}[{i}]")]
+    return [] if isinstance(value, str | int | float | bool | frozenset | None) else [place]
+
+
+def test_values_that_a_page_reads_at_once_are_of_one_moment(stand_in):
+    """All features of an answer have one value here; two at once come of a half-taken answer."""
+
+    async def use(studio: Studio) -> None:
+        page = studio.open()
+        await until(lambda: studio.store.known.answers("keeper_1"), "it is there")
+        page.look_at("keeper_1")
+        await until(lambda: page.watched.readings, "it is looked at")
+        answers: set[float] = set()
+        while len(answers) < 12:
+            for _ in range(20):
+                values = {history[-1] for history in page.watched.readings.values()}
+                assert len(values) == 1
+                answers |= values
+            await asyncio.sleep(0)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    try:
+        in_the_server(lambda: stand_in.target, use)
+    finally:
+        sys.setswitchinterval(interval)
+
+
+# -- what a page asks for -------------------------------------------------------------------
+
+
+def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_not(monkeypatch):
+    """Else the agent would be free for others in the middle of it."""
+    begun, released, done = asyncio.Event(), asyncio.Event(), []
+
+    async def first(session: Any, data: Any) -> None:
+        session.studio.locks.claim("keeper_1", session.holder)
+        begun.set()
+        await released.wait()
+        done.append("first")
+
+    async def second(session: Any, data: Any) -> None:
+        done.append("second")
+
+    monkeypatch.setitem(ACTIONS, "first", first)
+    monkeypatch.setitem(ACTIONS, "second", second)
+
+    async def run() -> None:
+        studio, wishes = Studio(lambda: None), Wishes()  # type: ignore[arg-type,return-value]
+        page = studio.open()
+        performing = asyncio.create_task(wishes.perform(page, lambda: None))
+        wishes.add({"do": "first"})
+        wishes.add({"do": "second"})
+        await begun.wait()
+        wishes.close()
+        released.set()
+        await asyncio.wait_for(performing, SECONDS)
+        assert done == ["first"]
+        assert studio.locks.holder("keeper_1") == page.holder
+        studio.close(page)
+        assert studio.locks.holder("keeper_1") is None
+
+    asyncio.run(run())
+
+
+def asked_twice(monkeypatch: Any, name: str, *wanted: Any) -> list[Any]:
+    """Return what is done of what a page asks for while the first of it is being done."""
+    done: list[Any] = []
+
+    async def run() -> None:
+        begun = asyncio.Event()
+
+        async def do(session: Any, data: Any) -> None:
+            begun.set()
+            done.append(data)
+            await asyncio.sleep(0)
+
+        monkeypatch.setitem(ACTIONS, name, do)
+        studio, wishes = Studio(lambda: None), Wishes()  # type: ignore[arg-type,return-value]
+        performing = asyncio.create_task(wishes.perform(studio.open(), lambda: None))
+        wishes.add(wanted[0])
+        await begun.wait()
+        for data in wanted[1:]:
+            wishes.add(data)
+        await until(lambda: not wishes.waiting, "all is done")
+        wishes.close()
+        await performing
+
+    asyncio.run(run())
+    return done
+
+
+def test_what_is_asked_again_before_its_answer_is_done_once(monkeypatch):
+    save, other = {"do": "save", "values": {"name": "A"}}, {"do": "save", "values": {"name": "B"}}
+    assert asked_twice(monkeypatch, "save", save, save, other, save) == [save, other]
+    assert asked_twice(monkeypatch, "save", save, {**other, "again": True}) == [save]
+
+
+def test_a_step_is_done_as_often_as_it_is_clicked(monkeypatch):
+    step = {"do": "step", "cycles": "1"}
+    assert asked_twice(monkeypatch, "step", step, step, {**step, "again": True}) == [step] * 3
+
+
+def test_what_is_no_wish_at_all_is_dropped(monkeypatch):
+    """A page may send anything over its socket: what performs its wishes must survive that."""
+    step = {"do": "step"}
+    assert asked_twice(monkeypatch, "step", step, None, 7, ["do"], "step", step) == [step] * 2

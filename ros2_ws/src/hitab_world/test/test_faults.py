@@ -1,0 +1,169 @@
+"""A world whose own code fails says so and pauses or goes on; it does not end."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from domain_coordinator import domain_id
+from hitab_msgs import msg, srv
+
+from hitab_ros import names, qos
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.spinning import Spinner, spinner
+from hitab_world.world_node import WorldNode
+
+AGENTS = ("a", "b")
+SECONDS = 30.0
+
+
+class Broken:
+    """A world in which that fails which a test says."""
+
+    name = "broken"
+    agents = AGENTS
+    cycle_seconds = 0.1
+    size = (10.0, 10.0)
+    ended = ""
+
+    def __init__(self) -> None:
+        self.seed = self.episode = self.cycle = self.episode_cycle = 0
+        self.refused: dict[str, str] = {}
+        self.broken: set[str] = set()
+        self.acted: set[str] = set()
+
+    def reset(self, episode: int | None = None, seed: int | None = None) -> None:
+        """Go on."""
+
+    def percept(self, agent: str) -> tuple[list[float], list[str]]:
+        if agent in self.broken:
+            raise IndexError(f"no percept for {agent}")
+        return [1.0], []
+
+    def step(self, actions: Any) -> str | None:
+        if "step" in self.broken:
+            raise ZeroDivisionError("the physics")
+        self.acted = set(actions)
+        self.cycle += 1
+        return None
+
+    def entities(self) -> list[Any]:
+        if "entities" in self.broken:
+            raise KeyError("entities")
+        return []
+
+
+class Running:
+    """The node of a world, run by its own loop, and one that talks to it."""
+
+    def __init__(self, spinning: Spinner) -> None:
+        self.world = Broken()
+        self.spinning = spinning
+        self.node = WorldNode(lambda node, seed: self.world)
+        self.node.pace = "lockstep"
+        self.peer = GuardedNode("peer")
+        self.status = msg.WorldStatus()
+        spinning.executor.add_node(self.node)
+        spinning.executor.add_node(self.peer)
+        self.node.join()
+        self.answers = {
+            agent: self.peer.create_publisher(msg.Action, f"/{names.ACTIONS}", qos.CYCLE)
+            for agent in AGENTS
+        }
+        for agent in AGENTS:
+            self.peer.create_subscription(
+                msg.Percept,
+                f"/{agent}/{names.PERCEPT}",
+                lambda percept, agent=agent: self._answer(agent, percept),
+                qos.CYCLE,
+            )
+        self.peer.create_subscription(msg.WorldStatus, f"/{names.STATUS}", self._hear, qos.LATCHED)
+
+    def _answer(self, agent: str, percept: msg.Percept) -> None:
+        action = msg.Action(agent=agent, sequence=percept.sequence, values=[1.0])
+        self.answers[agent].publish(action)
+
+    def _hear(self, status: msg.WorldStatus) -> None:
+        self.status = status
+
+    def until(self, condition: Callable[[], Any]) -> None:
+        """Run the world until a condition holds."""
+        clock = self.peer.get_clock()
+        end = clock.now().nanoseconds + int(SECONDS * 1e9)
+
+        def look() -> None:
+            if condition() or clock.now().nanoseconds > end:
+                self.spinning.stop()
+
+        timer = self.peer.create_timer(0.01, look)
+        self.spinning._stopped = False
+        self.node.run(self.spinning)
+        self.peer.destroy_timer(timer)
+        assert condition(), f"it did not happen in time: {self.status}"
+
+    def plays(self) -> None:
+        """Wait until ten more cycles have been played with all agents."""
+        begun = self.world.cycle
+        self.until(lambda: self.world.cycle > begun + 10 and self.world.acted == {*AGENTS})
+
+    def resume(self) -> None:
+        client = self.peer.create_client(srv.Control, f"/{names.CONTROL}")
+        self.until(client.service_is_ready)
+        future = client.call_async(srv.Control.Request(action="resume"))
+        self.until(future.done)
+
+
+@pytest.fixture
+def running() -> Iterator[Running]:
+    with pytest.MonkeyPatch.context() as patch, domain_id() as number:
+        patch.setenv("ROS_DOMAIN_ID", str(number))
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        assert os.environ["ROS_DOMAIN_ID"]
+        with spinner([]) as spinning:
+            yield Running(spinning)
+
+
+def test_a_world_whose_step_fails_pauses_and_says_why_until_a_step_succeeds(running):
+    running.plays()
+    running.world.broken.add("step")
+    running.until(lambda: running.status.mode == "paused")
+    running.until(lambda: any("ZeroDivisionError" in f for f in running.status.faults))
+    assert "the physics" in running.status.last_error
+    running.resume()  # which does not help yet
+    running.until(lambda: running.status.mode == "paused" and running.status.faults)
+    running.world.broken.clear()
+    running.resume()
+    running.plays()
+    running.until(lambda: not running.status.faults)
+
+
+def test_who_cannot_be_shown_the_world_is_left_out_and_the_others_play(running):
+    running.plays()
+    running.world.broken.add("b")
+    running.until(lambda: any("no percept for b" in f for f in running.status.faults))
+    begun = running.world.cycle
+    running.until(lambda: running.world.cycle > begun + 10 and running.world.acted == {"a"})
+    assert running.status.missed_deadlines == 0  # nobody waits for its answer
+    running.world.broken.clear()
+    running.plays()
+    running.until(lambda: not running.status.faults)
+
+
+def test_a_world_that_cannot_be_drawn_goes_on(running):
+    shown: list[msg.WorldState] = []
+    running.peer.create_subscription(msg.WorldState, f"/{names.STATE}", shown.append, qos.LATCHED)
+    running.world.broken.add("entities")
+    running.until(lambda: any("KeyError" in f for f in running.status.faults))
+    running.plays()
+    running.world.broken.clear()
+    running.until(lambda: not running.status.faults)
+
+
+def test_refused_actions_are_a_fault_as_long_as_they_come(running):
+    running.plays()
+    running.world.refused = {"a": "a: 3 values are no action"}
+    running.until(lambda: "a: 3 values are no action" in running.status.faults)
+    running.world.refused = {}
+    running.until(lambda: not running.status.faults)

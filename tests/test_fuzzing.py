@@ -1,0 +1,187 @@
+"""Whatever is sent, no process ends, nothing is written elsewhere, and the swarm obeys afterwards.
+
+``--long`` sends for a minute with each of three seeds.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+from fuzzing import Fuzzer
+
+from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.ros_link import RosLink
+from hitab_bringup.supervision import process_states
+from hitab_bringup.swarm_client import SwarmClient
+from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.world_client import WorldClient
+
+SECONDS = 60.0
+LOG_MAX = 300_000  # bytes of one process
+MEMORY_MAX = 300_000_000  # bytes that one process may have grown by
+
+KEEPAWAY = """\
+swarm: fuzzed_keepers
+domain: keepaway
+behavior: GoFast
+world: {kind: keepaway, pace: realtime, seed: 1}
+agents: {keeper: {count: 3}}
+"""
+FORAGING = """\
+swarm: fuzzed_foragers
+domain: foraging
+hosts: 2
+world:
+  kind: foraging
+  pace: realtime
+  seed: 1
+  parameters: {foragers: 12}
+agents: {forager: {count: 12}}
+kinds:
+  Squad: {orders: {Explore: Forward, Rest: Stop}}
+  Chief: {orders: {Explore: Explore, Rest: Rest}}
+commanders:
+  squad: {kind: Squad, commands: {forager: 4}}
+  chief: {kind: Chief, commands: squad, behavior: Explore}
+"""
+
+
+def files(folder: Path, leave_out: Path) -> set[tuple[str, int]]:
+    """Return the files in a folder with their sizes, but for one folder in it."""
+    return {
+        (str(path), path.stat().st_size if path.is_file() else 0)
+        for path in folder.rglob("*")
+        if leave_out not in (path, *path.parents)
+    }
+
+
+def elsewhere() -> set[str]:
+    """Return what has the name that the fuzzer's paths have, where they may lead."""
+    places = (Path("/"), Path("/tmp"), Path.home(), Path.cwd())
+    return {str(path) for place in places for path in place.glob("*fuzzed*")}
+
+
+def pids(running: RunningSwarm) -> dict[str, int]:
+    return {s["name"]: s["pid"] for s in process_states(running.record)}
+
+
+def memory(running: RunningSwarm) -> dict[str, int]:
+    return {name: psutil.Process(pid).memory_info().rss for name, pid in pids(running).items()}
+
+
+def logs(running: RunningSwarm) -> dict[str, int]:
+    return {path.name: path.stat().st_size for path in (running.folder.path / "logs").iterdir()}
+
+
+@contextlib.contextmanager
+def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[RunningSwarm]:
+    """Bring a swarm up, send it whatever there is, and check that it is as it was."""
+    description = parse_swarm(text, folder / "swarm.yaml")
+    run = folder / "run"
+    with temporary_swarm(description, run) as running:
+        agents = sorted(running.agents.statuses)
+        words = [*agents, *(path.name for path in run.iterdir())]
+        for agent in (agents[0], agents[-1]):
+            known = running.agents.vocabulary(agent)
+            words += [*known.behaviors, *known.features, *known.targets]
+        before, files_before, elsewhere_before = pids(running), files(folder, run), elsewhere()
+        memory_before = memory(running)
+        with RosLink(running.record.domain_id) as link:
+            fuzzer = Fuzzer(link, seed, agents)
+            fuzzer.learn(words)
+            fuzzer.run(seconds)
+            fuzzer.close()
+        print(f"sent {sum(fuzzer.sent.values())} to {len(fuzzer.sent)}: {fuzzer.sent}")
+        print(f"answered {fuzzer.answered}, not {fuzzer.unanswered}; logs {logs(running)}")
+        assert pids(running) == before, "a process has ended"
+        assert files(folder, run) == files_before, "something was written outside the run folder"
+        assert elsewhere() == elsewhere_before
+        assert max(logs(running).values()) < LOG_MAX
+        grown = {name: size - memory_before[name] for name, size in memory(running).items()}
+        print(f"grown by {grown}")
+        assert max(grown.values()) < MEMORY_MAX
+        # By somebody who comes later: who listened all the time may still see what was forged.
+        with RosLink(running.record.domain_id) as link:
+            clients = SwarmClient(link, running.record.agents), WorldClient(link)
+            clients[0].watch_all()
+            later = RunningSwarm(running.folder, running.record, link, *clients)
+            clients[1].wait(SECONDS)
+            let_go(later, agents)
+            yield later
+        assert pids(running) == before, "a process has ended"
+
+
+def let_go(running: RunningSwarm, agents: list[str]) -> None:
+    """End what the fuzzer has begun as a demonstrator: trainings, and a paused world."""
+    for agent in agents:
+        running.agents.set_mode(agent, "idle")
+    running.world.control("pace", pace="lockstep")
+    running.world.control("resume")
+
+
+def fresh(running: RunningSwarm) -> None:
+    """Wait until the world has said itself how it is; the fuzzer spoke in its name."""
+    for _ in range(3):
+        heard = running.world.status
+        assert running.link.spin_until(
+            lambda heard=heard: running.world.status is not heard, SECONDS
+        )
+
+
+def goes_on(running: RunningSwarm) -> bool:
+    """Whether the world plays ten more cycles."""
+    fresh(running)
+    begun = running.world.status.cycle
+    return running.link.spin_until(lambda: running.world.status.cycle > begun + 10, SECONDS)
+
+
+def behaviors(running: RunningSwarm, kind: str) -> set[str]:
+    found = running.agents.statuses.items()
+    return {status.behavior for name, status in found if name.startswith(kind)}
+
+
+def doing(running: RunningSwarm) -> str:
+    """Return what each agent and commander does, and why, for the message of a failure."""
+    return "\n".join(
+        f"{name}: {s.mode} {s.behavior!r}, ordered {s.ordered!r}{' waits' * s.order_waits}, "
+        f"cycle {s.cycle}, {s.last_error} {list(s.faults)}"
+        for name, s in running.agents.statuses.items()
+    )
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "seed" in metafunc.fixturenames:
+        is_long = metafunc.config.getoption("long")
+        metafunc.parametrize("seed", (1, 2, 3) if is_long else (1,))
+        metafunc.parametrize("seconds", (60.0 if is_long else 8.0,), ids=str)
+
+
+@pytest.mark.timeout(400)
+def test_keepers_go_on_whatever_is_sent(home: Path, tmp_path: Path, seed: int, seconds: float):
+    with fuzzed(KEEPAWAY, tmp_path, seed, seconds) as running:
+        for behavior in ("GoFast", "Stop"):
+            for number in (1, 2, 3):
+                running.agents.perform(f"keeper_{number}", behavior)
+            assert running.link.spin_until(
+                lambda behavior=behavior: behaviors(running, "keeper") == {behavior}, SECONDS
+            )
+            assert goes_on(running)
+        assert not running.world.status.missing
+
+
+@pytest.mark.timeout(400)
+def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
+    home: Path, tmp_path: Path, seed: int, seconds: float
+):
+    with fuzzed(FORAGING, tmp_path, seed, seconds) as running:
+        for order, meant in (("Rest", "Stop"), ("Explore", "Forward"), ("Rest", "Stop")):
+            running.agents.perform("chief", order)
+            assert running.link.spin_until(
+                lambda meant=meant: behaviors(running, "forager") == {meant}, SECONDS
+            ), doing(running)
+            assert goes_on(running)
+        assert not running.world.status.missing
