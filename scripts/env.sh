@@ -57,10 +57,27 @@ else
   export CMAKE_PREFIX_PATH=$_hitab_venv ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
 fi
 export PATH AMENT_PREFIX_PATH VIRTUAL_ENV="$_hitab_venv" PYTHONNOUSERSITE=1
-# Nobody else's robots on the network are meant, unless the user says so.
-export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
+# Nobody else's robots on the network are meant, unless the user says so. ROS's own LOCALHOST finds
+# 32 processes only and listens on all interfaces; this profile finds 120 and binds to 127.0.0.1.
+# Without it SYSTEM_DEFAULT would mean the network, so that the two are set together or not at all.
+: "${ROS_AUTOMATIC_DISCOVERY_RANGE:=LOCALHOST}"
+_hitab_dds=${_hitab_scripts%/*}/ros2_ws/src/hitab_bringup/hitab_bringup/dds_loopback.xml
+if [ "$ROS_AUTOMATIC_DISCOVERY_RANGE" = LOCALHOST ] && [ -f "$_hitab_dds" ] &&
+  [ -z "${FASTRTPS_DEFAULT_PROFILES_FILE:-}${FASTDDS_DEFAULT_PROFILES_FILE:-}" ]; then
+  case ${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp} in
+    rmw_fast*)
+      ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT
+      export FASTRTPS_DEFAULT_PROFILES_FILE=$_hitab_dds FASTDDS_DEFAULT_PROFILES_FILE=$_hitab_dds
+      ;;
+  esac
+fi
+case $ROS_AUTOMATIC_DISCOVERY_RANGE:${FASTRTPS_DEFAULT_PROFILES_FILE:-} in
+  LOCALHOST:* | SYSTEM_DEFAULT:*) ;;
+  *:"$_hitab_dds") unset FASTRTPS_DEFAULT_PROFILES_FILE FASTDDS_DEFAULT_PROFILES_FILE ;;
+esac
+export ROS_AUTOMATIC_DISCOVERY_RANGE
 
 if [ -z "${HOME:-}" ]; then export HOME=~; fi # ROS logs there, and does not start without
 
 unset -f _hitab_without
-unset _hitab_scripts _hitab_venv _hitab_ros _hitab_installed _hitab_unset
+unset _hitab_dds _hitab_scripts _hitab_venv _hitab_ros _hitab_installed _hitab_unset

@@ -305,6 +305,32 @@ def test_nodes_stay_on_this_machine_unless_the_user_says_otherwise(checkout, sai
     assert sourced(checkout, environment)["ROS_AUTOMATIC_DISCOVERY_RANGE"] == counts
 
 
+@pytest.mark.parametrize(
+    ("said", "counts", "bound"),
+    [
+        ({}, "SYSTEM_DEFAULT", True),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, "SUBNET", False),
+        ({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp", "ROS_DISTRO": "jazzy"}, "LOCALHOST", False),
+    ],
+)
+def test_a_prepared_shell_has_a_profile_that_binds_to_this_machine(checkout, said, counts, bound):
+    """SYSTEM_DEFAULT is safe with that profile only."""
+    profile = "ros2_ws/src/hitab_bringup/hitab_bringup/dds_loopback.xml"
+    (checkout.root / profile).parent.mkdir(parents=True)
+    shutil.copy(ROOT / profile, checkout.root / profile)
+    installed = checkout.root / "jazzy"
+    installed.mkdir()
+    (installed / "setup.bash").touch()
+    environment = checkout.environment() | {"HITAB_ROS": str(installed)} | said
+    shown = sourced(checkout, environment)
+    assert shown["ROS_AUTOMATIC_DISCOVERY_RANGE"] == counts
+    expected = str(checkout.root / profile) if bound else None
+    assert shown.get("FASTRTPS_DEFAULT_PROFILES_FILE") == expected
+    assert sourced(checkout, shown) == shown
+    subnet = sourced(checkout, shown | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"})
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in subnet
+
+
 def sourced(checkout: Checkout, environment: dict[str, str]) -> dict[str, str]:
     """What the environment is after sourcing scripts/env.sh, in a shell that allows no slip."""
     script = 'set -eu; . "$0"; env -0'

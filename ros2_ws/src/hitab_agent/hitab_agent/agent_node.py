@@ -12,13 +12,14 @@ from hitab_msgs import msg
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
+from hitab_agent.performance_memory import PerformanceMemory
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.telling import Telling
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
-from hitab_core.agent import Agent
+from hitab_core.agent import Agent, Mode
 from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
 from hitab_core.errors import HitabError
@@ -95,14 +96,33 @@ class AgentNode(GuardedNode):
         self._link: Any = None
         self.superior: SuperiorLink | None = None
         self._start_error = ""
-        if settings.behavior and self.agent.session is None:
-            self._begin(settings.behavior)
+        self._memory = PerformanceMemory(state, settings.swarm)
+        if self.agent.session is None:
+            self._begin(self._first_behavior())
+
+    def _first_behavior(self) -> str:
+        """Return what to perform from the start on; empty: nothing."""
+        if self._memory.damage:
+            self.get_logger().warning(self._memory.damage)
+        resume = self.settings.resume or not self.agent.domain.link
+        return self._memory.first(self.settings.behavior, resume=resume)
+
+    def remember(self) -> None:
+        """Write down what is performed, if that has changed, for the process after this one."""
+        agent = self.agent
+        performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
+        try:
+            self._memory.keep(performed)
+        except OSError as error:
+            self.guard.log(f"a restart would forget what is performed: {error}")
 
     def _begin(self, behavior: str) -> None:
-        """Perform a behavior from the start on, or nothing if that cannot be.
+        """Perform a behavior from the start on, or nothing if that cannot be, or there is none.
 
         The library may have changed while the agent was away; it has to be there to be mended.
         """
+        if not behavior:
+            return
         try:
             self.agent.perform(use_of(behavior, ()))
         except HitabError as error:
@@ -313,6 +333,7 @@ class AgentNode(GuardedNode):
     def publish_status(self) -> None:
         """Publish what the agent does now."""
         agent, status = self.agent, self._status
+        self.remember()
         session = agent.session
         if self._tick_error and self._failed_in != (agent.mode.value, agent.behavior):
             self._tick_succeeded()  # what failed is not performed any more

@@ -17,7 +17,8 @@ DESCRIPTIONS = {
     "seed": "of the agent's own random numbers, until a world gives one",
     "commander": "name of its commander, whose orders it obeys; empty: it has none",
     "role": "in its commander's group, for orders that differ by role",
-    "swarm": "identity of the swarm that it is part of, for its status; empty: none",
+    "resume": "go on after a restart with what was performed, even with a robot of its own",
+    "swarm": "identity of the swarm that it is part of; empty: none, and nothing to resume",
     "most_probable": "take the most probable next state instead of drawing from the distribution",
 }
 
@@ -35,6 +36,7 @@ class AgentSettings:
     most_probable: bool = False
     commander: str = ""
     role: str = ""
+    resume: bool = False
     swarm: str = ""
 
     @classmethod

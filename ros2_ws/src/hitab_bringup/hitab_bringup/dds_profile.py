@@ -1,18 +1,87 @@
-"""How quickly processes find each other, and how quickly a killed one is forgotten."""
+"""How processes find each other, and how quickly a killed one is forgotten.
+
+Unless the user says otherwise nothing leaves this machine, and nothing listens to others. ROS's
+own `LOCALHOST` range finds 32 processes only and listens on all interfaces, so that it is
+replaced by a profile that binds to 127.0.0.1. Other ROS programs with `LOCALHOST` in the same
+domain are found, and find ours.
+"""
 
 from __future__ import annotations
 
 from collections.abc import MutableMapping
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """What Fast DDS reads, in its older and in its newer versions."""
 
-PROFILE = Path(__file__).with_suffix(".xml")
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+HERE, BY_PROFILE = "LOCALHOST", "SYSTEM_DEFAULT"
+
+LOOPBACK = Path(__file__).with_name("dds_loopback.xml")
+"""For processes on this machine only."""
+
+NETWORK = Path(__file__).with_name("dds_network.xml")
+"""For users who want other machines to be heard, too."""
+
+PORTS = 120
+"""Processes that have ports of their own in a ROS domain."""
+
+_QUICKEST_S = 0.25  # between two announcements
+_SHARED_BY = 50  # processes that may announce themselves once a second
+_MISSED = 5  # announcements after which a process is forgotten
+_SHORTEST_LEASE_S = 8.0
+_NAMESPACE = "http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"
 
 
-def choose_profile(environment: MutableMapping[str, str]) -> None:
-    """Have processes with this environment use our profile, unless the user has one."""
-    if not any(environment.get(name) for name in VARIABLES):
-        for name in VARIABLES:
-            environment[name] = str(PROFILE)
+def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPBACK) -> None:
+    """Have processes with this environment find each other, unless the user has a profile.
+
+    Args:
+        environment: variables, of which the profile and the discovery range are set.
+        loopback: the profile if they are to stay on this machine.
+    """
+    chosen = [environment[name] for name in VARIABLES if environment.get(name)]
+    if any(Path(name).name not in (LOOPBACK.name, NETWORK.name) for name in chosen):
+        environment.setdefault(RANGE, HERE)
+        return
+    ours = any(Path(name).name == LOOPBACK.name for name in chosen)
+    said = environment.get(RANGE) or HERE
+    stays = said == HERE or (said == BY_PROFILE and ours)
+    if stays and environment.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fast"):
+        profile, environment[RANGE] = loopback, BY_PROFILE
+    else:
+        # Without our profile SYSTEM_DEFAULT would mean everybody on the network.
+        profile, environment[RANGE] = NETWORK, HERE if stays else said
+    for name in VARIABLES:
+        environment[name] = str(profile)
+
+
+def profile_for(folder: Path, processes: int) -> Path:
+    """Write a profile for a swarm that stays on this machine, and return its file.
+
+    A process that has just started misses the answers to its first announcement, since it cannot
+    receive yet, and finds those that are there when they next announce themselves. So they do
+    this four times a second. Together this costs the square of their number; from 25 processes
+    on they do it less often, so that the cost stays at a tenth of a core or two.
+
+    Args:
+        folder: for the file.
+        processes: how many there will be.
+    """
+    period = max(_QUICKEST_S, (processes / _SHARED_BY) ** 2)
+    tree: Any = ElementTree.parse(LOOPBACK)
+    _set_duration(tree, "leaseAnnouncement", period)
+    _set_duration(tree, "leaseDuration", max(_SHORTEST_LEASE_S, _MISSED * period))
+    peers = str(max(PORTS, processes + PORTS // 4))
+    tree.find(f".//{{{_NAMESPACE}}}maxInitialPeersRange").text = peers
+    ElementTree.register_namespace("", _NAMESPACE)
+    file = folder / LOOPBACK.name
+    tree.write(file, encoding="UTF-8", xml_declaration=True)
+    return file
+
+
+def _set_duration(tree: Any, name: str, seconds: float) -> None:
+    for unit, value in (("sec", int(seconds)), ("nanosec", int(seconds % 1 * 1e9))):
+        tree.find(f".//{{{_NAMESPACE}}}{name}/{{{_NAMESPACE}}}{unit}").text = str(value)

@@ -8,9 +8,6 @@ from collections.abc import Iterator
 
 from hitab_bringup.run_folder import running_swarms
 
-LOCALHOST = ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-"""Variable and default: what this project starts stays on this machine unless the user says."""
-
 
 def chosen_by_user() -> int | None:
     """Return the user's own ROS_DOMAIN_ID, if there is one."""

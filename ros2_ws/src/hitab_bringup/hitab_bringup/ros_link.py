@@ -15,7 +15,6 @@ from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile
 
 from hitab_bringup.dds_profile import choose_profile
-from hitab_bringup.domain_ids import LOCALHOST
 from hitab_bringup.errors import SwarmError
 from hitab_ros.guarded_node import GuardedNode
 
@@ -30,7 +29,6 @@ class RosLink:
     """A node, its executor and its clients; used with ``with``."""
 
     def __init__(self, domain_id: int | None = None) -> None:
-        os.environ.setdefault(*LOCALHOST)
         choose_profile(os.environ)
         self._context = Context()
         rclpy.init(

@@ -21,8 +21,7 @@ from xmlrpc.client import Fault, ServerProxy
 
 import psutil  # type: ignore[import-untyped]
 
-from hitab_bringup.dds_profile import choose_profile
-from hitab_bringup.domain_ids import LOCALHOST
+from hitab_bringup.dds_profile import RANGE, choose_profile, profile_for
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.identity import new_identity
 from hitab_bringup.libraries import prepare
@@ -36,19 +35,18 @@ from hitab_ros.exit_codes import FINAL
 STOP_SECONDS = 10.0
 
 
-def environment(folder: RunFolder, domain_id: int) -> dict[str, str]:
+def environment(folder: RunFolder, domain_id: int, processes: int) -> dict[str, str]:
     """Return the environment of a swarm's processes."""
     variables = {
         **os.environ,
         MARK: str(folder.path),
         "ROS_DOMAIN_ID": str(domain_id),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": os.environ.get(*LOCALHOST),
         "PYTHONUNBUFFERED": "1",
         # One core each: numpy's own threads would only get into the others' way.
         "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1"),
         "OPENBLAS_NUM_THREADS": os.environ.get("OPENBLAS_NUM_THREADS", "1"),
     }
-    choose_profile(variables)
+    choose_profile(variables, profile_for(folder.path, processes))
     return variables
 
 
@@ -94,12 +92,13 @@ def launch(
     config.write_text(
         supervisor_config(started, folder.path, folder.path / "logs", socket), encoding="utf-8"
     )
-    supervisor = _spawn(config, environment(folder, domain_id), folder, temporary)
+    variables = environment(folder, domain_id, len(started))
+    supervisor = _spawn(config, variables, folder, temporary)
     record = RunRecord(
         swarm.name,
         str(swarm.file.resolve()),
         domain_id,
-        os.environ.get(*LOCALHOST),
+        variables[RANGE],
         swarm.agent_names,
         swarm.world is not None,
         supervisor.pid,

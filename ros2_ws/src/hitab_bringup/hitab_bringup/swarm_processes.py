@@ -69,7 +69,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     """
     found = []
     if swarm.world is not None:
-        found.append(_world(swarm.world))
+        found.append(_world(swarm.world, folder))
     for name, members in _shared(swarm).items():
         if len(members) == 1 and name == members[0].name:
             found.append(_alone(members[0], folder))
@@ -110,12 +110,13 @@ def _node_of(member: AgentDescription) -> dict[str, str]:
     return {"node": COMMANDER_NODE} if isinstance(member, CommanderDescription) else {}
 
 
-def _world(world: WorldDescription) -> Process:
+def _world(world: WorldDescription, folder: Path) -> Process:
     parameters: dict[str, Any] = {
         "pace": world.pace,
         "factor": world.factor,
         "seed": world.seed,
         "paused": world.paused,
+        "state_dir": str((folder / "state").resolve()),
     }
     parameters |= {f"parameters.{name}": value for name, value in world.parameters.items()}
     return Process(WORLD, world.module, f"/{WORLD}", parameters)

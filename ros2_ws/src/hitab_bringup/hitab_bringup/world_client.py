@@ -187,7 +187,12 @@ class WorldClient:
         )
         before = len(self.episodes)
         self.ask(Play, "play", episodes=episodes, seed=seed)
-        while (seen := len(self.episodes) - before) < episodes:
+
+        def played() -> list[Episode]:
+            """Return the episodes so far, once each; a restarted world may repeat one."""
+            return list({e.number: e for e in self.episodes[before:]}.values())
+
+        while (seen := len(played())) < episodes:
             if progress is not None:
                 progress(seen)
             so_far = len(self.episodes)
@@ -196,7 +201,7 @@ class WorldClient:
                     f"nothing was played for {stall_seconds:g} s after {seen} of {episodes} "
                     f"episodes{self._why_stalled()}"
                 )
-        return self.episodes[before:]
+        return played()
 
     def _more_episodes_than(self, number: int, seconds: float) -> bool:
         def cycle() -> int:

@@ -6,12 +6,13 @@
 Starts the same processes as `hitab up`, in this terminal and in this ROS domain.
 """
 
+import os
 from pathlib import Path
 
 from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 
-from hitab_bringup.dds_profile import choose_profile
+from hitab_bringup.dds_profile import choose_profile, profile_for
 from hitab_bringup.identity import new_identity
 from hitab_bringup.libraries import prepare
 from hitab_bringup.run_folder import RunFolder
@@ -29,18 +30,19 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
     folder = RunFolder.of_swarm(swarm.name, Path(run_dir) if run_dir else None)
     folder.prepare()
     prepare(swarm, folder.path)
-    profile: dict[str, str] = {}
-    choose_profile(profile)
+    profile = dict(os.environ)
+    started = processes(swarm, folder.path, new_identity(swarm.name))
+    choose_profile(profile, profile_for(folder.path, len(started)))
     return [
         ExecuteProcess(
             cmd=process.command,
             name=process.name,
-            additional_env=profile,
+            env=profile,
             output="screen",
             respawn=True,
             respawn_delay=1.0,
         )
-        for process in processes(swarm, folder.path, new_identity(swarm.name))
+        for process in started
     ]
 
 

@@ -56,6 +56,8 @@ class CommanderLink:
         self._decided = False
         self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
         roles = _roles(node)
+        if self._memory.damage:
+            node.get_logger().warning(self._memory.damage)
         remembered = self._memory.remembered
         self.body.enlist(
             roles,

@@ -33,6 +33,13 @@ class CommanderNode(AgentNode):
         """Where it keeps what it needs after a restart."""
         return Path(self.settings.state_dir).expanduser() / self.agent_name
 
+    def _first_behavior(self) -> str:
+        """Return what to perform at the first start; its link knows what was performed since."""
+        return self.settings.behavior
+
+    def remember(self) -> None:
+        """Leave it to the link, which writes down the order with it."""
+
     def load_domain(self, name: str) -> Domain:
         """Return the domain of the kind of commander in the file ``name``."""
         if not name:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import os
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
+
+from hitab_agent.line_memory import LineMemory
 
 FILE_NAME = "orders.json"
 
@@ -27,12 +27,14 @@ class Remembered:
 
 
 class OrderMemory:
-    """A small file in a commander's state folder; its first line is what counts.
+    """A small file in a commander's state folder; see `LineMemory`.
 
-    It has to survive the process, not the machine, and an order must not wait for it: a line is
-    written over the one before in one go, which takes microseconds, and what is longer stays
-    behind it. What cannot be read is taken for a commander that has ordered nothing yet, since its
-    superior or a person will order again.
+    What cannot be read is taken for a commander that has ordered nothing yet, since its superior
+    or a person will order again.
+
+    Attributes:
+        remembered: what was in force.
+        damage: why the file is ignored; empty if it is not.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -41,15 +43,15 @@ class OrderMemory:
         Args:
             folder: where the file is; it is made when there is something to remember.
         """
-        self._path = folder / FILE_NAME
+        self._file = LineMemory(folder / FILE_NAME)
+        self.damage = self._file.damage
         self.remembered = self._read()
 
     def _read(self) -> Remembered:
+        said = self._file.values
         try:
-            with self._path.open(encoding="utf-8") as file:
-                said = json.loads(file.readline())
             return Remembered(int(said["epoch"]), str(said["behavior"]), str(said["label"]))
-        except (OSError, ValueError, KeyError, TypeError):
+        except (ArithmeticError, KeyError, TypeError, ValueError):
             return Remembered()
 
     def next_epoch(self) -> int:
@@ -57,17 +59,12 @@ class OrderMemory:
         return max(time.time_ns(), self.remembered.epoch + 1)
 
     def keep(self, remembered: Remembered) -> None:
-        """Write down what is in force now."""
+        """Write down what is in force now.
+
+        Raises:
+            OSError: if it cannot be written.
+        """
         if remembered == self.remembered:
             return
         self.remembered = remembered
-        line = json.dumps(asdict(remembered)) + "\n"
-        try:
-            file = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o644)
-        except FileNotFoundError:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            file = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o644)
-        try:
-            os.write(file, line.encode())
-        finally:
-            os.close(file)
+        self._file.write(asdict(remembered))

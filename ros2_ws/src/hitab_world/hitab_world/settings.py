@@ -17,10 +17,13 @@ DESCRIPTIONS = {
     "seed": "of the run: episode i is seeded with it and i",
     "paused": "wait for a resume, step or play before the first cycle",
     "deadline": "s; in lockstep, how long an agent's answer is waited for",
-    "swarm": "identity of the swarm that it is part of, for its status; empty: none",
+    "swarm": "identity of the swarm that it is part of; empty: none, and nothing to resume",
+    "state_dir": "folder in which its state survives a restart of its process; empty: none",
+    "snapshot_period": "s; how often its state is kept for a restart; 0: never",
     "state_rate": "Hz; how often the truth is published while running",
 }
 _FLOATS = {"factor": (0.01, 1000.0), "deadline": (0.001, 3600.0), "state_rate": (0.1, 1000.0)}
+_FLOATS["snapshot_period"] = (0.0, 3600.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,8 @@ class WorldSettings:
     deadline: float = 5.0
     state_rate: float = 30.0
     swarm: str = ""
+    state_dir: str = ""
+    snapshot_period: float = 1.0
 
     @classmethod
     def declare(cls, node: Node) -> WorldSettings:

@@ -21,6 +21,7 @@ from hitab_world.attendance import Attendance
 from hitab_world.audience import Audience
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
+from hitab_world.world_keeper import WorldKeeper
 from hitab_world.world_services import WorldServices
 
 NANOSECONDS = 1_000_000_000
@@ -73,6 +74,7 @@ class WorldNode(GuardedNode):
         self._viewed = self._clocked = False
         self._audience = Audience(self, tuple(self.world.agents))
         self.attendance = Attendance(self.world.agents, self._audience.has)
+        self.keeper = WorldKeeper(self)
         self._state = self.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
         self._status = self.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
         self._episodes = self.create_publisher(msg.Episode, names.EPISODES, qos.EVENTS)
@@ -81,7 +83,16 @@ class WorldNode(GuardedNode):
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
         self._audience.join(self.attendance.take)
+        if self.keeper.restore():
+            # Agents that live on do not begin anew, and what came after the snapshot comes again.
+            self._restart = False
+            self._in_real_time = True
         self._world_services = WorldServices(self)
+
+    def destroy_node(self) -> None:
+        """Keep the world's state, then take the node down."""
+        self.keeper.close()
+        super().destroy_node()
 
     def look_who_is_there(self) -> bool:
         """Find out which agents have joined the world; return whether that has changed."""
@@ -101,6 +112,7 @@ class WorldNode(GuardedNode):
     def _turn(self, spinning: Spinner) -> None:
         """Do what is to be done now: wait, show the world, or play a cycle."""
         self._attend()
+        self.keeper.attend()
         if not self._live():
             spinning.spin_once(timeout_sec=0.01)
         elif self.paused and not self.steps_left:
@@ -306,6 +318,7 @@ class WorldNode(GuardedNode):
         """Begin the next episode, or the given one; agents begin at Start."""
         self.world.reset(number, seed)
         self.mark_restart()
+        self.keeper.touch()
 
     def mark_restart(self) -> None:
         """Have the agents begin at Start with the next percept."""

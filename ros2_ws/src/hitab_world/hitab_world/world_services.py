@@ -25,7 +25,6 @@ class WorldServices:
 
     def __init__(self, node: WorldNode) -> None:
         self._node = node
-        self._snapshots: dict[str, dict[str, Any]] = {}
         offered: list[tuple[Any, str, Serve]] = [
             (srv.Control, names.CONTROL, self._control),
             (srv.Play, names.PLAY, self._play),
@@ -38,6 +37,7 @@ class WorldServices:
     def _control(self, request: srv.Control.Request, response: srv.Control.Response) -> str:
         node, actions = self._node, srv.Control.Request
         told = self._do(request)
+        node.keeper.touch()
         response.cycle = node.world.cycle + node.steps_left
         if request.action != actions.STEP:
             node.publish_status()
@@ -108,12 +108,14 @@ class WorldServices:
             new_episode=request.new_episode,
         )
         node.disturbed = True
+        node.keeper.touch()
         if request.new_episode:
             node.mark_restart()
         return f"placed {len(request.entities)}"
 
     def _snapshot(self, request: srv.Snapshot.Request, response: srv.Snapshot.Response) -> str:
-        kept, actions = self._snapshots, srv.Snapshot.Request
+        keeper, actions = self._node.keeper, srv.Snapshot.Request
+        kept = keeper.named
         name = request.name
         if request.action != actions.LIST and not name:
             raise HitabError("a snapshot needs a name")
@@ -123,14 +125,15 @@ class WorldServices:
             case actions.SAVE:
                 if name not in kept and len(kept) >= SNAPSHOTS_MAX:
                     raise HitabError(f"there are {len(kept)} snapshots; delete one of them first")
-                kept[name] = self._node.world.snapshot()
+                keeper.save(name, self._node.world.snapshot())
                 told = f'saved "{name}"'
             case actions.RESTORE:
                 self._node.world.restore(kept[name])
                 self._node.disturbed = True
+                keeper.touch()
                 told = f'restored "{name}"'
             case actions.DELETE:
-                del kept[name]
+                keeper.delete(name)
                 told = f'deleted "{name}"'
             case actions.LIST:
                 told = f"{len(kept)} snapshots"

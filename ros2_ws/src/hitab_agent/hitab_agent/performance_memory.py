@@ -1,0 +1,59 @@
+"""What an agent performs, kept across a restart of its process by the same swarm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hitab_agent.line_memory import LineMemory
+
+FILE_NAME = "performance.json"
+
+
+class PerformanceMemory:
+    """A file in an agent's state folder.
+
+    It counts for the swarm that has written it: when a swarm is brought up again its agents begin
+    as its description says, not where others have ended. An agent that is part of no swarm is
+    started by a person, who says what it should do.
+
+    Attributes:
+        performed: the top-level behavior before the restart, empty if there was none; None if
+            this is the agent's first start in its swarm.
+        damage: why the file is ignored; empty if it is not.
+    """
+
+    def __init__(self, folder: Path, swarm: str) -> None:
+        """Read it.
+
+        Args:
+            folder: where the file is.
+            swarm: identity of the agent's swarm; empty: none.
+        """
+        self._swarm = swarm
+        self._file = LineMemory(folder / FILE_NAME)
+        self.damage = self._file.damage if swarm else ""
+        self.performed: str | None = None
+        behavior = self._file.values.get("behavior")
+        if swarm and self._file.values.get("swarm") == swarm and isinstance(behavior, str):
+            self.performed = behavior
+
+    def first(self, behavior: str, *, resume: bool) -> str:
+        """Return what to perform at the start.
+
+        Args:
+            behavior: what the agent should perform at its first start; empty: nothing.
+            resume: whether it goes on after a restart; else it comes back at rest.
+        """
+        if self.performed is None:
+            return behavior
+        return self.performed if resume else ""
+
+    def keep(self, behavior: str) -> None:
+        """Write down what is performed now, if that has changed.
+
+        Raises:
+            OSError: if it cannot be written.
+        """
+        values = {"swarm": self._swarm, "behavior": behavior}
+        if self._swarm and values != self._file.values:
+            self._file.write(values)

@@ -1,0 +1,149 @@
+"""A process that is killed goes on where it was; a swarm that is brought up again begins anew."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.keepaway.evaluation import trained_keepers
+from hitab_bringup.supervision import process_states
+
+SECONDS = 60.0
+AGENT = "keeper_1"
+
+
+def pid_of(swarm: RunningSwarm, name: str) -> int:
+    """Return the process of an agent or the world, 0 while it has none."""
+    return next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
+
+
+def kill(swarm: RunningSwarm, name: str) -> None:
+    """Kill a process."""
+    os.kill(pid_of(swarm, name), signal.SIGKILL)
+
+
+def kill_and_await(swarm: RunningSwarm, name: str) -> None:
+    """Kill a process and wait until the one after it is heard."""
+    if name == "world":
+        swarm.world.status = None
+        kill(swarm, name)
+        assert swarm.link.spin_until(lambda: swarm.world.status is not None, SECONDS)
+    else:
+        swarm.agents.statuses.pop(name)
+        kill(swarm, name)
+        assert swarm.link.spin_until(lambda: name in swarm.agents.statuses, SECONDS)
+
+
+def until(swarm: RunningSwarm, holds: Callable[[], bool]) -> None:
+    """Wait for a condition."""
+    assert swarm.link.spin_until(holds, SECONDS), (swarm.world.status, swarm.agents.statuses)
+
+
+@pytest.fixture
+def swarm(home: Path, tmp_path: Path) -> Iterator[RunningSwarm]:
+    """Three keepers in a paused world."""
+    with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as running:
+        yield running
+
+
+@pytest.mark.timeout(SECONDS * 4)
+def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> None:
+    """Without a memory it would come back idle, since nobody has ordered it."""
+    swarm.agents.perform(AGENT, "GoFast")
+    kill_and_await(swarm, AGENT)
+    status = swarm.agents.statuses[AGENT]
+    assert (status.mode, status.behavior) == ("performing", "GoFast")
+
+    swarm.agents.set_mode(AGENT, "idle")
+    kill_and_await(swarm, AGENT)
+    assert swarm.agents.statuses[AGENT].mode == "idle"
+
+
+@pytest.mark.timeout(SECONDS * 4)
+def test_a_killed_world_goes_on_from_its_latest_state(swarm: RunningSwarm) -> None:
+    """Without a memory it would begin at cycle 0 and run as it was started."""
+    world = swarm.world
+    world.place({"ball": {"x": 3.0, "y": 2.0, "vx": 0.0, "vy": 0.0}})
+    world.snapshot("save", "corner")
+    world.control("pace", pace="realtime", factor=2.0)
+    before = world.step(30)
+    ball = {e.name: (e.x, e.y) for e in before.entities}["ball"]
+    latest = swarm.folder.path / "state" / "world" / "latest.json"
+    until(swarm, lambda: f'"cycle": {before.cycle}' in latest.read_text())
+
+    kill_and_await(swarm, "world")
+    status = world.status
+    assert status is not None
+    assert (status.cycle, status.episode, status.mode) == (before.cycle, before.episode, "paused")
+    assert (status.pace, status.factor, status.reproducible) == ("realtime", 2.0, False)
+    assert list(world.snapshot("list").names) == ["corner"]
+    until(swarm, lambda: not world.status.missing)
+    after = world.step(1)
+    assert after.cycle == before.cycle + 1
+    moved = {e.name: (e.x, e.y) for e in after.entities}["ball"]
+    assert moved == pytest.approx(ball, abs=2.0)
+    world.snapshot("restore", "corner")
+    world.snapshot("delete", "corner")
+    kill_and_await(swarm, "world")
+    assert list(world.snapshot("list").names) == []
+
+
+@pytest.mark.timeout(SECONDS * 5)
+def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
+    swarm: RunningSwarm,
+) -> None:
+    """Without a memory the world would stand still after the restart, and all would be lost."""
+    killed: list[int] = []
+
+    def progress(seen: int) -> None:
+        if seen >= 2 and not killed:
+            killed.append(seen)
+            kill(swarm, "world")
+
+    swarm.world.control("pace", pace="lockstep")
+    played = swarm.world.play(12, seed=5, progress=progress, stall_seconds=SECONDS)
+    assert killed
+    assert [episode.number for episode in played] == list(range(12))
+    assert {episode.seed for episode in played} == {5}
+    assert played[0].reproducible
+    assert not played[-1].reproducible
+
+
+@pytest.mark.timeout(SECONDS * 5)
+def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path) -> None:
+    """What an earlier run in the same folder performed is not taken up."""
+    for _ in range(2):
+        with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as running:
+            status = running.world.wait()
+            assert status.cycle == 0
+            assert list(running.world.snapshot("list").names) == []
+            assert running.agents.statuses[AGENT].mode == "idle"
+            running.agents.perform(AGENT, "GoFast")
+            running.world.step(5)
+            running.world.snapshot("save", "five")
+
+
+@pytest.mark.timeout(SECONDS * 4)
+def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm) -> None:
+    """They are ignored, and the logs say so."""
+    swarm.agents.perform(AGENT, "GoFast")
+    swarm.world.step(3)
+    state = swarm.folder.path / "state"
+    memories = {
+        AGENT: state / AGENT / "performance.json",
+        "world": state / "world" / "latest.json",
+    }
+    for name, file in memories.items():
+        until(swarm, file.exists)
+        os.kill(pid_of(swarm, name), signal.SIGSTOP)
+        file.write_bytes(b'{"swarm": \xff')
+        kill_and_await(swarm, name)
+        until(swarm, lambda name=name, file=file: str(file) in swarm.folder.log(name).read_text())
+    assert swarm.agents.statuses[AGENT].mode == "idle"
+    assert swarm.world.status is not None
+    assert swarm.world.status.cycle == 0
