@@ -14,7 +14,7 @@ from hitab_bringup.shipped import find_file, shipped
 from hitab_bringup.swarm_file import read_swarm
 
 KEEPERS = {"keeper_1": (-7.0, 6.0), "keeper_2": (-3.0, 7.0), "keeper_3": (-5.0, 3.0)}
-SECONDS = 15.0
+SECONDS = 60.0
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,14 @@ def test_a_person_orders_by_the_command_line_and_sees_who_obeys(team, view, hita
     assert checked.returncode == 0, checked.stderr
 
 
-def test_the_lessons_teach_again_what_is_shipped(team):
+def test_the_lessons_teach_again_what_is_shipped_to_the_last_digit(home, tmp_path):
+    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
+    swarm = swarm.with_world(paused=True, pace="lockstep")
+    with temporary_swarm(swarm, tmp_path) as team:
+        teach(team)
+
+
+def teach(team: RunningSwarm) -> None:
     for name in ("freeze", "regroup", "captain"):
         lesson = read_lesson(find_file(f"captain/{name}", "lessons", "lesson"))
         LessonPlayer(lesson, team.agents, team.world).play()
@@ -98,9 +105,10 @@ def test_the_lessons_teach_again_what_is_shipped(team):
     ):
         taught = team.agents.list_examples(agent, behavior).examples
         there = open_library(shipped("libraries") / folder).load()[behavior].examples
-        assert [(e.state, e.next_state) for e in taught] == [
-            (e.state, e.next_state) for e in there
+        assert [seen(e.state, e.values, e.next_state) for e in taught] == [
+            seen(e.state, e.features, e.next_state) for e in there
         ]
-        # How far a keeper has come in a cycle depends on the noise of that run.
-        for example, shipped_one in zip(taught, there, strict=True):
-            assert list(example.values) == pytest.approx(list(shipped_one.features), abs=0.5)
+
+
+def seen(state: str, values, next_state: str) -> tuple[str, list[float], str]:
+    return state, [float(value) for value in values], next_state

@@ -1,6 +1,5 @@
 """Foragers and their commanders over real topics: as in one process, and as they were taught."""
 
-import os
 import sys
 from pathlib import Path
 
@@ -113,14 +112,15 @@ def test_the_foragers_lessons_teach_what_is_shipped(home, tmp_path):
     assert taught == examples_of(shipped("libraries") / "foraging", load_domain("foraging"))
 
 
-LONG = pytest.mark.skipif(
-    not os.environ.get("HITAB_LONG_TESTS"),
-    reason="takes a minute; set HITAB_LONG_TESTS=1 to have it played",
-)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "taught_commander" in metafunc.fixturenames:
+        # The company's lesson takes a minute.
+        companies = ("foraging_company",) if metafunc.config.getoption("long") else ()
+        metafunc.parametrize("taught_commander", ("foraging_squad", *companies))
 
 
-@pytest.mark.parametrize("name", ["foraging_squad", pytest.param("foraging_company", marks=LONG)])
-def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, name):
+def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, taught_commander):
+    name = taught_commander
     folder = shipped("libraries") / name
     domain = commander_domain(read_kind(folder / FILE_NAME))
     described = read_swarm(find_file(f"{name}_school", "swarms", "swarm"))
@@ -128,8 +128,8 @@ def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, nam
         read = read_lesson(find_file(name, "lessons", "lesson"))
         report = LessonPlayer(read, running.agents, running.world).play()
         assert 0 < report.examples <= read.budget
-        taught = transitions_of(Path(report.path).parent, domain)
-    assert taught == transitions_of(folder, domain)
+        taught = examples_of(Path(report.path).parent, domain)
+    assert taught == examples_of(folder, domain)
 
 
 def examples_of(folder: Path, domain) -> dict[str, list[tuple]]:
@@ -137,12 +137,4 @@ def examples_of(folder: Path, domain) -> dict[str, list[tuple]]:
     return {
         name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
         for name, automaton in loaded.items()
-    }
-
-
-def transitions_of(folder: Path, domain) -> dict[str, list[tuple]]:
-    """Return the examples without their values: reports come when they come."""
-    return {
-        name: [(state, next_state, kind) for state, _, next_state, kind in examples]
-        for name, examples in examples_of(folder, domain).items()
     }

@@ -41,7 +41,7 @@ FEATURES = {**domain.DOMAIN.features, "RangeAhead": replace(
 DOMAIN = replace(domain.DOMAIN, features=FEATURES)
 """
 HULL = 0.2  # m
-SECONDS = 30.0
+SECONDS = 60.0
 
 
 @dataclass

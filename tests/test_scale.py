@@ -15,7 +15,7 @@ from hitab_bringup.swarm_file import parse_swarm
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 AGENTS = 60
-SECONDS = 30.0
+SECONDS = 60.0
 
 
 @pytest.fixture(scope="module")

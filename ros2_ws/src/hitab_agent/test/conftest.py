@@ -11,7 +11,7 @@ from rclpy.experimental import EventsExecutor
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own
 
-SECONDS = 20.0
+SECONDS = 60.0
 
 
 class Process:

@@ -28,7 +28,7 @@ from hitab_core.use import Use
 from hitab_ros import names, qos
 
 SIZE = 30
-SECONDS = 20.0
+SECONDS = 60.0
 
 
 class Body:

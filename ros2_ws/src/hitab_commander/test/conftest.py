@@ -20,7 +20,7 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_ros import names, qos
 from hitab_ros.testing import context_of_its_own
 
-SECONDS = 20.0
+SECONDS = 60.0
 
 
 class Ant:

@@ -19,7 +19,7 @@ from hitab_core.errors import HitabError
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own
 
-SECONDS = 20.0
+SECONDS = 60.0
 
 
 class Pair:

@@ -20,7 +20,7 @@ from hitab_studio.actions.registry import ACTIONS
 from hitab_studio.store import Store
 from hitab_studio.studio import Studio
 
-SECONDS = 30.0
+SECONDS = 60.0
 
 
 async def until(true: Callable[[], Any], what: str) -> None:

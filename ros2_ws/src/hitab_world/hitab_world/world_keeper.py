@@ -140,7 +140,7 @@ def _control(values: Any) -> Iterator[tuple[str, Any]]:
         value = values[name]
         if type(value) is not kind:
             raise TypeError(f"{name} is {value!r}")
-        if kind is int and value < 0:
+        if isinstance(value, int) and value < 0:
             raise ValueError(f"{name} is {value!r}")
         yield name, value
     check_pace(values["pace"])

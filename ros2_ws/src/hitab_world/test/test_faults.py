@@ -16,7 +16,7 @@ from hitab_ros.spinning import Spinner, spinner
 from hitab_world.world_node import WorldNode
 
 AGENTS = ("a", "b")
-SECONDS = 30.0
+SECONDS = 60.0
 
 
 class Broken:
