@@ -47,7 +47,8 @@ def description(agents: int) -> str:
     return (
         "swarm: startup\n"
         "domain: plain_world:DOMAIN\n"
-        f"world: {{kind: plain, module: plain_world, parameters: {{agents: {agents}}}}}\n"
+        f"world: {{kind: plain, module: plain_world, paused: true, "
+        f"parameters: {{agents: {agents}}}}}\n"
         f"agents: {{ant: {{count: {agents}}}}}\n"
     )
 

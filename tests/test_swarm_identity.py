@@ -1,5 +1,6 @@
 """Each swarm has an identity: what is meant for one never reaches another one."""
 
+import contextlib
 import json
 import os
 import signal
@@ -17,6 +18,7 @@ from hitab_msgs.msg import CommanderStatus, HostRoster
 from hitab_bringup import domain_ids, supervision
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.errors import SwarmError
+from hitab_bringup.ros_link import RosLink
 from hitab_bringup.run_folder import RunFolder, running_swarms
 from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.swarm_file import parse_swarm
@@ -74,10 +76,10 @@ def up(hitab, path: str, *more: str):
 def by_hand(folder: Path) -> subprocess.Popen[bytes]:
     """Start the lone agent as a user does without `hitab`."""
     swarm = parse_swarm(LONE, folder / "lone.yaml")
-    (process,) = processes(swarm, folder / "by_hand")
-    environment = supervision.environment(
-        RunFolder(folder / "by_hand"), int(os.environ["ROS_DOMAIN_ID"])
-    )
+    run_folder = RunFolder(folder / "by_hand")
+    run_folder.prepare()
+    (process,) = processes(swarm, run_folder.path)
+    environment = supervision.environment(run_folder, int(os.environ["ROS_DOMAIN_ID"]), 1)
     return subprocess.Popen(process.command, env=environment)
 
 
@@ -299,3 +301,25 @@ def test_a_swarm_whose_supervisor_died_is_taken_down_by_any_of_its_names(hitab, 
         name = {"lone": "lone", "identity": record.identity, "folder": str(folder.path)}[which]
         assert hitab("down", "--swarm", name).stdout == "lone is down\n"
         assert folder.processes() == []
+
+
+def test_a_temporary_swarm_looks_for_a_domain_where_its_names_are_free(
+    home, place, tmp_path, monkeypatch
+):
+    # What outlives the process that had reserved a domain is still there.
+    with domain_ids.reserved() as first, domain_ids.reserved() as second:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(first))
+        stranger = by_hand(tmp_path)
+    offered = iter((first, second))
+    monkeypatch.setattr(domain_ids, "reserved", lambda: contextlib.nullcontext(next(offered)))
+    try:
+        with RosLink(first) as link:
+            strangers = SwarmClient(link, ("lone",))
+            strangers.watch_all()
+            assert link.spin_until(lambda: "lone" in strangers.statuses, 60.0)
+        swarm = parse_swarm(LONE, tmp_path / "lone.yaml")
+        with temporary_swarm(swarm, tmp_path / "run") as running:
+            assert running.record.domain_id == second
+    finally:
+        stranger.terminate()
+        stranger.wait()

@@ -147,6 +147,8 @@ class AgentNode(GuardedNode):
             msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
         )
         self._distributor = Distributor(self, self.shared.distributions)
+        if self.settings.services_on_demand:
+            self.shared.offer_on_demand(self, 1)
         if self.shared.on_demand is None:
             self._offer_services()
         else:

@@ -17,6 +17,7 @@ DESCRIPTIONS = {
     "seed": "of the agent's own random numbers, until a world gives one",
     "commander": "name of its commander, whose orders it obeys; empty: it has none",
     "role": "in its commander's group, for orders that differ by role",
+    "services_on_demand": "make the services when somebody asks for one, as a host's agents do",
     "resume": "go on after a restart with what was performed, even with a robot of its own",
     "swarm": "identity of the swarm that it is part of; empty: none, and nothing to resume",
     "most_probable": "take the most probable next state instead of drawing from the distribution",
@@ -36,6 +37,7 @@ class AgentSettings:
     most_probable: bool = False
     commander: str = ""
     role: str = ""
+    services_on_demand: bool = False
     resume: bool = False
     swarm: str = ""
 

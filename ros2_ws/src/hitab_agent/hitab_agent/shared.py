@@ -87,9 +87,14 @@ class Shared:
         shared.swarm = swarm
         node.guard.faults.changed = shared.tell_all
         shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
-        shared.on_demand = ServicesOnDemand(node)
-        shared.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), shared.on_demand.look)
+        shared.offer_on_demand(node, agents)
         return shared
+
+    def offer_on_demand(self, node: GuardedNode, agents: int) -> None:
+        """Have so many agents make their services when somebody asks for them."""
+        if self.on_demand is None:
+            self.on_demand = ServicesOnDemand(node)
+            self.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), self.on_demand.look)
 
     def tell_all(self) -> None:
         """Have all agents show what is wrong with their host, or that it is over."""

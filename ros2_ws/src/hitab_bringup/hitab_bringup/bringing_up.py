@@ -12,7 +12,7 @@ from pathlib import Path
 
 from hitab_bringup import domain_ids, supervision
 from hitab_bringup.command_view import CommandView
-from hitab_bringup.errors import SwarmError
+from hitab_bringup.errors import NamesTakenError, SwarmError
 from hitab_bringup.ros_link import RosLink
 from hitab_bringup.run_folder import RunFolder, RunRecord, registry_held, running_swarms
 from hitab_bringup.shared_memory import remove_stale
@@ -22,6 +22,8 @@ from hitab_bringup.world_client import WorldClient
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # more, for each agent
+START_SECONDS_PROCESS = 2.0  # more, for each process: a second on a core, at least
+DOMAINS_TRIED = 3  # by a temporary swarm, which may live in any
 NAMED_MAX = 5  # names that an error lists
 
 Progress = Callable[[int, int, str], None]
@@ -79,12 +81,21 @@ def temporary_swarm(
             stack.callback(shutil.rmtree, run_folder, ignore_errors=True)
         folder = RunFolder(run_folder)
         supervision.refuse_running(folder)
-        domain_id = stack.enter_context(domain_ids.reserved())
         remove_stale()
-        stack.callback(supervision.stop, folder)
-        record = stack.enter_context(_started(swarm, folder, domain_id, temporary=True))
-        link = stack.enter_context(RosLink(domain_id))
-        agents, world = _await_all(swarm, record, folder, link, progress)
+        for tries_left in reversed(range(DOMAINS_TRIED)):
+            # Kept to the end, so that another try is in another domain.
+            domain_id = stack.enter_context(domain_ids.reserved())
+            attempt = stack.enter_context(contextlib.ExitStack())
+            attempt.callback(supervision.stop, folder)
+            try:
+                record = attempt.enter_context(_started(swarm, folder, domain_id, temporary=True))
+                link = attempt.enter_context(RosLink(domain_id))
+                agents, world = _await_all(swarm, record, folder, link, progress)
+                break
+            except NamesTakenError:  # by what outlived the process that had reserved the domain
+                if not tries_left:
+                    raise
+                attempt.close()
         yield RunningSwarm(folder, record, link, agents, world)
 
 
@@ -137,7 +148,7 @@ def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) ->
             if registered.identity == other:
                 where += f" ({there.path})"
                 stop = f"stop it with `hitab down --run-dir {there.path}`"
-    raise SwarmError(
+    raise NamesTakenError(
         f"{_some(list(taken))} of {record.swarm} cannot start: the names are taken by {where}; "
         f"{stop}, or choose another ROS_DOMAIN_ID"
     )
@@ -190,12 +201,13 @@ def _await_all(
             next_look = time.monotonic() + 0.3
         return not names
 
-    allowed = START_SECONDS + START_SECONDS_EACH * total
+    running = len({member.process for member in swarm.members})
+    allowed = START_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
     if not link.spin_until(complete, allowed):
         names = missing()
         lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
         raise SwarmError(
-            f"{', '.join(names)} did not answer within {allowed:g} s; the end of "
+            f"{_some(names)} did not answer within {allowed:g} s; the end of "
             f"{folder.log(names[0])}:\n{lines}"
         )
     return agents, world

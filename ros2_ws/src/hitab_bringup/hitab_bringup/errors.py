@@ -13,3 +13,7 @@ class LessonError(HitabError):
 
 class SwarmError(HitabError):
     """A swarm that does not start, does not answer or refuses."""
+
+
+class NamesTakenError(SwarmError):
+    """A swarm whose names other nodes have in its ROS domain."""

@@ -20,6 +20,9 @@ from hitab_bringup.swarm_description import (
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
+FEW = 25
+"""In swarms of more processes each makes its services only when somebody asks for them."""
+
 COMMANDER_NODE = "hitab_commander.commander_node:CommanderNode"
 
 
@@ -68,11 +71,15 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
         identity: of the swarm, which its nodes give in their statuses; empty: none.
     """
     found = []
+    shared = _shared(swarm)
     if swarm.world is not None:
         found.append(_world(swarm.world, folder))
-    for name, members in _shared(swarm).items():
+    for name, members in shared.items():
         if len(members) == 1 and name == members[0].name:
-            found.append(_alone(members[0], folder))
+            alone = _alone(members[0], folder)
+            if len(shared) > FEW:
+                alone = replace(alone, parameters={**alone.parameters, "services_on_demand": True})
+            found.append(alone)
         else:
             names = tuple(member.name for member in members)
             parameters = {"roster": str(_roster_file(folder, name))}

@@ -33,7 +33,8 @@ class Audience:
         def on_action(action: msg.Action) -> None:
             take(action.agent, action.sequence, (action.values, action.say))
 
-        self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.CYCLE)
+        # All may answer before this process gets to read the first.
+        self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL)
         self._hosts = HostDesk(self._node, self._agents, take)
 
     def look(self) -> None:

@@ -28,6 +28,7 @@ NANOSECONDS = 1_000_000_000
 STATUS_PERIOD_NS = NANOSECONDS
 FAULTS_PERIOD_NS = NANOSECONDS // 20  # until a fault that has come or gone is published
 LOOK_FOR_VIEWERS_EVERY = 50  # cycles
+LISTENER_S = 10.0  # to wait for whoever listened to the episodes before a restart
 NAMED_MAX = 10  # agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
 UNREAD_MAX = 100  # events that are handled after a deadline to find answers among them
@@ -83,7 +84,8 @@ class WorldNode(GuardedNode):
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
         self._audience.join(self.attendance.take)
-        if self.keeper.restore():
+        self._restored = self.keeper.restore()
+        if self._restored:
             # Agents that live on do not begin anew, and what came after the snapshot comes again.
             self._restart = False
             self._in_real_time = True
@@ -103,6 +105,9 @@ class WorldNode(GuardedNode):
 
     def run(self, spinning: Spinner) -> int:
         """Run the world until the spinner is stopped; return the exit code."""
+        if self._restored and self.episodes_left:
+            # Who has asked for them still listens, and has to find this process first.
+            spinning.spin_until(lambda: self._episodes.get_subscription_count() > 0, LISTENER_S)
         while not spinning.stopped:
             if not self.guard.run(TURN, self._turn, spinning):
                 self._pause(TURN)
