@@ -35,7 +35,7 @@ from hitab_ros.exit_codes import FINAL
 STOP_SECONDS = 10.0
 
 
-def environment(folder: RunFolder, domain_id: int, processes: int) -> dict[str, str]:
+def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[str, str]:
     """Return the environment of a swarm's processes."""
     variables = {
         **os.environ,
