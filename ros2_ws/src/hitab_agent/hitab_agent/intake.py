@@ -24,7 +24,7 @@ from hitab_agent.slices import Background, Job
 from hitab_core.agent import Agent
 from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.bundle import Bundle, digest_in, plan_bundle, read_bundle
-from hitab_core.durable_files import PATIENCE, file_errors, sync_filesystems
+from hitab_core.durable_files import PATIENCE, file_errors, sync_trees
 from hitab_core.edition import Edition, Editions
 from hitab_core.errors import FolderInUseError, HitabError
 from hitab_core.library_commit import carry_out, forget, withdraw
@@ -212,7 +212,7 @@ _SAVED = "it is in its library, and is taken up when that is reloaded"
 
 def _force_to_disk(folders: list[Path]) -> None:
     with file_errors(folders[0], "write to"):
-        sync_filesystems(folders)
+        sync_trees(folders)
 
 
 def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
@@ -221,7 +221,7 @@ def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
         carry_out(folder, note)
         time.sleep(_BREATH_S)
     with suppress(OSError):
-        sync_filesystems(folder for folder, _ in notes)
+        sync_trees(folder for folder, _ in notes)
         for folder, note in notes:
             forget(folder, note)
             time.sleep(_BREATH_S)

@@ -178,7 +178,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count(edition, "read_behavior", "readings")
     count(TransitionTree, "fit", "trees")
     count(edition, "Repertoire", "repertoires")
-    count(intake, "sync_filesystems", "syncs")
+    count(intake, "sync_trees", "syncs")
     count(os, "fsync", "fsyncs")
     return counts
 
@@ -200,7 +200,8 @@ def test_what_is_distributed_is_read_learned_and_forced_to_disk_once_for_all(
     assert counted["repertoires"] == 1
     assert counted["digests"] == 2  # verified, and what the library has then
     assert counted["syncs"] <= 2  # before the answers, and after the files are written
-    assert counted["fsyncs"] == 0, "nobody waits for the disk in between"
+    # The files of one library are forced one by one, many libraries by their file system.
+    assert counted["fsyncs"] < SIZE, "no agent has the disk wait for its own sake"
     assert len({id(agent.repertoire) for agent in host.agents}) == 1
     host.settled()
     assert counted["syncs"] == 2
@@ -353,7 +354,7 @@ def test_a_disk_that_does_not_take_it_leaves_memory_and_libraries_as_they_were(
         raise OSError(5, "Input/output error")
 
     with monkeypatch.context() as patch:
-        patch.setattr(intake, "sync_filesystems", failing)
+        patch.setattr(intake, "sync_trees", failing)
         host.send(taught(tmp_path / "teacher", "Low", "Right"))
         for ack in host.answers().values():
             assert not ack.success

@@ -21,6 +21,9 @@ from hitab_core.errors import FolderInUseError, LibraryError
 UNFINISHED = ".tmp"
 """Ending of a file that is being written; what is left of it after a crash means nothing."""
 
+FEW_FOLDERS = 20
+"""So many are forced to disk one by one; of more, their file systems."""
+
 PATIENCE = 10.0
 """Seconds to wait for another process to finish with a folder."""
 
@@ -87,14 +90,20 @@ def write_all(descriptor: int, data: bytes) -> None:
         view = view[os.write(descriptor, view) :]
 
 
-def sync_filesystems(folders: Iterable[Path]) -> None:
-    """Force all that was written to the file systems of some folders to disk.
+def sync_trees(folders: Iterable[Path]) -> None:
+    """Force all that was written into some folders, and those inside them, to disk.
 
-    Where many files have been written this takes about as long as `os.fsync` of one of them.
+    Of a few folders each file is forced: that does not wait for what other programs have written.
+    Of many the whole file system is, which takes about as long as `os.fsync` of one file.
 
     Raises:
         OSError: if that cannot be done.
     """
+    folders = list(folders)
+    if len(folders) <= FEW_FOLDERS:
+        for folder in folders:
+            _sync_tree(folder)
+        return
     seen: set[int] = set()
     for folder in folders:
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -105,6 +114,17 @@ def sync_filesystems(folders: Iterable[Path]) -> None:
                 _sync_filesystem(descriptor)
         finally:
             os.close(descriptor)
+
+
+def _sync_tree(folder: Path) -> None:
+    for place, _, files in os.walk(folder):
+        for name in files:
+            descriptor = os.open(Path(place) / name, os.O_RDONLY | os.O_CLOEXEC)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+        sync_folder(Path(place))
 
 
 def _sync_filesystem(descriptor: int) -> None:
@@ -122,7 +142,7 @@ def write_durably(path: Path, data: bytes, *, sync: bool = True) -> None:
     Args:
         path: of the file.
         data: all that it will hold.
-        sync: force it to disk; otherwise the caller does, with `sync_filesystems`.
+        sync: force it to disk; otherwise the caller does, with `sync_trees`.
 
     Raises:
         OSError: if it cannot be done; then what was there still is, unless only the new name
