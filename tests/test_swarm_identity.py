@@ -7,13 +7,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import psutil
 import pytest
 from hitab_msgs.msg import CommanderStatus, HostRoster
+from waiting import within
 
 from hitab_bringup import domain_ids, supervision
 from hitab_bringup.bringing_up import temporary_swarm
@@ -55,16 +55,6 @@ def described(folder: Path, text: str = LONE, name: str = "swarm") -> str:
     path = folder / f"{name}.yaml"
     path.write_text(text)
     return str(path)
-
-
-def within(seconds: float, condition: Callable[[], object]) -> bool:
-    """Wait until a condition holds."""
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.05)
-    return True
 
 
 def up(hitab, path: str, *more: str):

@@ -5,12 +5,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import psutil
 import pytest
+from waiting import within
 
 from hitab_bringup import domain_ids
 from hitab_bringup.run_folder import MARK, RunFolder, running_swarms
@@ -61,16 +60,6 @@ def bring_up(hitab, folder: Path, name: str, agent: str) -> str:
 
 def processes_of(folder: RunFolder) -> list[psutil.Process]:
     return folder.processes()
-
-
-def within(seconds: float, condition: Callable[[], object]) -> bool:
-    """Wait until a condition holds."""
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.05)
-    return True
 
 
 def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):

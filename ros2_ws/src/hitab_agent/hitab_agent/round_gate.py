@@ -25,11 +25,6 @@ class RoundGate:
         self._silent: set[str] = set()
         self._spoken: dict[str, int] = {}
 
-    @property
-    def silent(self) -> Collection[str]:
-        """The topics of commanders that are not waited for."""
-        return self._silent
-
     def begin(self, number: int, commanders: Collection[str], act: Act) -> None:
         """Begin a round; what was held back in the one before is not done any more.
 

@@ -175,9 +175,7 @@ class CommanderLink:
 
     def _on_time(self) -> None:
         self.body.now = self._node.ticker.seconds()
-        if self._lockstep.active:
-            self._decided = True
-        if not self._decided:
+        if not (self._decided or self._lockstep.active):
             self.decide()
         self._decided = False
         self.group.publish_if_changed()
