@@ -1,18 +1,22 @@
 """Measures how much of what DDS allows is left to a game of keepaway in lockstep.
 
-Measured one after the other, in turns: a bare loop in which one process publishes a message and
-waits until three others have answered, and the keepaway world with three keeper processes that
-perform the trained Keepaway automaton.
+Both are up for the whole time and measured in short turns, so that a machine whose speed changes
+slows both: a bare loop in which one process publishes a message and waits until three others have
+answered, and the keepaway world with three keeper processes that perform the trained Keepaway
+automaton. The ratio is the median of the turns' ratios.
 
-    scripts/python benchmarks/lockstep.py --seconds 10 --json lockstep.json
+    scripts/python benchmarks/lockstep.py --turns 15 --json lockstep.json
 """
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median
 from typing import Annotated
@@ -21,6 +25,10 @@ import typer
 from report import tell
 
 KEEPERS = 3
+EPISODES = 5  # that are played at a time
+
+Measure = Callable[[float], tuple[int, float, int]]
+"""Runs for so many seconds; returns cycles, the seconds that they took, and missed deadlines."""
 
 
 def answer(name: str) -> None:
@@ -45,73 +53,80 @@ def answer(name: str) -> None:
     sys.exit(run(start, []))
 
 
-def bare(seconds: float) -> float:
-    """Return the cycles per second of publish-and-wait-for-all with three processes."""
+@contextlib.contextmanager
+def bare() -> Iterator[Measure]:
+    """Give a publish-and-wait-for-all loop with three processes."""
     from hitab_msgs.msg import Action, Percept
 
     from hitab_ros import qos
     from hitab_ros.spinning import make_node, spinner
 
     program = [sys.executable, __file__, "--answer"]
-    others = [subprocess.Popen([*program, f"bare_{i}"]) for i in range(KEEPERS)]
-    try:
-        with spinner([]) as spinning:
-            node = make_node("bare_world")
-            spinning.executor.add_node(node)
-            publisher = node.create_publisher(Percept, "bare_state", qos.CYCLE)
-            waiting: set[str] = set()
-            state = Percept()
+    with contextlib.ExitStack() as stack:
+        for i in range(KEEPERS):
+            process = stack.enter_context(subprocess.Popen([*program, f"bare_{i}"]))
+            stack.callback(process.terminate)
+        spinning = stack.enter_context(spinner([]))
+        node = make_node("bare_world")
+        spinning.executor.add_node(node)
+        publisher = node.create_publisher(Percept, "bare_state", qos.CYCLE)
+        waiting: set[str] = set()
+        state = Percept()
 
-            def take(reply: Action) -> None:
-                if reply.sequence == state.sequence:
-                    waiting.discard(reply.agent)
+        def take(reply: Action) -> None:
+            if reply.sequence == state.sequence:
+                waiting.discard(reply.agent)
 
-            node.create_subscription(Action, "bare_answer", take, qos.CYCLE)
-            if not spinning.spin_until(
-                lambda: (
-                    publisher.get_subscription_count() == KEEPERS
-                    and node.count_publishers("bare_answer") == KEEPERS
-                ),
-                20.0,
-            ):
-                raise SystemExit("error: the answering processes did not start")
-            spinning.spin_until(lambda: False, 0.5)
+        node.create_subscription(Action, "bare_answer", take, qos.CYCLE)
+        if not spinning.spin_until(
+            lambda: (
+                publisher.get_subscription_count() == KEEPERS
+                and node.count_publishers("bare_answer") == KEEPERS
+            ),
+            20.0,
+        ):
+            raise SystemExit("error: the answering processes did not start")
+
+        def measure(seconds: float) -> tuple[int, float, int]:
             cycles, began = 0, time.perf_counter()
             while (passed := time.perf_counter() - began) < seconds:
                 state.sequence += 1
-                waiting |= {f"bare_{i}" for i in range(KEEPERS)}
+                waiting.update(f"bare_{i}" for i in range(KEEPERS))
                 publisher.publish(state)
                 while waiting:
                     spinning.executor.spin_once(timeout_sec=1.0)
                 cycles += 1
-            return cycles / passed
-    finally:
-        for other in others:
-            other.terminate()
-        for other in others:
-            other.wait()
+            return cycles, passed, 0
+
+        yield measure
 
 
-def keepaway(library: Path, seconds: float, seed: int) -> tuple[float, int]:
-    """Return the cycles per second of keepaway in lockstep, and the deadlines missed."""
+@contextlib.contextmanager
+def keepaway(library: Path) -> Iterator[Measure]:
+    """Give a swarm that plays keepaway in lockstep."""
     from hitab_bringup.bringing_up import temporary_swarm
     from hitab_bringup.keepaway.evaluation import play_lockstep, trained_keepers
 
     swarm = trained_keepers(library, "Keepaway", {})
     with temporary_swarm(swarm, progress=lambda *_: None) as running:
-        cycles, wall, missed, episodes = 0, 0.0, 0, 0
-        while wall < seconds:
-            played, took, late = play_lockstep(running, 20, seed + episodes, lambda *_: None)
-            cycles += sum(p.cycles for p in played)
-            wall += took
-            missed += late
-            episodes += 20
-    return cycles / wall, missed
+        seeds = itertools.count(step=EPISODES)
+
+        def measure(seconds: float) -> tuple[int, float, int]:
+            cycles, passed, missed = 0, 0.0, 0
+            while passed < seconds:
+                played, took, late = play_lockstep(running, EPISODES, next(seeds), lambda *_: None)
+                cycles += sum(p.cycles for p in played)
+                passed += took
+                missed += late
+            return cycles, passed, missed
+
+        measure(0.1)
+        yield measure
 
 
 def main(
-    seconds: Annotated[float, typer.Option(help="Length of each measurement.")] = 8.0,
-    turns: Annotated[int, typer.Option(help="How often the two take turns.")] = 3,
+    seconds: Annotated[float, typer.Option(help="Length of each turn.")] = 1.5,
+    turns: Annotated[int, typer.Option(help="How often the two take turns.")] = 15,
     library: Annotated[Path | None, typer.Option(help="A trained library.")] = None,
     json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
     role: Annotated[str, typer.Option("--answer", hidden=True)] = "",
@@ -124,14 +139,14 @@ def main(
 
     trained = library or shipped("libraries") / "keepaway"
     loops, games, missed = [], [], 0
-    for turn in range(turns):
-        with reserved() as domain:
-            os.environ["ROS_DOMAIN_ID"] = str(domain)
-            loops.append(bare(seconds))
-            del os.environ["ROS_DOMAIN_ID"]
-        rate, late = keepaway(trained, seconds, 1000 * turn)
-        games.append(rate)
-        missed += late
+    with keepaway(trained) as game, reserved() as domain:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        with bare() as loop:
+            for _ in range(turns):
+                for measure, rates in ((loop, loops), (game, games)):
+                    cycles, passed, late = measure(seconds)
+                    rates.append(cycles / passed)
+                    missed += late
     tell(
         f"Lockstep with {KEEPERS} keeper processes, medians of {turns} turns",
         {

@@ -18,17 +18,18 @@ class Faults:
 
     Attributes:
         changed: called when a fault appears, changes or goes.
+        by_key: the texts, to be read only.
     """
 
     def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
         self.changed = changed
-        self._texts: dict[str, str] = {}
+        self.by_key: dict[str, str] = {}
 
     def __contains__(self, key: str) -> bool:
-        return key in self._texts
+        return key in self.by_key
 
     def __bool__(self) -> bool:
-        return bool(self._texts)
+        return bool(self.by_key)
 
     def set(self, key: str, text: str) -> bool:
         """Keep a fault until `clear` is called with its key; return whether it is a new one.
@@ -41,24 +42,24 @@ class Faults:
             self.clear(key)
             return False
         text = plain(text)
-        before = self._texts.get(key)
-        if before == text or (before is None and len(self._texts) >= FAULTS_MAX):
+        before = self.by_key.get(key)
+        if before == text or (before is None and len(self.by_key) >= FAULTS_MAX):
             return False
-        self._texts[key] = text
+        self.by_key[key] = text
         self.changed()
         return before is None
 
     def clear(self, key: str) -> None:
         """Forget a fault, since its cause has ended."""
-        if self._texts.pop(key, None) is not None:
+        if self.by_key.pop(key, None) is not None:
             self.changed()
 
     def text(self, key: str) -> str:
         """Return what is wrong under a key; "" if nothing is."""
-        return self._texts.get(key, "")
+        return self.by_key.get(key, "")
 
     def texts(self) -> list[str]:
         """Return what is wrong, as a status shows it."""
-        texts = list(self._texts.values())
+        texts = list(self.by_key.values())
         more = len(texts) - SHOWN_MAX
         return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {more} more faults"]

@@ -72,7 +72,7 @@ class Guard:
         except Exception as error:
             self.failed(key, error)
             return False
-        if key in self.faults:
+        if key in self.faults.by_key:
             self.faults.clear(key)
         return True
 
@@ -80,7 +80,7 @@ class Guard:
         self, key: str, callback: Callable[..., Any], otherwise: Any = None
     ) -> Callable[..., Any]:
         """Return a callback that never raises but returns ``otherwise`` instead."""
-        faults = self.faults
+        faults, failing = self.faults, self.faults.by_key
 
         if inspect.iscoroutinefunction(callback):
 
@@ -91,7 +91,7 @@ class Guard:
                 except Exception as error:
                     self.failed(key, error)
                     return otherwise
-                if key in faults:
+                if key in failing:
                     faults.clear(key)
                 return answer
 
@@ -104,7 +104,7 @@ class Guard:
             except Exception as error:
                 self.failed(key, error)
                 return otherwise
-            if key in faults:
+            if key in failing:
                 faults.clear(key)
             return answer
 
@@ -160,7 +160,7 @@ class Guard:
             except Exception as error:
                 self.failed(key, error)
                 return refusal(type(response), error)
-            if key in self.faults:
+            if key in self.faults.by_key:
                 self.faults.clear(key)
             return answer
 

@@ -40,22 +40,22 @@ def make_node(name: str, **options: Any) -> GuardedNode:
 
 
 class Spinner:
-    """Spins an executor until `stop` is called or the process is told to end."""
+    """Spins an executor until `stop` is called or the process is told to end.
+
+    Attributes:
+        stopped: whether the loop should end.
+        exit_code: of the process, once it has.
+    """
 
     def __init__(self, executor: Executor) -> None:
         self.executor = executor
         self.exit_code = 0
-        self._stopped = False
+        self.stopped = False
         self._guard = Guard(rclpy.logging.get_logger("executor").error)
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the loop should end."""
-        return self._stopped or not rclpy.ok()
 
     def stop(self, exit_code: int = 0) -> None:
         """End the loop after the callback that runs now; callable from a signal handler."""
-        self._stopped = True
+        self.stopped = True
         self.exit_code = self.exit_code or exit_code
 
     def spin_once(self, timeout_sec: float = _WAKE_S) -> None:
@@ -74,12 +74,11 @@ class Spinner:
 
     def spin_until(self, condition: Callable[[], bool], timeout_s: float) -> bool:
         """Handle events until a condition holds; return whether it did in time."""
-        clock = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
-        deadline = clock.now().nanoseconds + int(timeout_s * 1e9)
+        deadline = time.monotonic() + timeout_s
         while not self.stopped:
             if condition():
                 return True
-            left = (deadline - clock.now().nanoseconds) / 1e9
+            left = deadline - time.monotonic()
             if left <= 0:
                 return False
             self.spin_once(min(left, _WAKE_S))
@@ -96,6 +95,7 @@ def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
     given = None if arguments is None else list(arguments)
     rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
     spinning = Spinner(EventsExecutor())
+    rclpy.get_default_context().on_shutdown(spinning.stop)
     before = {}
 
     def on_signal(number: int, frame: FrameType | None) -> None:

@@ -7,7 +7,6 @@ from array import array
 from collections.abc import Callable, Sequence
 
 from hitab_msgs import msg
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 
@@ -63,7 +62,6 @@ class WorldNode(GuardedNode):
         self.episodes_left = 0
         self.disturbed = True
         self._in_real_time = False
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         # The time of day, so that the rounds of a world that is started again are new ones.
         self._sequence = time.time_ns()
         self._restart = True
@@ -153,7 +151,7 @@ class WorldNode(GuardedNode):
         return not world.waiting
 
     def _attend(self) -> None:
-        now = self._now_ns()
+        now = time.monotonic_ns()
         if now >= self._next_status_ns:
             self._next_status_ns = now + STATUS_PERIOD_NS
             changed = self.look_who_is_there()
@@ -161,14 +159,11 @@ class WorldNode(GuardedNode):
                 self.disturbed = True  # shown again, so that who was late may answer
             self.publish_status()
 
-    def _now_ns(self) -> int:
-        return int(self._steady.now().nanoseconds)
-
     def _show(self, spinning: Spinner) -> None:
         """Have the agents perceive the world as it stands, without acting."""
         self.disturbed = False
         self._send_percepts(look=True)
-        self._wait(spinning, self._now_ns() + int(self.settings.deadline * NANOSECONDS))
+        self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
         self.attendance.give_up_on_late()
         if self.disturbed:
             return
@@ -180,7 +175,7 @@ class WorldNode(GuardedNode):
         lockstep = self.pace == msg.WorldStatus.LOCKSTEP
         self._in_real_time |= not lockstep
         self._send_percepts(look=False)
-        now = self._now_ns()
+        now = time.monotonic_ns()
         if lockstep:
             deadline = now + int(self.settings.deadline * NANOSECONDS)
         else:
@@ -207,7 +202,7 @@ class WorldNode(GuardedNode):
         while not self.disturbed and not spinning.stopped:
             if not whole and attendance.complete:
                 return
-            left = deadline_ns - self._now_ns()
+            left = deadline_ns - time.monotonic_ns()
             if left <= 0:
                 break
             spin_once(timeout_sec=min(left / NANOSECONDS, 0.1))
@@ -275,7 +270,7 @@ class WorldNode(GuardedNode):
         if self.paused and not self.steps_left:
             self.disturbed = True  # to be shown
         elif self._viewed:
-            now = self._now_ns()
+            now = time.monotonic_ns()
             if now >= self._next_state_ns or ended is not None:
                 self._next_state_ns = now + int(NANOSECONDS / self.settings.state_rate)
                 self._publish_state()
@@ -342,7 +337,7 @@ class WorldNode(GuardedNode):
 
     def faults_changed(self) -> None:
         """Publish the status soon, at the next turn."""
-        self._next_status_ns = min(self._next_status_ns, self._now_ns() + FAULTS_PERIOD_NS)
+        self._next_status_ns = min(self._next_status_ns, time.monotonic_ns() + FAULTS_PERIOD_NS)
 
     def publish_status(self) -> None:
         """Publish how the world runs."""

@@ -98,7 +98,7 @@ class Running:
                 self.spinning.stop()
 
         timer = self.peer.create_timer(0.01, look)
-        self.spinning._stopped = False
+        self.spinning.stopped = False
         self.node.run(self.spinning)
         self.peer.destroy_timer(timer)
         assert condition(), f"it did not happen in time: {self.status}"
