@@ -9,7 +9,8 @@ Starts the same processes as `hitab up`, in this terminal and in this ROS domain
 import os
 from pathlib import Path
 
-from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown
+from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration
 
 from hitab_bringup.dds_profile import choose_profile, profile_for
@@ -19,6 +20,7 @@ from hitab_bringup.run_folder import RunFolder
 from hitab_bringup.shipped import find_file
 from hitab_bringup.swarm_file import read_swarm
 from hitab_bringup.swarm_processes import processes
+from hitab_ros.exit_codes import FINAL
 from launch import LaunchContext, LaunchDescription
 
 
@@ -39,11 +41,19 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
             name=process.name,
             env=profile,
             output="screen",
+            on_exit=shut_down_if_final,
             respawn=True,
             respawn_delay=1.0,
         )
         for process in started
     ]
+
+
+def shut_down_if_final(event: ProcessExited, context: LaunchContext) -> Shutdown | None:
+    """Shut everything down where starting a process again would not help."""
+    if event.returncode != FINAL:
+        return None
+    return Shutdown(reason=f"{event.process_name} cannot start; see its error above")
 
 
 def generate_launch_description() -> LaunchDescription:
