@@ -20,14 +20,14 @@ import numpy as np
 import typer
 from report import tell
 
-from hitab_core.batch_automaton import BatchAutomaton, draws_of
-from hitab_core.batch_senses import BatchSenses
-from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.arrays import Floats
 from hitab_core.domain import BatchPercepts
-from hitab_core.gain_ratio import Floats
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Stage
-from hitab_core.senses import Senses
+from hitab_core.running.batch_automaton import BatchAutomaton, draws_of
+from hitab_core.running.batch_senses import BatchSenses
+from hitab_core.running.running_automaton import RunContext
+from hitab_core.running.senses import Senses
 from hitab_core.use import Use
 from hitab_world.inprocess import cycle, perform
 from keepaway_world.body import KeeperBody
@@ -87,7 +87,7 @@ class OneByOne:
         self.bodies = [KeeperBody(f"keeper_{i}") for i in range(agents)]
         self.senses = [Senses(body, DOMAIN) for body in self.bodies]
         self.running: list[Any] = [
-            Stage(repertoire, body, senses, random.Random(i).random).perform(KEEPAWAY)
+            RunContext(repertoire, body, senses, random.Random(i).random).perform(KEEPAWAY)
             for i, (body, senses) in enumerate(zip(self.bodies, self.senses, strict=True))
         ]
         for running in self.running:

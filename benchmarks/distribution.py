@@ -73,8 +73,8 @@ def teach(folder: Path, version: int) -> None:
     from plain_world import DOMAIN
 
     from hitab_core.agent import Agent
-    from hitab_core.behavior_library import BehaviorLibrary
-    from hitab_core.training_session import Curriculum
+    from hitab_core.library.behavior_library import BehaviorLibrary
+    from hitab_core.training.training_session import Curriculum
     from hitab_core.use import Use
 
     teacher = Agent("teacher", DOMAIN, BehaviorLibrary(folder, DOMAIN))

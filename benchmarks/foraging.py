@@ -27,10 +27,10 @@ from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, Member, Troop
+from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import FILE_NAME, read_kind
-from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
 
 SWARMS = {
@@ -58,7 +58,7 @@ def trained(name: str) -> tuple[CommanderKind, BehaviorLibrary]:
     return kind, BehaviorLibrary(folder, commander_domain(kind))
 
 
-def troop(swarm: str, names: Sequence[str]) -> Troop:
+def hierarchy(swarm: str, names: Sequence[str]) -> InProcessHierarchy:
     """Return foragers with these names, and the commanders of this kind of swarm."""
     library = BehaviorLibrary(shipped("libraries") / "foraging", DOMAIN)
     members = [Member(name, library, BEHAVIOR) for name in names]
@@ -77,7 +77,7 @@ def troop(swarm: str, names: Sequence[str]) -> Troop:
             Commander(f"company_{i + 1}", kind, company_library, "CompanyForage", group)
             for i, group in enumerate(_in_fives(squads))
         ]
-    return Troop(members, commanders)
+    return InProcessHierarchy(members, commanders)
 
 
 def _in_fives(names: Sequence[str]) -> list[tuple[str, ...]]:
@@ -88,7 +88,7 @@ def measure(seconds: float, run: tuple[str, str, int]) -> dict[str, float]:
     """Play one episode and return the boxes that came home, by size."""
     field, swarm, seed = run
     world = ForagingWorld(ForagingParameters(duration=seconds, **FIELDS[field]), seed)
-    made = troop(swarm, world.agents)
+    made = hierarchy(swarm, world.agents)
     (result,) = play(world, made.players, between=made.confer)
     return dict(result.measures)
 

@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 from report import tell
 
-from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
 from keepaway_world.domain import DOMAIN
 from keepaway_world.inprocess import perform, play

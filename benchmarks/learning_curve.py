@@ -26,9 +26,9 @@ from hitab_bringup.opened_library import open_library
 from hitab_bringup.plots import figure, save
 from hitab_bringup.shipped import shipped
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.behavior_file import scale_of
 from hitab_core.domain import BOOLEAN_SCALE, Domain
-from hitab_core.learning import learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.library.behavior_file import scale_of
 from hitab_core.repertoire import Repertoire
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import PAPER

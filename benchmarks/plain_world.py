@@ -17,7 +17,7 @@ from rclpy.node import Node
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind
-from hitab_core.transition_tree import TransitionTree
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.use import Use
 from hitab_ros.spinning import run
 from hitab_world.world import Action, Entity, EpisodeResult, Placement, Sensed, WorldError

@@ -22,10 +22,10 @@ import py_trees
 import typer
 from report import tell
 
-from hitab_core.behavior_library import BehaviorLibrary
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Stage
-from hitab_core.senses import Senses
+from hitab_core.running.running_automaton import RunContext
+from hitab_core.running.senses import Senses
 from hitab_core.use import Use
 from keepaway_world.body import KeeperBody
 from keepaway_world.domain import DOMAIN
@@ -179,7 +179,9 @@ def main(
 
     body = KeeperBody("keeper_1")
     senses = Senses(body, DOMAIN)
-    running = Stage(repertoire, body, senses, random.Random(1).random).perform(Use("Keepaway"))
+    running = RunContext(repertoire, body, senses, random.Random(1).random).perform(
+        Use("Keepaway")
+    )
     running.start()
 
     def tick_automaton() -> None:

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.example import Example
-from hitab_core.learning import learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.use import Use
 
 BASICS = ("Dig", "Haul", "Rest")

@@ -9,8 +9,8 @@ from hitab_msgs.msg import Example
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.supervision import process_states
 from hitab_bringup.world_client import by_name
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import load_domain
+from hitab_core.library.behavior_library import BehaviorLibrary
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 BALL_AT = {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}

@@ -16,13 +16,13 @@ from hitab_bringup.swarm_file import read_swarm
 from hitab_bringup.world_client import WorldClient
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind_reader import FILE_NAME, read_kind
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import load_domain
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_ros import qos
 from hitab_world.inprocess import cycle, play
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-from foraging import troop  # the swarms that the benchmark compares
+from foraging import hierarchy  # the swarms that the benchmark compares
 
 pytestmark = pytest.mark.timeout(300)  # whole lessons with dozens of agents
 
@@ -61,7 +61,7 @@ def test_foragers_do_over_topics_what_they_do_in_one_process(home, tmp_path):
         seed = running.world.status.seed
     figures = ForagingParameters.from_dict(dict(described.world.parameters))
     world = ForagingWorld(figures, seed)
-    players = troop("flat", world.agents).players
+    players = hierarchy("flat", world.agents).players
     for player in players.values():
         player.begin(world.seed, world.episode)
     for _ in range(CYCLES):
@@ -91,7 +91,7 @@ def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
     assert set.union(*given.values()) <= {"Forage", "Join", "GiveUp", "Haul", ""}
     figures = ForagingParameters.from_dict(dict(described.world.parameters))
     world = ForagingWorld(figures, 1)
-    commanded = troop(kind, world.agents)
+    commanded = hierarchy(kind, world.agents)
     (result,) = play(world, commanded.players, between=commanded.confer)
     assert boxes(result.measures) >= 1.0
     assert dict(zip(episode.measure_names, episode.measures, strict=True)) == result.measures

@@ -6,8 +6,8 @@ from hitab_bringup.errors import LessonError
 from hitab_bringup.keepaway.paper import TABLE_1
 from hitab_bringup.lesson_file import parse_lesson
 from hitab_bringup.lesson_player import LessonPlayer
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import load_domain
+from hitab_core.library.behavior_library import BehaviorLibrary
 
 STOP = """\
 lesson: Stand

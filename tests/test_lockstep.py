@@ -19,10 +19,10 @@ from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, Member, Troop
+from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind_reader import FILE_NAME, read_kind
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import load_domain
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
 from hitab_world.world import World
 from keepaway_world.parameters import KeepawayParameters
@@ -99,9 +99,9 @@ def played(running: RunningSwarm) -> Run:
     )
 
 
-def in_process(world: World, troop: Troop) -> Run:
-    results = play(world, troop.players, EPISODES, between=troop.confer)
-    play(world, troop.players, cycles_max=30, between=troop.confer)
+def in_process(world: World, hierarchy: InProcessHierarchy) -> Run:
+    results = play(world, hierarchy.players, EPISODES, between=hierarchy.confer)
+    play(world, hierarchy.players, cycles_max=30, between=hierarchy.confer)
     return Run(
         tuple((r.number, r.seed, r.cycles, r.ended, *r.measures.values()) for r in results),
         places(world.entities()),
@@ -136,7 +136,7 @@ def foragers_in_process() -> Run:
     names = [squad.name for squad in squads]
     company = commander("company", "foraging_company", "CompanyForage", names)
     members = [Member(name, library) for name in world.agents]
-    return in_process(world, Troop(members, [*squads, company]))
+    return in_process(world, InProcessHierarchy(members, [*squads, company]))
 
 
 @pytest.mark.parametrize("where", HOSTED)
@@ -152,7 +152,9 @@ def keepers_in_process() -> Run:
     folder = shipped("libraries") / "keepaway_captained"
     library = BehaviorLibrary(folder, load_domain("keepaway"))
     captain = commander("captain", "captain", "Captain", world.agents)
-    return in_process(world, Troop([Member(name, library) for name in world.agents], [captain]))
+    return in_process(
+        world, InProcessHierarchy([Member(name, library) for name in world.agents], [captain])
+    )
 
 
 @pytest.fixture
@@ -187,7 +189,7 @@ def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
     world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
     folder = shipped("libraries") / "keepaway_captained"
     library = BehaviorLibrary(folder, load_domain("keepaway"))
-    alone = Troop([Member(name, library, "Keepaway") for name in world.agents])
+    alone = InProcessHierarchy([Member(name, library, "Keepaway") for name in world.agents])
     assert in_process(world, alone) != keepers_in_process
 
 

@@ -22,8 +22,8 @@ from hitab_bringup.domain_ids import reserved
 from hitab_bringup.errors import SwarmError
 from hitab_bringup.ros_link import RosLink
 from hitab_bringup.swarm_client import SwarmClient
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_ros import qos
 
 EXAMPLE = Path(__file__).parents[1] / "examples/diff_drive"

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import load_domain
+from hitab_core.library.behavior_library import BehaviorLibrary
 
 HERE = Path(__file__).resolve().parent
 LIBRARY = HERE.parents[1] / "ros2_ws/src/hitab_bringup/libraries/keepaway"

@@ -12,11 +12,11 @@ from hitab_msgs import msg
 
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.distribution import Distributor
+from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.performance_memory import PerformanceMemory
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
-from hitab_agent.telling import Telling
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core.agent import Agent, Mode
@@ -178,7 +178,7 @@ class AgentNode(GuardedNode):
 
     def _offer_services(self) -> None:
         self._agent_services = AgentServices(self)
-        self._telling = Telling(self)
+        self._telling = InspectionServices(self)
         self._distributor.offer()
 
     def destroy_node(self) -> None:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 from hitab_msgs import srv
 
 from hitab_core.agent import Mode
-from hitab_core.behavior_schema import SUFFIX
 from hitab_core.domain import BasicBehavior
 from hitab_core.errors import LibraryError, TrainingError, has
-from hitab_core.training_session import Curriculum
+from hitab_core.library.behavior_schema import SUFFIX
+from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 from hitab_ros import names
 from hitab_ros.answering import Serve, answering
@@ -43,7 +43,7 @@ class AgentServices:
 
     def _answered(self, error: str) -> None:
         self._node.settle()
-        # Telling the status too, so that whoever watches sees what went wrong.
+        # InspectionServices the status too, so that whoever watches sees what went wrong.
         self._node.report_error(error)
 
     def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:

@@ -14,8 +14,8 @@ from hitab_msgs import msg, srv
 
 from hitab_agent.intake import Intake
 from hitab_agent.slices import Slices
-from hitab_core.bundle import Bundle, make_bundle
 from hitab_core.errors import VocabularyError
+from hitab_core.library.bundle import Bundle, make_bundle
 from hitab_core.use import Use
 from hitab_ros import names, qos
 from hitab_ros.answering import answering
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from hitab_agent.agent_node import AgentNode
 
 
-class DistributionDesk:
+class DistributionReceiver:
     """The topics of distribution; the agents of a process share one."""
 
     def __init__(self, node: GuardedNode) -> None:
@@ -65,7 +65,7 @@ class DistributionDesk:
 class Distributor:
     """Sends and receives behaviors for one agent."""
 
-    def __init__(self, node: AgentNode, desk: DistributionDesk) -> None:
+    def __init__(self, node: AgentNode, desk: DistributionReceiver) -> None:
         self._node = node
         self.agent = node.agent
         self._outgoing = desk.outgoing

@@ -12,11 +12,11 @@ from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from hitab_agent.order_desk import OrderDesk
+from hitab_agent.agent_batches import AgentBatches
+from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.round_gate import RoundGate
 from hitab_agent.superior_link import SuperiorLink
-from hitab_agent.troupes import Troupes
 from hitab_core.agent import Agent
 from hitab_ros import names, qos
 from hitab_ros.checks import too_far_ahead
@@ -98,7 +98,7 @@ class HostLink:
         name: str,
         world: str,
         outbox: ReportOutbox,
-        orders: OrderDesk,
+        orders: OrderSubscriptions,
         swarm: str = "",
     ) -> None:
         """Make ready; nothing comes before `announce`.
@@ -118,7 +118,7 @@ class HostLink:
         self._gate = RoundGate(orders)
         self._perceivers: list[_Guarded] = []
         self._percept = PerceptOfBatch()
-        self._troupes = Troupes()
+        self._batches = AgentBatches()
         self._episode: tuple[int, int] | None = None
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
@@ -239,7 +239,7 @@ class HostLink:
         if len(places) < len(counts):
             values = None if values is None else values[places]
             heard = {i: heard[place] for i, place in enumerate(places) if place in heard}
-        self._troupes.decide(agents, values, heard)
+        self._batches.decide(agents, values, heard)
 
 
 def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:

@@ -5,7 +5,7 @@ to disk for all libraries together: a thousand folders then take as long as one.
 agent swaps what it knows.
 
 A library is changed by a note that counts for everybody as soon as it is there (see
-`hitab_core.library_commit`), so that nothing has to be held between two slices: whoever else
+`hitab_core.library.commit`), so that nothing has to be held between two slices: whoever else
 comes to a folder carries the note out.
 """
 
@@ -22,12 +22,12 @@ from typing import Protocol
 
 from hitab_agent.slices import Background, Job
 from hitab_core.agent import Agent
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.bundle import Bundle, digest_in, plan_bundle, read_bundle
-from hitab_core.durable_files import PATIENCE, file_errors, sync_trees
-from hitab_core.edition import Edition, Editions
 from hitab_core.errors import FolderInUseError, HitabError
-from hitab_core.library_commit import carry_out, forget, withdraw
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
+from hitab_core.library.commit import carry_out, forget, withdraw
+from hitab_core.library.durable_files import PATIENCE, file_errors, sync_trees
+from hitab_core.library.edition import Edition, Editions
 from hitab_core.use import Use
 from hitab_ros.answering import what_went_wrong
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent.later import Later
+from hitab_agent.deferred import Deferred
 from hitab_core.order import Report
 from hitab_ros import names, qos
 from hitab_ros.conversions import report_message
@@ -23,7 +23,7 @@ class ReportOutbox:
     further down before anybody looks at what has become of them.
     """
 
-    def __init__(self, node: GuardedNode, later: Later | None = None) -> None:
+    def __init__(self, node: GuardedNode, later: Deferred | None = None) -> None:
         """Make it.
 
         Args:

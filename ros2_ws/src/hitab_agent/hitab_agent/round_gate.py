@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
-from hitab_agent.order_desk import OrderDesk
+from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_core.order import Order
 
 Act = Callable[[], None]
@@ -17,7 +17,7 @@ class RoundGate:
     part: a round has passed when the next one begins.
     """
 
-    def __init__(self, orders: OrderDesk) -> None:
+    def __init__(self, orders: OrderSubscriptions) -> None:
         self._orders = orders
         self._round = 0
         self._act: Act | None = None

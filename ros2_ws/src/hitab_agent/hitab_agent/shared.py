@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hitab_agent.distribution import DistributionDesk
+from hitab_agent.deferred import Deferred
+from hitab_agent.distribution import DistributionReceiver
 from hitab_agent.host_link import HostLink
-from hitab_agent.later import Later
-from hitab_agent.order_desk import OrderDesk
+from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.services_on_demand import (
     LOOK_AT_PER_S,
@@ -17,9 +17,9 @@ from hitab_agent.services_on_demand import (
     ServicesOnDemand,
 )
 from hitab_agent.ticker import Ticker
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain, load_domain
-from hitab_core.edition import Editions
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.edition import Editions
 from hitab_ros import names
 from hitab_ros.guarded_node import GuardedNode
 
@@ -55,10 +55,10 @@ class Shared:
     """
 
     ticker: Ticker
-    statuses: Later
-    orders: OrderDesk
+    statuses: Deferred
+    orders: OrderSubscriptions
     outbox: ReportOutbox
-    distributions: DistributionDesk
+    distributions: DistributionReceiver
     host: GuardedNode | None = None
     swarm: str = ""
     links: dict[str, HostLink] = field(default_factory=dict)
@@ -73,10 +73,10 @@ class Shared:
         """Return what a node needs for itself, or a host's for the agents of its process."""
         return cls(
             Ticker(node),
-            Later(node, STATUS_PERIOD_S, STATUSES_AT_ONCE),
-            OrderDesk(node),
+            Deferred(node, STATUS_PERIOD_S, STATUSES_AT_ONCE),
+            OrderSubscriptions(node),
             ReportOutbox(node),
-            DistributionDesk(node),
+            DistributionReceiver(node),
         )
 
     @classmethod
@@ -86,7 +86,7 @@ class Shared:
         shared.host = node
         shared.swarm = swarm
         node.guard.faults.changed = shared.tell_all
-        shared.outbox = ReportOutbox(node, Later(node, REPORTS_PERIOD_S))
+        shared.outbox = ReportOutbox(node, Deferred(node, REPORTS_PERIOD_S))
         shared.offer_on_demand(node, agents)
         return shared
 

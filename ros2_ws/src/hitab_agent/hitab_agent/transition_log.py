@@ -6,7 +6,7 @@ from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.node import Node
 
-from hitab_core.observing import Change
+from hitab_core.running.observing import Change
 from hitab_ros import names, qos
 
 _LOOK_EVERY = 64  # changes of state between two looks whether anyone listens
@@ -30,7 +30,7 @@ class TransitionLog:
         self._countdown = _LOOK_EVERY
 
     def observe(self, change: Change) -> None:
-        """Publish a change of state; see `Stage.observe`.
+        """Publish a change of state; see `RunContext.observe`.
 
         Before the action of its cycle is published: whoever hears of the next cycle has then
         heard of this change.

@@ -10,15 +10,15 @@ import pytest
 from hitab_msgs import msg
 from rclpy.parameter import Parameter
 
+from hitab_agent.agent_batches import WORTH_IT
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.shared import Shared
-from hitab_agent.troupes import WORTH_IT
 from hitab_core.agent import Agent
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.running.agent_batch import AgentBatch
 from hitab_core.transition_function import HandWritten
-from hitab_core.transition_tree import TransitionTree
-from hitab_core.troupe import Troupe
 from hitab_core.use import Use
 from hitab_ros import names, qos
 
@@ -228,10 +228,10 @@ def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broke
     assert not reads
 
 
-def troupes_of(agent: Agent) -> int:
+def batches_of(agent: Agent) -> int:
     gc.collect()
-    found = [thing for thing in gc.get_objects() if isinstance(thing, Troupe)]
-    return sum(stage.body is agent.body for troupe in found for stage in troupe.stages)
+    found = [thing for thing in gc.get_objects() if isinstance(thing, AgentBatch)]
+    return sum(context.body is agent.body for batch in found for context in batch.stages)
 
 
 def test_what_was_made_of_libraries_that_nobody_has_any_more_is_forgotten(swarm):
@@ -246,7 +246,7 @@ def test_what_was_made_of_libraries_that_nobody_has_any_more_is_forgotten(swarm)
             agent.reload()
         assert len({agent.library_digest for agent in agents}) == 1
         swarm.act([1.0] * SIZE)
-        assert troupes_of(agents[0]) == 1
+        assert batches_of(agents[0]) == 1
 
 
 def hear_faults(swarm: Swarm, number: int) -> list[list[str]]:

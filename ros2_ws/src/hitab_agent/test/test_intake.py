@@ -15,15 +15,15 @@ from hitab_agent import intake
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.shared import Shared
 from hitab_agent.slices import Slices
-from hitab_core import bundle, edition
 from hitab_core.agent import Agent, Mode
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.bundle import Bundle, make_bundle
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
-from hitab_core.durable_files import locked
-from hitab_core.library_commit import COMMIT
-from hitab_core.training_session import Curriculum
-from hitab_core.transition_tree import TransitionTree
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.library import bundle, edition
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import Bundle, make_bundle
+from hitab_core.library.commit import COMMIT
+from hitab_core.library.durable_files import locked
+from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 from hitab_ros import names, qos
 

@@ -5,8 +5,8 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.later import Later
-from hitab_agent.order_desk import OrderDesk
+from hitab_agent.deferred import Deferred
+from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.services_on_demand import ServicesOnDemand
 from hitab_agent.ticker import Ticker
 from hitab_ros import names, qos
@@ -15,7 +15,7 @@ from hitab_ros.guarded_node import GuardedNode
 
 def test_what_is_put_off_is_done_in_order_with_room_for_something_else_in_between(process):
     done: list[Any] = []
-    later = Later(process.node, 0.02, at_most=10)
+    later = Deferred(process.node, 0.02, at_most=10)
     for number in range(40):
         later.call(lambda number=number: done.append(number))
     process.meanwhile(done)
@@ -28,7 +28,7 @@ def test_what_is_put_off_is_done_in_order_with_room_for_something_else_in_betwee
 
 def test_what_is_put_off_without_a_limit_is_done_together_and_again_when_more_comes(process):
     done: list[Any] = []
-    later = Later(process.node, 0.02)
+    later = Deferred(process.node, 0.02)
     process.meanwhile(done)
     for again in (1, 2):
         for number in range(40):
@@ -63,7 +63,7 @@ def test_all_who_are_under_a_commander_hear_it_through_one_subscription(process)
     node = process.node
     topic = f"/chief/{names.ORDER}"
     publisher = node.create_publisher(msg.Order, topic, qos.LATCHED)
-    desk, heard = OrderDesk(node), []
+    desk, heard = OrderSubscriptions(node), []
     before = len(list(node.subscriptions))
     for who in ("a", "b"):
         desk.listen(node, topic, lambda order, who=who: heard.append((who, order.name)))
@@ -84,7 +84,7 @@ def test_what_fails_among_many_touches_no_other_and_is_shown_by_whose_it_is(proc
     node, other = process.node, GuardedNode("other", context=process.node.context)
     process.add(other)
     done: list[Any] = []
-    later, ticker = Later(node, 0.02), Ticker(node)
+    later, ticker = Deferred(node, 0.02), Ticker(node)
     later.call(fails, other.guard)
     later.call(lambda: done.append("later"))
     ticker.every(0.05, fails, other.guard)
@@ -100,7 +100,7 @@ def test_who_fails_at_an_order_does_not_keep_it_from_the_others(process):
     process.add(other)
     topic = f"/chief/{names.ORDER}"
     publisher = node.create_publisher(msg.Order, topic, qos.LATCHED)
-    desk, heard = OrderDesk(node), []
+    desk, heard = OrderSubscriptions(node), []
     desk.listen(other, topic, lambda order: fails())
     desk.listen(node, topic, lambda order: heard.append(order.name))
     publisher.publish(msg.Order(commander="chief", epoch=1, sequence=1, order="Attack"))

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hitab_bringup.suggest import did_you_mean
-from hitab_core.durable_files import write_durably
 from hitab_core.errors import HitabError
+from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -1,4 +1,4 @@
-"""Telling the swarm that is meant from another one in the same ROS domain.
+"""InspectionServices the swarm that is meant from another one in the same ROS domain.
 
 `hitab up` gives each swarm an identity; all of its nodes have it in their statuses.
 """

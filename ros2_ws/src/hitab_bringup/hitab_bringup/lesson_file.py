@@ -31,8 +31,8 @@ from hitab_bringup.lesson import (
 from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.yaml_fields import Fields
 from hitab_core.errors import HitabError, has
+from hitab_core.library.yaml_places import Complaints, read_yaml
 from hitab_core.use import Use
-from hitab_core.yaml_places import Complaints, read_yaml
 
 
 def read_lesson(path: Path) -> Lesson:

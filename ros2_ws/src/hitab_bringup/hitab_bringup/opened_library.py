@@ -7,11 +7,11 @@ from pathlib import Path
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind_reader import FILE_NAME as KIND_FILE
 from hitab_commander.kind_reader import read_kind
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.behavior_schema import SUFFIX
 from hitab_core.domain import load_domain
 from hitab_core.errors import HitabError, LibraryError
-from hitab_core.yaml_places import read_yaml
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.behavior_schema import SUFFIX
+from hitab_core.library.yaml_places import read_yaml
 
 
 def open_library(folder: Path) -> BehaviorLibrary:

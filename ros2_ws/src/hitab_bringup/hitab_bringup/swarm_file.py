@@ -25,8 +25,8 @@ from hitab_bringup.swarm_words import Words
 from hitab_bringup.yaml_fields import Fields
 from hitab_commander.kind import CommanderKind
 from hitab_core.errors import has
+from hitab_core.library.yaml_places import Complaints, read_yaml
 from hitab_core.use import NAME
-from hitab_core.yaml_places import Complaints, read_yaml
 
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"

@@ -9,10 +9,10 @@ from pathlib import Path
 from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_bringup.yaml_fields import Fields
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.behavior_schema import SUFFIX
 from hitab_core.domain import ENTRY_POINT_GROUP, load_domain
 from hitab_core.errors import HitabError, has
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.behavior_schema import SUFFIX
 from hitab_core.use import Use
 
 

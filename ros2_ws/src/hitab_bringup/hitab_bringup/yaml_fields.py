@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_bringup.suggest import did_you_mean
 from hitab_core.errors import has
-from hitab_core.yaml_places import Complaints, Document, Path
+from hitab_core.library.yaml_places import Complaints, Document, Path
 
 REQUIRED: Any = object()
 

@@ -7,11 +7,11 @@ are handed over. Players are made for `hitab_world.inprocess`.
 Example::
 
     world = ForagingWorld(seed=7)
-    troop = Troop(
+    hierarchy = InProcessHierarchy(
         [Member(name, library) for name in world.agents],
         [Commander("squad_1", kind, squad_library, "SquadForage", world.agents[:5])],
     )
-    results = play(world, troop.players, episodes=30, between=troop.confer)
+    results = play(world, hierarchy.players, episodes=30, between=hierarchy.confer)
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind
 from hitab_commander.lockstep import Lockstep, Round
 from hitab_core.agent import Agent
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.errors import FeatureValueError
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.order import Report
 from hitab_core.subordinate import Subordinate
 from hitab_core.use import Use
@@ -62,8 +62,8 @@ class Commander:
     subordinates: tuple[str, ...]
 
 
-class TroopPlayer:
-    """Plays one agent of a troop; see `hitab_world.inprocess.Player`."""
+class HierarchyPlayer:
+    """Plays one agent of a hierarchy; see `hitab_world.inprocess.Player`."""
 
     def __init__(self, node: _Node, cycle_seconds: float) -> None:
         self._node = node
@@ -89,7 +89,7 @@ class TroopPlayer:
         return self._node.agent.act()
 
 
-class Troop:
+class InProcessHierarchy:
     """Agents and their commanders, handing reports up and orders down.
 
     Args:
@@ -113,7 +113,7 @@ class Troop:
             agent = Agent(member.name, member.library.domain, member.library)
             nodes[member.name] = _Node(agent, member.behavior)
         self._members = list(nodes.values())
-        self.players = {name: TroopPlayer(node, cycle_seconds) for name, node in nodes.items()}
+        self.players = {name: HierarchyPlayer(node, cycle_seconds) for name, node in nodes.items()}
         self._commanders: list[_CommanderNode] = []
         for commander in commanders:
             agent = Agent(commander.name, commander_domain(commander.kind), commander.library)

@@ -42,10 +42,10 @@ from hitab_commander.kind import (
 )
 from hitab_core.automaton import FLAGS
 from hitab_core.errors import HitabError, VocabularyError, has
+from hitab_core.library.yaml_places import Complaints, read_yaml
+from hitab_core.library.yaml_places import Path as Place
 from hitab_core.order import OTHERS
 from hitab_core.use import NAME, Use
-from hitab_core.yaml_places import Complaints, read_yaml
-from hitab_core.yaml_places import Path as Place
 
 Complain = Callable[[Place, str], None]
 """Called with where in the kind's mapping something is wrong, and what."""

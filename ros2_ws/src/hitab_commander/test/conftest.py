@@ -1,4 +1,4 @@
-"""A troop for the tests: commanders and agents, real nodes over real topics, in one process."""
+"""A team for the tests: commanders and agents, real nodes over real topics, in one process."""
 
 import contextlib
 from collections import defaultdict
@@ -65,7 +65,7 @@ class AntNode(AgentNode):
         return ANT
 
 
-class Troop:
+class Team:
     """Nodes of a swarm, and what is needed to talk to them.
 
     Attributes:
@@ -238,7 +238,7 @@ class Troop:
 
 
 @pytest.fixture
-def troop(tmp_path: Path) -> Iterator[Troop]:
+def team(tmp_path: Path) -> Iterator[Team]:
     """Nobody yet, in a ROS domain that nobody else uses."""
-    with context_of_its_own() as context, contextlib.closing(Troop(tmp_path, context)) as made:
+    with context_of_its_own() as context, contextlib.closing(Team(tmp_path, context)) as made:
         yield made

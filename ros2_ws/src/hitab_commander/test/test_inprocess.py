@@ -3,11 +3,11 @@
 import math
 
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, Member, Troop
+from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind_reader import parse_kind
 from hitab_core.automaton import START, Automaton
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -42,7 +42,7 @@ ANT = Domain.of(
 )
 
 
-def troop(folder, features, behavior="Turns"):
+def hierarchy(folder, features, behavior="Turns"):
     """Return ants a, which performs a behavior, and b, which always waits, and their chief."""
     wrong = []
     described = {"orders": {"Rest": "nothing"}, "features": features}
@@ -50,7 +50,7 @@ def troop(folder, features, behavior="Turns"):
     assert not wrong
     library = BehaviorLibrary(folder / "ants", ANT)
     chiefs = BehaviorLibrary(folder / "chief", commander_domain(kind))
-    return Troop(
+    return InProcessHierarchy(
         [Member("a", library, behavior), Member("b", library, "Wait")],
         [Commander("chief", kind, chiefs, "", ("a", "b"))],
     )
@@ -67,7 +67,7 @@ def play(made, values):
 
 
 def test_who_has_no_news_is_not_taken_for_silent(tmp_path):
-    made = troop(tmp_path, {"Waiting": {"count": {"active": "Wait"}}})
+    made = hierarchy(tmp_path, {"Waiting": {"count": {"active": "Wait"}}})
     play(made, range(100))  # 10 s
     body = made.agents["chief"].body
     assert [name for name, _ in body.present()] == ["a", "b"]
@@ -75,7 +75,7 @@ def test_who_has_no_news_is_not_taken_for_silent(tmp_path):
 
 
 def test_a_commander_whose_feature_has_no_value_does_nothing_until_it_has_one(tmp_path):
-    made = troop(tmp_path, {"MeanX": {"mean": "X"}}, "Wait")
+    made = hierarchy(tmp_path, {"MeanX": {"mean": "X"}}, "Wait")
     chief = made.agents["chief"]
     rests = HandWritten(lambda x: "Rest", (0,))
     chief.repertoire.add(Automaton("Plan", (Use("Rest"),), (Use("MeanX"),), {START: rests}))

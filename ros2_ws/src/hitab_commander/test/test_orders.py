@@ -21,320 +21,320 @@ features:
 ANTS = ["a", "b"]
 
 
-def squad(troop, **settings):
-    return troop.commander("chief", SQUAD, ANTS, roles=["scout", "carrier"], **settings)
+def squad(team, **settings):
+    return team.commander("chief", SQUAD, ANTS, roles=["scout", "carrier"], **settings)
 
 
-def test_an_order_has_each_subordinate_perform_what_it_means_for_its_role(troop):
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.ant("b", "chief", "carrier")
-    assert troop.perform("chief", "Attack").success
-    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["Search", "Follow"])
-    troop.perform("chief", "Rest")
-    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["", ""])
+def test_an_order_has_each_subordinate_perform_what_it_means_for_its_role(team):
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.ant("b", "chief", "carrier")
+    assert team.perform("chief", "Attack").success
+    team.until(lambda: [team.performs(name) for name in ANTS] == ["Search", "Follow"])
+    team.perform("chief", "Rest")
+    team.until(lambda: [team.performs(name) for name in ANTS] == ["", ""])
 
 
-def test_who_joins_late_performs_the_current_order(troop):
-    squad(troop)
-    troop.perform("chief", "Attack")
-    troop.perform("chief", "Retreat")
-    troop.ant("a", "chief", "scout")
-    troop.until(lambda: troop.performs("a") == "Home")
-    assert troop.begun("a") == ["Home"]
+def test_who_joins_late_performs_the_current_order(team):
+    squad(team)
+    team.perform("chief", "Attack")
+    team.perform("chief", "Retreat")
+    team.ant("a", "chief", "scout")
+    team.until(lambda: team.performs("a") == "Home")
+    assert team.begun("a") == ["Home"]
 
 
-def test_who_is_restarted_performs_the_current_order(troop):
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.perform("chief", "Attack")
-    troop.until(lambda: troop.performs("a") == "Search")
-    troop.end("a")
-    troop.perform("chief", "Retreat")
-    troop.ant("a", "chief", "scout")
-    troop.until(lambda: troop.performs("a") == "Home")
+def test_who_is_restarted_performs_the_current_order(team):
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.perform("chief", "Attack")
+    team.until(lambda: team.performs("a") == "Search")
+    team.end("a")
+    team.perform("chief", "Retreat")
+    team.ant("a", "chief", "scout")
+    team.until(lambda: team.performs("a") == "Home")
 
 
-def test_an_old_or_repeated_order_changes_nothing(troop):
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.perform("chief", "Attack")
-    troop.perform("chief", "Retreat")
-    troop.until(lambda: troop.begun("a") == ["Search", "Home"])
-    attack = next(o for o in troop.orders["chief"] if o.order == "Attack")
-    retreat = next(o for o in troop.orders["chief"] if o.order == "Retreat")
-    again = troop.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
-    troop.until(lambda: again.get_subscription_count() > 1)
+def test_an_old_or_repeated_order_changes_nothing(team):
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.perform("chief", "Attack")
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.begun("a") == ["Search", "Home"])
+    attack = next(o for o in team.orders["chief"] if o.order == "Attack")
+    retreat = next(o for o in team.orders["chief"] if o.order == "Retreat")
+    again = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    team.until(lambda: again.get_subscription_count() > 1)
     fence = msg.Order(epoch=retreat.epoch, sequence=retreat.sequence + 1, order="Wait")
     fence.receivers, fence.behaviors = [""], ["Wait"]
     for order in (retreat, attack, fence):
         again.publish(order)
-        troop.executor.spin_once(timeout_sec=0.1)
-    troop.until(lambda: troop.performs("a") == "Wait")
-    assert troop.begun("a") == ["Search", "Home", "Wait"]
+        team.executor.spin_once(timeout_sec=0.1)
+    team.until(lambda: team.performs("a") == "Wait")
+    assert team.begun("a") == ["Search", "Home", "Wait"]
 
 
-def test_who_performs_the_ordered_behavior_already_is_not_restarted(troop):
-    squad(troop)
-    troop.ant("b", "chief", "carrier", behavior="Follow")
-    troop.perform("chief", "Attack")
-    troop.until(lambda: troop.statuses["b"].ordered == "Follow")
-    troop.until(lambda: troop.groups["chief"].obeying == [False, True])
-    assert troop.begun("b") == ["Follow"]
+def test_who_performs_the_ordered_behavior_already_is_not_restarted(team):
+    squad(team)
+    team.ant("b", "chief", "carrier", behavior="Follow")
+    team.perform("chief", "Attack")
+    team.until(lambda: team.statuses["b"].ordered == "Follow")
+    team.until(lambda: team.groups["chief"].obeying == [False, True])
+    assert team.begun("b") == ["Follow"]
 
 
-def test_the_orders_of_a_restarted_commander_are_newer_and_it_goes_on_where_it_was(troop):
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.perform("chief", "Retreat")
-    troop.until(lambda: troop.performs("a") == "Home")
-    before = troop.orders["chief"][-1]
-    troop.end("chief")
-    squad(troop)
-    troop.until(lambda: troop.orders["chief"][-1].epoch > before.epoch)
-    now = troop.orders["chief"][-1]
-    assert (now.order, troop.performs("chief")) == ("Retreat", "Retreat")
-    troop.until(lambda: list(troop.groups["chief"].obeying)[:1] == [True])
-    assert troop.begun("a") == ["Home"]
-    troop.perform("chief", "Attack")
-    troop.until(lambda: troop.performs("a") == "Search")
+def test_the_orders_of_a_restarted_commander_are_newer_and_it_goes_on_where_it_was(team):
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("a") == "Home")
+    before = team.orders["chief"][-1]
+    team.end("chief")
+    squad(team)
+    team.until(lambda: team.orders["chief"][-1].epoch > before.epoch)
+    now = team.orders["chief"][-1]
+    assert (now.order, team.performs("chief")) == ("Retreat", "Retreat")
+    team.until(lambda: list(team.groups["chief"].obeying)[:1] == [True])
+    assert team.begun("a") == ["Home"]
+    team.perform("chief", "Attack")
+    team.until(lambda: team.performs("a") == "Search")
 
 
-def test_a_commander_that_cannot_remember_its_orders_gives_them_all_the_same(troop):
-    (troop.folder / "file").touch()
-    squad(troop, state_dir=str(troop.folder / "file" / "state"))
-    troop.ant("a", "chief", "scout")
-    assert troop.perform("chief", "Attack").success
-    troop.until(lambda: troop.performs("a") == "Search")
+def test_a_commander_that_cannot_remember_its_orders_gives_them_all_the_same(team):
+    (team.folder / "file").touch()
+    squad(team, state_dir=str(team.folder / "file" / "state"))
+    team.ant("a", "chief", "scout")
+    assert team.perform("chief", "Attack").success
+    team.until(lambda: team.performs("a") == "Search")
 
 
-def test_a_commander_that_ordered_nothing_leaves_its_subordinates_alone(troop):
-    troop.ant("a", "chief", "scout", behavior="Wait")
-    squad(troop)
-    troop.until(lambda: list(troop.groups["chief"].behaviors)[:1] == ["Wait"])
-    assert troop.begun("a") == ["Wait"]
-    assert troop.groups["chief"].order == ""
+def test_a_commander_that_ordered_nothing_leaves_its_subordinates_alone(team):
+    team.ant("a", "chief", "scout", behavior="Wait")
+    squad(team)
+    team.until(lambda: list(team.groups["chief"].behaviors)[:1] == ["Wait"])
+    assert team.begun("a") == ["Wait"]
+    assert team.groups["chief"].order == ""
 
 
-def test_the_demonstrator_wins_and_the_order_is_taken_up_afterwards(troop):
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.perceive("a", 0.0, 0.0, 0.0)
-    troop.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
-    troop.command("a", "Wait")
-    troop.perform("chief", "Attack")
-    troop.until(lambda: troop.statuses["a"].order_waits)
-    status = troop.statuses["a"]
+def test_the_demonstrator_wins_and_the_order_is_taken_up_afterwards(team):
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.perceive("a", 0.0, 0.0, 0.0)
+    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
+    team.command("a", "Wait")
+    team.perform("chief", "Attack")
+    team.until(lambda: team.statuses["a"].order_waits)
+    status = team.statuses["a"]
     assert (status.mode, status.superior, status.ordered) == ("training", "chief", "Search")
-    assert troop.begun("a") == ["Wait"]
-    troop.perform("chief", "Retreat")
-    troop.until(lambda: troop.statuses["a"].ordered == "Home")
-    assert troop.ask(srv.SaveBehavior, "a", names.SAVE).success
-    troop.until(lambda: troop.performs("a") == "Home")
-    troop.until(lambda: not troop.statuses["a"].order_waits)
-    assert troop.begun("a") == ["Wait", "Home"]
+    assert team.begun("a") == ["Wait"]
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.statuses["a"].ordered == "Home")
+    assert team.ask(srv.SaveBehavior, "a", names.SAVE).success
+    team.until(lambda: team.performs("a") == "Home")
+    team.until(lambda: not team.statuses["a"].order_waits)
+    assert team.begun("a") == ["Wait", "Home"]
 
 
-def test_an_order_that_cannot_be_obeyed_waits_and_tells_why(troop):
+def test_an_order_that_cannot_be_obeyed_waits_and_tells_why(team):
     kind = "commander: Squad\norders: {Sing: Sing, Retreat: Home}\n"
-    troop.commander("chief", kind, ["a"])
-    troop.ant("a", "chief")
-    troop.perform("chief", "Sing")
-    troop.until(lambda: troop.statuses["a"].order_waits)
+    team.commander("chief", kind, ["a"])
+    team.ant("a", "chief")
+    team.perform("chief", "Sing")
+    team.until(lambda: team.statuses["a"].order_waits)
     assert 'cannot obey the order "Sing": unknown behavior "Sing" (has: Follow, Home' in (
-        troop.statuses["a"].last_error
+        team.statuses["a"].last_error
     )
-    troop.perform("chief", "Retreat")
-    troop.until(lambda: troop.performs("a") == "Home")
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("a") == "Home")
 
 
-def test_an_order_is_passed_on_through_commanders_of_commanders_on_arrival(troop):
+def test_an_order_is_passed_on_through_commanders_of_commanders_on_arrival(team):
     slow = "rate: 0.01\n"  # so that nothing happens by the clock
     top = "commander: Top\norders: {War: Attack, Peace: Retreat}\n" + slow
-    troop.commander("general", top, ["major"])
+    team.commander("general", top, ["major"])
     middle = "commander: Middle\norders: {Attack: Attack, Retreat: Retreat}\n" + slow
-    troop.commander("major", middle, ["chief"], "general")
-    troop.commander("chief", SQUAD + slow, ANTS, "major", roles=["scout", "carrier"])
-    troop.ant("a", "chief", "scout")
-    troop.ant("b", "chief", "carrier")
-    troop.perform("general", "War")
-    troop.until(lambda: [troop.performs(n) for n in ANTS] == ["Search", "Follow"], 5.0)
-    troop.perform("general", "Peace")
-    troop.until(lambda: [troop.performs(n) for n in ANTS] == ["Home", "Home"], 5.0)
+    team.commander("major", middle, ["chief"], "general")
+    team.commander("chief", SQUAD + slow, ANTS, "major", roles=["scout", "carrier"])
+    team.ant("a", "chief", "scout")
+    team.ant("b", "chief", "carrier")
+    team.perform("general", "War")
+    team.until(lambda: [team.performs(n) for n in ANTS] == ["Search", "Follow"], 5.0)
+    team.perform("general", "Peace")
+    team.until(lambda: [team.performs(n) for n in ANTS] == ["Home", "Home"], 5.0)
 
 
-def test_an_order_can_be_about_one_subordinate(troop):
+def test_an_order_can_be_about_one_subordinate(team):
     kind = (
         "commander: Squad\n"
         "orders:\n  Send(A): {A: Search, others: keep}\n  Rest: nothing\n"
         "targets:\n  foremost: {maximum: X}\nfeatures:\n  MeanX: {mean: X}\n"
     )
-    troop.commander("chief", kind, ANTS)
+    team.commander("chief", kind, ANTS)
     for name in ANTS:
-        troop.ant(name, "chief", behavior="Wait")
-        troop.perceive(name, 1.0 if name == "b" else 0.0, 0.0, 0.0)
-    troop.until(lambda: troop.sees("chief", "MeanX") == 0.5)
-    assert troop.perform("chief", "Send(foremost)").success
-    troop.until(lambda: troop.performs("b") == "Search")
-    assert troop.begun("a") == ["Wait"]
-    assert troop.orders["chief"][-1].order == "Send(b)"
-    troop.perceive("a", 2.0, 0.0, 0.0)
-    troop.until(lambda: troop.performs("a") == "Search")
+        team.ant(name, "chief", behavior="Wait")
+        team.perceive(name, 1.0 if name == "b" else 0.0, 0.0, 0.0)
+    team.until(lambda: team.sees("chief", "MeanX") == 0.5)
+    assert team.perform("chief", "Send(foremost)").success
+    team.until(lambda: team.performs("b") == "Search")
+    assert team.begun("a") == ["Wait"]
+    assert team.orders["chief"][-1].order == "Send(b)"
+    team.perceive("a", 2.0, 0.0, 0.0)
+    team.until(lambda: team.performs("a") == "Search")
 
 
-def test_who_is_to_go_on_goes_on_though_all_others_get_an_order(troop):
+def test_who_is_to_go_on_goes_on_though_all_others_get_an_order(team):
     kind = (
         "commander: Squad\n"
         "orders:\n  Home: {scout: keep, others: Home}\n  Spare(A): {A: keep, others: Wait}\n"
         "targets:\n  first: {number: 1}\n"
     )
-    troop.commander("chief", kind, ["a", "b", "c"], roles=["scout", "carrier", ""])
+    team.commander("chief", kind, ["a", "b", "c"], roles=["scout", "carrier", ""])
     for name, role in (("a", "scout"), ("b", "carrier"), ("c", "")):
-        troop.ant(name, "chief", role, behavior="Search")
-    troop.perform("chief", "Home")
-    troop.until(lambda: [troop.performs(name) for name in "bc"] == ["Home", "Home"])
-    troop.perform("chief", "Spare(first)")
-    troop.until(lambda: [troop.performs(name) for name in "bc"] == ["Wait", "Wait"])
-    troop.until(lambda: list(troop.groups["chief"].obeying) == [True, True, True])
-    assert troop.begun("a") == ["Search"]
+        team.ant(name, "chief", role, behavior="Search")
+    team.perform("chief", "Home")
+    team.until(lambda: [team.performs(name) for name in "bc"] == ["Home", "Home"])
+    team.perform("chief", "Spare(first)")
+    team.until(lambda: [team.performs(name) for name in "bc"] == ["Wait", "Wait"])
+    team.until(lambda: list(team.groups["chief"].obeying) == [True, True, True])
+    assert team.begun("a") == ["Search"]
 
 
-def test_a_commander_that_was_made_idle_is_idle_after_a_restart(troop):
-    squad(troop, behavior="Attack")
-    troop.ant("a", "chief", "scout")
-    troop.until(lambda: troop.performs("a") == "Search")
-    troop.perform("chief", "")
-    troop.until(lambda: troop.groups["chief"].mode == "idle")
-    before = troop.orders["chief"][-1]
-    troop.end("chief")
-    squad(troop, behavior="Attack")
-    troop.until(lambda: troop.orders["chief"][-1].epoch > before.epoch)
-    troop.until(lambda: list(troop.groups["chief"].obeying)[:1] == [True])
-    assert (troop.performs("chief"), troop.performs("a")) == ("", "Search")
+def test_a_commander_that_was_made_idle_is_idle_after_a_restart(team):
+    squad(team, behavior="Attack")
+    team.ant("a", "chief", "scout")
+    team.until(lambda: team.performs("a") == "Search")
+    team.perform("chief", "")
+    team.until(lambda: team.groups["chief"].mode == "idle")
+    before = team.orders["chief"][-1]
+    team.end("chief")
+    squad(team, behavior="Attack")
+    team.until(lambda: team.orders["chief"][-1].epoch > before.epoch)
+    team.until(lambda: list(team.groups["chief"].obeying)[:1] == [True])
+    assert (team.performs("chief"), team.performs("a")) == ("", "Search")
 
 
-def test_that_an_order_does_not_wait_any_more_is_told_though_nothing_else_has_changed(troop):
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.perceive("a", 0.0, 0.0, 0.0)
-    troop.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Search2", features=["X"])
-    troop.perform("chief", "Attack")
-    troop.until(lambda: troop.statuses["a"].order_waits)
-    report = troop.nodes["a"].superior.subordinate.report()
-    body = troop.nodes["chief"].agent.body
+def test_that_an_order_does_not_wait_any_more_is_told_though_nothing_else_has_changed(team):
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.perceive("a", 0.0, 0.0, 0.0)
+    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Search2", features=["X"])
+    team.perform("chief", "Attack")
+    team.until(lambda: team.statuses["a"].order_waits)
+    report = team.nodes["a"].superior.subordinate.report()
+    body = team.nodes["chief"].agent.body
     waiting = replace(report, waits=True)
     body.hear(waiting, body.now)
     assert not body.hear(waiting, body.now)
     assert body.hear(replace(report, waits=False), body.now)
 
 
-def test_an_order_that_waits_tells_why_as_long_as_it_does(troop):
+def test_an_order_that_waits_tells_why_as_long_as_it_does(team):
     kind = "commander: Squad\norders: {Sing: Sing, Retreat: Home}\n"
-    troop.commander("chief", kind, ["a"])
-    troop.ant("a", "chief")
-    troop.perceive("a", 0.0, 0.0, 0.0)
-    troop.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
-    troop.perform("chief", "Sing")
-    troop.until(lambda: troop.statuses["a"].order_waits)
-    assert troop.statuses["a"].last_error == ""
+    team.commander("chief", kind, ["a"])
+    team.ant("a", "chief")
+    team.perceive("a", 0.0, 0.0, 0.0)
+    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
+    team.perform("chief", "Sing")
+    team.until(lambda: team.statuses["a"].order_waits)
+    assert team.statuses["a"].last_error == ""
     why = 'cannot obey the order "Sing": unknown behavior "Sing"'
-    troop.ask(srv.SetMode, "a", names.SET_MODE, mode="idle")
-    troop.until(lambda: why in troop.statuses["a"].last_error)
-    troop.ask(srv.LoadLibrary, "a", names.LOAD_LIBRARY)
-    troop.until(lambda: troop.statuses["a"].mode == "idle")
-    assert why in troop.statuses["a"].last_error
-    troop.perform("chief", "Retreat")
-    troop.until(lambda: troop.statuses["a"].behavior == "Home")
-    assert not troop.statuses["a"].last_error
+    team.ask(srv.SetMode, "a", names.SET_MODE, mode="idle")
+    team.until(lambda: why in team.statuses["a"].last_error)
+    team.ask(srv.LoadLibrary, "a", names.LOAD_LIBRARY)
+    team.until(lambda: team.statuses["a"].mode == "idle")
+    assert why in team.statuses["a"].last_error
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.statuses["a"].behavior == "Home")
+    assert not team.statuses["a"].last_error
 
 
-def test_an_order_that_could_not_be_begun_is_begun_with_a_later_percept(troop):
-    squad(troop)
-    body = troop.ant("a", "chief", "scout").agent.body
+def test_an_order_that_could_not_be_begun_is_begun_with_a_later_percept(team):
+    squad(team)
+    body = team.ant("a", "chief", "scout").agent.body
     body.begun = None  # its Search cannot be begun like this
-    troop.perform("chief", "Attack")
-    troop.until(lambda: 'cannot obey the order "Attack"' in troop.statuses["a"].last_error)
+    team.perform("chief", "Attack")
+    team.until(lambda: 'cannot obey the order "Attack"' in team.statuses["a"].last_error)
     body.begun = []
-    troop.perceive("a", 0.0, 0.0, 0.0)
-    troop.until(lambda: troop.statuses["a"].behavior == "Search")
-    troop.until(lambda: list(troop.groups["chief"].obeying)[:1] == [True])
+    team.perceive("a", 0.0, 0.0, 0.0)
+    team.until(lambda: team.statuses["a"].behavior == "Search")
+    team.until(lambda: list(team.groups["chief"].obeying)[:1] == [True])
     assert body.begun == ["Search"]
-    assert not troop.statuses["a"].last_error
+    assert not team.statuses["a"].last_error
 
 
-def test_an_order_that_is_described_otherwise_after_a_restart_means_what_it_does_now(troop):
+def test_an_order_that_is_described_otherwise_after_a_restart_means_what_it_does_now(team):
     kind = (
         "commander: Squad\norders:\n  Go: Search\n  Send(A): {A: Search, others: keep}\n"
         "targets:\n  first: {number: 1}\n"
     )
-    troop.commander("chief", kind, ["a"])
-    troop.ant("a", "chief")
+    team.commander("chief", kind, ["a"])
+    team.ant("a", "chief")
     for order, given in (("Go", "Go"), ("Send(first)", "Send(a)")):
-        troop.perform("chief", order)
-        troop.until(lambda: troop.performs("a") == "Search")
-        troop.end("chief")
-        troop.commander("chief", kind.replace("Search", "Follow"), ["a"])
-        troop.until(lambda: troop.performs("a") == "Follow")
-        assert troop.orders["chief"][-1].order == given
-        troop.end("chief")
-        troop.commander("chief", kind, ["a"])
-    troop.end("chief")
-    troop.commander("chief", "commander: Squad\norders: {Stay: Wait}\n", ["a"])
-    troop.until(lambda: not troop.orders["chief"][-1].sequence)
-    assert troop.performs("chief") == ""
-    troop.perform("chief", "Stay")
-    troop.until(lambda: troop.performs("a") == "Wait")
+        team.perform("chief", order)
+        team.until(lambda: team.performs("a") == "Search")
+        team.end("chief")
+        team.commander("chief", kind.replace("Search", "Follow"), ["a"])
+        team.until(lambda: team.performs("a") == "Follow")
+        assert team.orders["chief"][-1].order == given
+        team.end("chief")
+        team.commander("chief", kind, ["a"])
+    team.end("chief")
+    team.commander("chief", "commander: Squad\norders: {Stay: Wait}\n", ["a"])
+    team.until(lambda: not team.orders["chief"][-1].sequence)
+    assert team.performs("chief") == ""
+    team.perform("chief", "Stay")
+    team.until(lambda: team.performs("a") == "Wait")
 
 
-def test_a_commander_of_no_kind_is_refused_with_the_way_out(troop):
+def test_a_commander_of_no_kind_is_refused_with_the_way_out(team):
     with pytest.raises(HitabError, match="chief was not told of what kind it is; give it -p dom"):
-        CommanderNode(namespace="/chief", context=troop.context, use_global_arguments=False)
+        CommanderNode(namespace="/chief", context=team.context, use_global_arguments=False)
 
 
-def forge(troop, **fields):
+def forge(team, **fields):
     """Order something in the chief's name."""
-    publisher = troop.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
-    troop.until(lambda: publisher.get_subscription_count() > 0)
+    publisher = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    team.until(lambda: publisher.get_subscription_count() > 0)
     publisher.publish(
         msg.Order(commander="chief", order="Forged", receivers=[""], behaviors=["Wait"], **fields)
     )
     return publisher
 
 
-def test_the_real_commander_is_obeyed_after_somebody_has_ordered_in_its_name(troop):
+def test_the_real_commander_is_obeyed_after_somebody_has_ordered_in_its_name(team):
     # With the forged number all that the commander orders later would be older.
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.perform("chief", "Attack")
-    troop.until(lambda: troop.performs("a") == "Search")
-    real = troop.orders["chief"][-1]
-    forged = forge(troop, epoch=real.epoch + 10**9, sequence=2**63)
-    troop.until(lambda: "Wait" in troop.begun("a"))
-    troop.until(lambda: troop.performs("a") == "Search")
-    troop.perform("chief", "Retreat")
-    troop.until(lambda: troop.performs("a") == "Home")
-    troop.until(lambda: list(troop.groups["chief"].obeying) == [True, False])
-    troop.link.destroy_publisher(forged)
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.perform("chief", "Attack")
+    team.until(lambda: team.performs("a") == "Search")
+    real = team.orders["chief"][-1]
+    forged = forge(team, epoch=real.epoch + 10**9, sequence=2**63)
+    team.until(lambda: "Wait" in team.begun("a"))
+    team.until(lambda: team.performs("a") == "Search")
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("a") == "Home")
+    team.until(lambda: list(team.groups["chief"].obeying) == [True, False])
+    team.link.destroy_publisher(forged)
 
 
-def test_an_order_from_the_far_future_is_not_heard(troop):
+def test_an_order_from_the_far_future_is_not_heard(team):
     # No clock is wrong by years: whoever obeyed it could be ordered nothing else for ever.
-    squad(troop)
-    troop.ant("a", "chief", "scout")
-    troop.perform("chief", "Attack")
-    troop.until(lambda: troop.performs("a") == "Search")
-    forged = forge(troop, epoch=2**63, sequence=1)
-    troop.perform("chief", "Retreat")
-    troop.until(lambda: troop.performs("a") == "Home")
-    assert "Wait" not in troop.begun("a")
-    troop.link.destroy_publisher(forged)
+    squad(team)
+    team.ant("a", "chief", "scout")
+    team.perform("chief", "Attack")
+    team.until(lambda: team.performs("a") == "Search")
+    forged = forge(team, epoch=2**63, sequence=1)
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("a") == "Home")
+    assert "Wait" not in team.begun("a")
+    team.link.destroy_publisher(forged)
 
 
-def test_what_is_wrong_with_a_commander_is_shown_with_its_group(troop):
-    chief = squad(troop)
-    troop.ant("a", "chief", "scout")
+def test_what_is_wrong_with_a_commander_is_shown_with_its_group(team):
+    chief = squad(team)
+    team.ant("a", "chief", "scout")
     chief.guard.failed("hearing", RuntimeError("the wire is cut"))
-    troop.until(lambda: any("the wire is cut" in f for f in troop.groups["chief"].faults))
-    troop.until(lambda: any("the wire is cut" in f for f in troop.statuses["chief"].faults))
+    team.until(lambda: any("the wire is cut" in f for f in team.groups["chief"].faults))
+    team.until(lambda: any("the wire is cut" in f for f in team.statuses["chief"].faults))
     chief.guard.faults.clear("hearing")
-    troop.until(lambda: not troop.groups["chief"].faults and not troop.statuses["chief"].faults)
+    team.until(lambda: not team.groups["chief"].faults and not team.statuses["chief"].faults)

@@ -34,32 +34,32 @@ report_period: 0.1
 ANTS = ["a", "b"]
 
 
-def crew(troop, **settings):
-    return troop.commander("chief", CREW, ANTS, **settings)
+def crew(team, **settings):
+    return team.commander("chief", CREW, ANTS, **settings)
 
 
-def await_value(troop, feature, value, name="chief"):
-    troop.until(lambda: math.isclose(troop.sees(name, feature), value, abs_tol=1e-9))
+def await_value(team, feature, value, name="chief"):
+    team.until(lambda: math.isclose(team.sees(name, feature), value, abs_tol=1e-9))
 
 
-def teach_errand(troop):
+def teach_errand(team):
     """Teach ant a the errand: search, and raise Done at home; return its library."""
-    troop.ant("a", "chief")
-    troop.perceive("a", 0.0, 0.0, 0.0)
-    troop.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Errand", features=["AtHome"])
-    troop.command("a", "Search")
-    troop.perceive("a", 0.0, 0.0, 1.0)
-    troop.command("a", "Done")
-    assert troop.ask(srv.SaveBehavior, "a", names.SAVE).success
-    return str(troop.folder / "libraries" / "a")
+    team.ant("a", "chief")
+    team.perceive("a", 0.0, 0.0, 0.0)
+    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Errand", features=["AtHome"])
+    team.command("a", "Search")
+    team.perceive("a", 0.0, 0.0, 1.0)
+    team.command("a", "Done")
+    assert team.ask(srv.SaveBehavior, "a", names.SAVE).success
+    return str(team.folder / "libraries" / "a")
 
 
-def test_features_sum_up_what_the_subordinates_perceive_and_where_they_are(troop):
-    crew(troop)
+def test_features_sum_up_what_the_subordinates_perceive_and_where_they_are(team):
+    crew(team)
     for name, x, y, home in (("a", 1.0, 0.0, 1.0), ("b", 5.0, 2.0, 0.0)):
-        troop.ant(name, "chief")
-        troop.perceive(name, x, y, home)
-    await_value(troop, "MeanX", 3.0)
+        team.ant(name, "chief")
+        team.perceive(name, x, y, home)
+    await_value(team, "MeanX", 3.0)
     expected = {
         "Home": 1.0,
         "Far": 1.0,
@@ -72,213 +72,213 @@ def test_features_sum_up_what_the_subordinates_perceive_and_where_they_are(troop
         "XOf(second)": 5.0,
         "FractionSilent": 0.0,
     }
-    assert {feature: troop.sees("chief", feature) for feature in expected} == expected
+    assert {feature: team.sees("chief", feature) for feature in expected} == expected
 
 
-def test_active_states_at_any_level_are_seen_as_soon_as_they_change(troop):
-    library = teach_errand(troop)
-    crew(troop)
-    troop.ant("b", "chief", library=library)
-    troop.perform("chief", "Run")
-    troop.until(lambda: troop.performs("b") == "Errand")
-    await_value(troop, "Searching", 0.0)
-    troop.perceive("b", 0.0, 0.0, 0.0)
-    await_value(troop, "Searching", 0.5)
+def test_active_states_at_any_level_are_seen_as_soon_as_they_change(team):
+    library = teach_errand(team)
+    crew(team)
+    team.ant("b", "chief", library=library)
+    team.perform("chief", "Run")
+    team.until(lambda: team.performs("b") == "Errand")
+    await_value(team, "Searching", 0.0)
+    team.perceive("b", 0.0, 0.0, 0.0)
+    await_value(team, "Searching", 0.5)
 
 
 def test_states_inside_the_ordered_behavior_are_reported_only_to_a_commander_that_looks_at_them(
-    troop,
+    team,
 ):
-    library = teach_errand(troop)
+    library = teach_errand(team)
     looks = "  Searching: {fraction: {active: Search}}\n"
     for name, kind in (("chief", CREW), ("other", CREW.replace(looks, ""))):
         ant = {"chief": "b", "other": "c"}[name]
-        troop.commander(name, kind, [ant])
-        troop.ant(ant, name, library=library)
-        troop.perform(name, "Run")
-        troop.until(lambda ant=ant: troop.performs(ant) == "Errand")
-        troop.perceive(ant, 0.0, 0.0, 0.0)
-        troop.until(lambda ant=ant: troop.statuses[ant].active_path == ["Search"])
-        await_value(troop, "MeanX", 0.0, name)
+        team.commander(name, kind, [ant])
+        team.ant(ant, name, library=library)
+        team.perform(name, "Run")
+        team.until(lambda ant=ant: team.performs(ant) == "Errand")
+        team.perceive(ant, 0.0, 0.0, 0.0)
+        team.until(lambda ant=ant: team.statuses[ant].active_path == ["Search"])
+        await_value(team, "MeanX", 0.0, name)
     heard = {"chief": "b", "other": "c"}
     paths = {
-        name: list(troop.nodes[name].agent.body.members[ant].report.path)
+        name: list(team.nodes[name].agent.body.members[ant].report.path)
         for name, ant in heard.items()
     }
     assert paths == {"chief": ["Errand", "Search"], "other": ["Errand"]}
 
 
-def test_a_subordinate_that_falls_silent_is_left_out_and_counted(troop):
-    crew(troop)
+def test_a_subordinate_that_falls_silent_is_left_out_and_counted(team):
+    crew(team)
     for name, x in (("a", 1.0), ("b", 5.0)):
-        troop.ant(name, "chief")
-        troop.perceive(name, x, 0.0, 0.0)
-    await_value(troop, "MeanX", 3.0)
-    troop.end("b")
-    await_value(troop, "FractionSilent", 0.5)
-    assert troop.sees("chief", "MeanX") == 1.0
-    troop.until(lambda: list(troop.groups["chief"].silent) == [False, True])
-    troop.ant("b", "chief")
-    await_value(troop, "FractionSilent", 0.0)
+        team.ant(name, "chief")
+        team.perceive(name, x, 0.0, 0.0)
+    await_value(team, "MeanX", 3.0)
+    team.end("b")
+    await_value(team, "FractionSilent", 0.5)
+    assert team.sees("chief", "MeanX") == 1.0
+    team.until(lambda: list(team.groups["chief"].silent) == [False, True])
+    team.ant("b", "chief")
+    await_value(team, "FractionSilent", 0.0)
 
 
-def test_an_agent_in_a_world_that_stands_still_is_not_silent(troop):
-    crew(troop)
-    troop.ant("a", "chief")
-    troop.ant("b", "chief")
-    await_value(troop, "FractionSilent", 0.0)
+def test_an_agent_in_a_world_that_stands_still_is_not_silent(team):
+    crew(team)
+    team.ant("a", "chief")
+    team.ant("b", "chief")
+    await_value(team, "FractionSilent", 0.0)
     # Longer than the deadline without a percept.
-    assert not troop.holds(lambda: troop.sees("chief", "FractionSilent") > 0.0, 2.5)
+    assert not team.holds(lambda: team.sees("chief", "FractionSilent") > 0.0, 2.5)
 
 
-def test_a_flag_is_up_until_the_next_order(troop):
-    library = teach_errand(troop)
-    crew(troop)
-    troop.ant("b", "chief", library=library)
-    troop.perform("chief", "Run")
-    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["Errand", "Errand"])
+def test_a_flag_is_up_until_the_next_order(team):
+    library = teach_errand(team)
+    crew(team)
+    team.ant("b", "chief", library=library)
+    team.perform("chief", "Run")
+    team.until(lambda: [team.performs(name) for name in ANTS] == ["Errand", "Errand"])
     for home in (0.0, 1.0, 0.0):  # it begins again after it has raised its flag
-        troop.perceive("a", 0.0, 0.0, home)
-    await_value(troop, "AnyDone", 1.0)
-    assert troop.sees("chief", "AllDone") == 0.0
+        team.perceive("a", 0.0, 0.0, home)
+    await_value(team, "AnyDone", 1.0)
+    assert team.sees("chief", "AllDone") == 0.0
     for home in (0.0, 1.0):
-        troop.perceive("b", 0.0, 0.0, home)
-    await_value(troop, "AllDone", 1.0)
-    troop.perform("chief", "Search")
-    await_value(troop, "AnyDone", 0.0)
+        team.perceive("b", 0.0, 0.0, home)
+    await_value(team, "AllDone", 1.0)
+    team.perform("chief", "Search")
+    await_value(team, "AnyDone", 0.0)
 
 
-def test_a_commander_is_trained_as_an_agent_is_and_its_flag_reaches_its_own_commander(troop):
-    library = teach_errand(troop)
+def test_a_commander_is_trained_as_an_agent_is_and_its_flag_reaches_its_own_commander(team):
+    library = teach_errand(team)
     top = "commander: Top\norders: {Go: Mission}\nfeatures: {Over: {all: Done}}\n"
-    troop.commander("general", top, ["chief"])
-    crew(troop, superior="general")
-    troop.ant("b", "chief", library=library)
+    team.commander("general", top, ["chief"])
+    crew(team, superior="general")
+    team.ant("b", "chief", library=library)
     for name in ANTS:
-        troop.perceive(name, 0.0, 0.0, 0.0)
-    await_value(troop, "FractionSilent", 0.0)
+        team.perceive(name, 0.0, 0.0, 0.0)
+    await_value(team, "FractionSilent", 0.0)
 
-    begun = troop.ask(
+    begun = team.ask(
         srv.BeginTraining, "chief", names.BEGIN, automaton="Mission", features=["AllDone"]
     )
     assert begun.success
-    troop.command("chief", "Run")
-    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["Errand", "Errand"])
+    team.command("chief", "Run")
+    team.until(lambda: [team.performs(name) for name in ANTS] == ["Errand", "Errand"])
     for name in ANTS:
-        troop.perceive(name, 0.0, 0.0, 0.0)
-        troop.perceive(name, 0.0, 0.0, 1.0)
-    await_value(troop, "AllDone", 1.0)
-    troop.command("chief", "Done")
-    listed = troop.ask(srv.ListExamples, "chief", names.LIST_EXAMPLES).examples
+        team.perceive(name, 0.0, 0.0, 0.0)
+        team.perceive(name, 0.0, 0.0, 1.0)
+    await_value(team, "AllDone", 1.0)
+    team.command("chief", "Done")
+    listed = team.ask(srv.ListExamples, "chief", names.LIST_EXAMPLES).examples
     assert [(e.state, e.next_state, list(e.values)) for e in listed] == [
         ("Start", "Run", [0.0]),
         ("Run", "Run", [0.0]),
         ("Run", "Done", [1.0]),
     ]
-    assert troop.ask(srv.SaveBehavior, "chief", names.SAVE).success
-    assert (troop.folder / "libraries" / "chief" / "Mission.hfa.yaml").exists()
+    assert team.ask(srv.SaveBehavior, "chief", names.SAVE).success
+    assert (team.folder / "libraries" / "chief" / "Mission.hfa.yaml").exists()
 
     # From above: the general orders what was learned, and hears when it is over.
-    troop.perform("chief", "Rest")
-    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["", ""])
-    troop.perform("general", "Go")
-    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["Errand", "Errand"])
-    await_value(troop, "Over", 0.0, "general")
+    team.perform("chief", "Rest")
+    team.until(lambda: [team.performs(name) for name in ANTS] == ["", ""])
+    team.perform("general", "Go")
+    team.until(lambda: [team.performs(name) for name in ANTS] == ["Errand", "Errand"])
+    await_value(team, "Over", 0.0, "general")
     for name in ANTS:
-        troop.perceive(name, 0.0, 0.0, 0.0)
-        troop.perceive(name, 0.0, 0.0, 1.0)
-    await_value(troop, "Over", 1.0, "general")
+        team.perceive(name, 0.0, 0.0, 0.0)
+        team.perceive(name, 0.0, 0.0, 1.0)
+    await_value(team, "Over", 1.0, "general")
 
 
-def test_features_of_a_commander_are_features_of_a_subordinate_for_its_own(troop):
+def test_features_of_a_commander_are_features_of_a_subordinate_for_its_own(team):
     top = "commander: Top\norders: {Go: Rest}\nfeatures: {Far: {mean: MeanX}, X: {group: x}}\n"
-    troop.commander("general", top, ["chief"])
-    crew(troop, superior="general")
+    team.commander("general", top, ["chief"])
+    crew(team, superior="general")
     for name, x in (("a", 2.0), ("b", 4.0)):
-        troop.ant(name, "chief")
-        troop.perceive(name, x, 0.0, 0.0)
-    await_value(troop, "Far", 3.0, "general")
-    await_value(troop, "X", 3.0, "general")
+        team.ant(name, "chief")
+        team.perceive(name, x, 0.0, 0.0)
+    await_value(team, "Far", 3.0, "general")
+    await_value(team, "X", 3.0, "general")
 
 
-def test_a_training_goes_on_after_the_commander_was_restarted(troop):
-    crew(troop)
+def test_a_training_goes_on_after_the_commander_was_restarted(team):
+    crew(team)
     for name in ANTS:
-        troop.ant(name, "chief")
-        troop.perceive(name, 1.0, 0.0, 0.0)
-    await_value(troop, "MeanX", 1.0)
-    troop.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
-    troop.command("chief", "Search")
-    troop.until(lambda: [troop.performs(name) for name in ANTS] == ["Search", "Search"])
-    troop.end("chief")
-    crew(troop)
-    troop.until(lambda: troop.statuses["chief"].examples == 2)
-    troop.until(lambda: list(troop.groups["chief"].obeying) == [True, True])
-    assert troop.begun("a") == ["Search"]
+        team.ant(name, "chief")
+        team.perceive(name, 1.0, 0.0, 0.0)
+    await_value(team, "MeanX", 1.0)
+    team.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
+    team.command("chief", "Search")
+    team.until(lambda: [team.performs(name) for name in ANTS] == ["Search", "Search"])
+    team.end("chief")
+    crew(team)
+    team.until(lambda: team.statuses["chief"].examples == 2)
+    team.until(lambda: list(team.groups["chief"].obeying) == [True, True])
+    assert team.begun("a") == ["Search"]
 
 
-def test_the_automaton_of_a_commander_begins_at_start_with_each_episode(troop):
-    crew(troop)
+def test_the_automaton_of_a_commander_begins_at_start_with_each_episode(team):
+    crew(team)
     for name in ANTS:
-        troop.ant(name, "chief")
-        troop.perceive(name, 1.0, 0.0, 0.0)
-    await_value(troop, "MeanX", 1.0)
-    troop.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
-    troop.command("chief", "Search")
-    troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Search"])
-    troop.perceive("a", 1.0, 0.0, 0.0, episode=1)
-    troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Start"])
+        team.ant(name, "chief")
+        team.perceive(name, 1.0, 0.0, 0.0)
+    await_value(team, "MeanX", 1.0)
+    team.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
+    team.command("chief", "Search")
+    team.until(lambda: team.nodes["chief"].agent.active_path == ["Search"])
+    team.perceive("a", 1.0, 0.0, 0.0, episode=1)
+    team.until(lambda: team.nodes["chief"].agent.active_path == ["Start"])
 
 
-def begin_plan(troop):
+def begin_plan(team):
     """Have the chief of a and b train a plan, in the state Search."""
-    crew(troop)
+    crew(team)
     for name in ANTS:
-        troop.ant(name, "chief")
-        troop.perceive(name, 1.0, 0.0, 0.0, episode=3)
-    await_value(troop, "MeanX", 1.0)
-    troop.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
-    search(troop)
+        team.ant(name, "chief")
+        team.perceive(name, 1.0, 0.0, 0.0, episode=3)
+    await_value(team, "MeanX", 1.0)
+    team.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
+    search(team)
 
 
-def search(troop):
-    troop.command("chief", "Search")
-    troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Search"])
+def search(team):
+    team.command("chief", "Search")
+    team.until(lambda: team.nodes["chief"].agent.active_path == ["Search"])
 
 
-def test_reports_of_strangers_and_of_those_just_started_begin_no_episode(troop):
-    begin_plan(troop)
-    stranger = troop.link.create_publisher(msg.Reports, f"/chief/{names.REPORTS}", qos.EVENTS)
-    troop.until(lambda: stranger.get_subscription_count() > 0)
+def test_reports_of_strangers_and_of_those_just_started_begin_no_episode(team):
+    begin_plan(team)
+    stranger = team.link.create_publisher(msg.Reports, f"/chief/{names.REPORTS}", qos.EVENTS)
+    team.until(lambda: stranger.get_subscription_count() > 0)
     reports = [msg.Report(agent="stranger", episode=9, cycle=1), msg.Report(agent="a")]
     stranger.publish(msg.Reports(reports=reports))
-    body = troop.nodes["chief"].agent.body
-    troop.until(lambda: not body.members["a"].report.cycle)
-    troop.until(lambda: body.members["a"].report.cycle)
-    assert troop.nodes["chief"].agent.active_path == ["Search"]
+    body = team.nodes["chief"].agent.body
+    team.until(lambda: not body.members["a"].report.cycle)
+    team.until(lambda: body.members["a"].report.cycle)
+    assert team.nodes["chief"].agent.active_path == ["Search"]
 
 
-def test_an_episode_that_is_played_again_begins_at_start_once_all_have_told_of_it(troop):
-    begin_plan(troop)
+def test_an_episode_that_is_played_again_begins_at_start_once_all_have_told_of_it(team):
+    begin_plan(team)
     for name in ANTS:
-        troop.perceive(name, 1.0, 0.0, 0.0, episode=4)
-    troop.until(lambda: troop.nodes["chief"].agent.active_path == ["Start"])
-    search(troop)
-    body = troop.nodes["chief"].agent.body
+        team.perceive(name, 1.0, 0.0, 0.0, episode=4)
+    team.until(lambda: team.nodes["chief"].agent.active_path == ["Start"])
+    search(team)
+    body = team.nodes["chief"].agent.body
     for name, path in (("a", ["Search"]), ("b", ["Start"])):
-        troop.perceive(name, 1.0, 0.0, 0.0, episode=3)
-        troop.until(lambda name=name: body.members[name].report.episode == 3)
-        assert troop.nodes["chief"].agent.active_path == path
+        team.perceive(name, 1.0, 0.0, 0.0, episode=3)
+        team.until(lambda name=name: body.members[name].report.episode == 3)
+        assert team.nodes["chief"].agent.active_path == path
 
 
-def test_the_time_of_a_commander_goes_on_when_a_subordinate_is_gone(troop):
-    crew(troop)
+def test_the_time_of_a_commander_goes_on_when_a_subordinate_is_gone(team):
+    crew(team)
     for name in ANTS:
-        troop.ant(name, "chief")
-        troop.perceive(name, 1.0, 0.0, 0.0)
-    await_value(troop, "MeanX", 1.0)
-    troop.end("b")
-    await_value(troop, "FractionSilent", 0.5)
-    link = troop.nodes["chief"]._link
+        team.ant(name, "chief")
+        team.perceive(name, 1.0, 0.0, 0.0)
+    await_value(team, "MeanX", 1.0)
+    team.end("b")
+    await_value(team, "FractionSilent", 0.5)
+    link = team.nodes["chief"]._link
     begun = link.seconds
-    troop.until(lambda: link.seconds > begun + 3 * link.body.kind.report_period)
+    team.until(lambda: link.seconds > begun + 3 * link.body.kind.report_period)

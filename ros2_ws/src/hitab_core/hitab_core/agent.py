@@ -15,26 +15,26 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_file import BehaviorFile
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.bundle import Bundle, digest_in, plan_bundle, read_bundle
 from hitab_core.domain import Domain
-from hitab_core.edition import Edition
 from hitab_core.errors import HitabError, LibraryError, TrainingError, VocabularyError, has
 from hitab_core.example import Example
-from hitab_core.example_journal import ExampleJournal
-from hitab_core.example_log import ExampleLog
-from hitab_core.live_features import Reading, live_features
-from hitab_core.observing import Observe
-from hitab_core.provenance import Provenance
+from hitab_core.library.behavior_file import BehaviorFile
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
+from hitab_core.library.edition import Edition
+from hitab_core.library.provenance import Provenance
+from hitab_core.library.trimming import check_bound, rebind, trim
 from hitab_core.repertoire import Repertoire
 from hitab_core.repertoire_change import Prepared, check_change, check_performable, prepare
-from hitab_core.running_automaton import Running, Stage
+from hitab_core.running.live_features import Reading, live_features
+from hitab_core.running.observing import Observe
+from hitab_core.running.running_automaton import RunContext, Running
+from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
-from hitab_core.senses import Senses
-from hitab_core.training_record import example_record, replay
-from hitab_core.training_session import Curriculum, TrainingSession
-from hitab_core.trimming import check_bound, rebind, trim
+from hitab_core.training.example_journal import ExampleJournal
+from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.training_record import example_record, replay
+from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.use import Use
 
 
@@ -83,7 +83,7 @@ class Agent:
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
         self.edition = library.edition()
-        self._stage = Stage(
+        self._context = RunContext(
             self.edition.repertoire,
             self.body,
             Senses(self.body, domain),
@@ -100,7 +100,7 @@ class Agent:
     @property
     def repertoire(self) -> Repertoire:
         """All behaviors that it can perform."""
-        return self._stage.repertoire
+        return self._context.repertoire
 
     @property
     def library_digest(self) -> str:
@@ -136,9 +136,9 @@ class Agent:
             running.raised.clear()
 
     @property
-    def stage(self) -> Stage:
+    def context(self) -> RunContext:
         """What everything that it performs has in common."""
-        return self._stage
+        return self._context
 
     @property
     def performance(self) -> Running | None:
@@ -165,11 +165,11 @@ class Agent:
         """Take a percept, in the layout of the domain."""
         self.cycle = cycle
         self.body.sense(values, heard)
-        self._stage.senses.forget()
+        self._context.senses.forget()
 
     def live_features(self, also: Sequence[Use] = ()) -> list[Reading]:
         """Return what it perceives at the moment; see `live_features`."""
-        return live_features(self._running, self._stage, also)
+        return live_features(self._running, self._context, also)
 
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: the agent's own random numbers afresh, the behavior at Start."""
@@ -219,7 +219,7 @@ class Agent:
         performance = self._performances.get(use)
         if performance is None:
             check_performable(self.repertoire, use)
-            performance = self._performances[use] = self._stage.perform(use)
+            performance = self._performances[use] = self._context.perform(use)
         return performance
 
     def _stop(self) -> None:
@@ -263,7 +263,7 @@ class Agent:
                 curriculum.classifier,
             )
             examples = _with_features(earlier, features)
-        session = TrainingSession(self._stage, curriculum, examples, self._write)
+        session = TrainingSession(self._context, curriculum, examples, self._write)
         self._begin_journal(curriculum, examples)
         self._stop()
         self.session = session
@@ -349,9 +349,9 @@ class Agent:
             # What others have put into a library that is shared it takes up when it reloads.
             edition = self._edition_with(saved)
             try:
-                state = prepare(self._stage, edition, then, None)
+                state = prepare(self._context, edition, then, None)
             except VocabularyError as error:
-                state = prepare(self._stage, edition, None, None)
+                state = prepare(self._context, edition, None, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # A journal that was not put away is known by this as one whose training is saved.
             self._write({"do": "save", "automaton": saved.name, "checksum": saved.checksum})
@@ -482,14 +482,14 @@ class Agent:
         """Return what it performs after a change, having checked that and the training."""
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
         try:
-            check_change(self._stage, edition, use, self.session)
+            check_change(self._context, edition, use, self.session)
         except VocabularyError as error:
             raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
         return use
 
     def _prepared_for(self, edition: Edition, start: Use | None) -> Prepared:
         use = self._checked(edition, start)
-        return prepare(self._stage, edition, use, self.session)
+        return prepare(self._context, edition, use, self.session)
 
     def _swap(
         self, state: Prepared, library: BehaviorLibrary, *, ends_training: bool = False
@@ -500,13 +500,13 @@ class Agent:
             self._stop()
         except Exception as error:  # a domain's code, a user's
             notes.append(f"what {self.name} performed could not be stopped: {error!r}")
-        self.library, self.edition, self._stage = library, state.edition, state.stage
+        self.library, self.edition, self._context = library, state.edition, state.context
         self._performances.clear()
         self.top, self._performance = state.use, state.performance
         if ends_training:
             self.session = None
         if self.session is not None:
-            self.session.rebuild(self._stage)
+            self.session.rebuild(self._context)
         if state.performance is not None:
             assert state.use is not None
             self._performances[state.use] = state.performance
@@ -588,7 +588,7 @@ class Agent:
             )
         curriculum = Curriculum.from_record(begin["curriculum"])
         log = replay([{"do": "command", "examples": begin["examples"]}], ExampleLog())
-        session = TrainingSession(self._stage, curriculum, log.examples, self._write)
+        session = TrainingSession(self._context, curriculum, log.examples, self._write)
         session.replay(rest)
         return session
 

@@ -1,6 +1,6 @@
 """Automata as they are learned and stored: the tuple ⟨S, B, F, T, G⟩ of the paper, frozen.
 
-`hitab_core.running_automaton` is one being performed.
+`hitab_core.running.running_automaton` is one being performed.
 """
 
 from __future__ import annotations

@@ -24,8 +24,8 @@ from hitab_core.use import NAME, Use
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from hitab_core.arrays import Floats
     from hitab_core.automaton import Automaton
-    from hitab_core.gain_ratio import Floats
 
 ENTRY_POINT_GROUP = "hitab.domains"
 

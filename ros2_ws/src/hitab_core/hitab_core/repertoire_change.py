@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from hitab_core.edition import Edition
 from hitab_core.errors import VocabularyError, has
+from hitab_core.library.edition import Edition
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Running, Stage
-from hitab_core.training_session import TrainingSession
+from hitab_core.running.running_automaton import RunContext, Running
+from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
 
 
@@ -22,13 +22,13 @@ class Prepared:
 
     Attributes:
         edition: what it will know.
-        stage: on which it will perform.
+        context: on which it will perform.
         use: what it will perform; None: nothing, or the training.
         performance: of that; not started.
     """
 
     edition: Edition
-    stage: Stage
+    context: RunContext
     use: Use | None
     performance: Running | None
 
@@ -45,12 +45,12 @@ def check_performable(repertoire: Repertoire, use: Use) -> None:
 
 
 def check_change(
-    stage: Stage, edition: Edition, use: Use | None, session: TrainingSession | None
+    context: RunContext, edition: Edition, use: Use | None, session: TrainingSession | None
 ) -> None:
     """Check that an agent can go on with another edition.
 
     Args:
-        stage: on which it performs now.
+        context: on which it performs now.
         edition: what it will know.
         use: what it will perform; None: nothing.
         session: its training, which will go on.
@@ -68,7 +68,7 @@ def check_change(
             ) from None
     if session is not None:
         try:
-            session.check_on(replace(stage, repertoire=edition.repertoire))
+            session.check_on(replace(context, repertoire=edition.repertoire))
         except VocabularyError as error:
             raise VocabularyError(
                 f'the training of "{session.curriculum.name}" could not go on: {error}; '
@@ -77,13 +77,13 @@ def check_change(
 
 
 def prepare(
-    stage: Stage, edition: Edition, use: Use | None, session: TrainingSession | None
+    context: RunContext, edition: Edition, use: Use | None, session: TrainingSession | None
 ) -> Prepared:
     """Return what an agent needs to go on with another edition; see `check_change`.
 
     Raises:
         VocabularyError: naming what does not fit, and the way out.
     """
-    check_change(stage, edition, use, session)
-    new = replace(stage, repertoire=edition.repertoire)
+    check_change(context, edition, use, session)
+    new = replace(context, repertoire=edition.repertoire)
     return Prepared(edition, new, use, None if use is None else new.perform(use))

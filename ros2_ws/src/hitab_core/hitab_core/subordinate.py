@@ -10,7 +10,7 @@ from dataclasses import replace
 from hitab_core.agent import Agent, Mode
 from hitab_core.errors import HitabError
 from hitab_core.order import Order, Report
-from hitab_core.senses import resolved, value_or_nan
+from hitab_core.running.senses import resolved, value_or_nan
 from hitab_core.use import Use
 
 NAN = math.nan

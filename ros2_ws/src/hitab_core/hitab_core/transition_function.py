@@ -68,6 +68,13 @@ class TransitionFunction(Protocol):
         """
 
 
+class LearnedTransition(TransitionFunction, Protocol):
+    """A transition function that was learned from examples."""
+
+    def digest(self) -> str:
+        """Return a SHA-256 in hexadecimal; the same examples give the same one."""
+
+
 @dataclass(frozen=True)
 class HandWritten:
     """A transition function that a programmer wrote.

@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.behavior_file import scale_of
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning import learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.library.behavior_file import scale_of
 from hitab_core.use import Use
 
 Row = tuple[str, Sequence[float], str]

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import pytest
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.bundle import make_bundle
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
-from hitab_core.training_session import Curriculum
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import make_bundle
+from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
 
@@ -229,7 +229,7 @@ def test_the_same_seed_and_episode_give_the_same_decisions(make):
     draws = []
     for who, episode in ((agent, 3), (agent, 3), (agent, 4), (other, 3)):
         who.restart(seed=9, episode=episode)
-        draws.append([who._stage.draw() for _ in range(4)])
+        draws.append([who._context.draw() for _ in range(4)])
     assert draws[0] == draws[1]
     assert draws[0] != draws[2]
     assert draws[0] != draws[3], "each agent has its own"
@@ -241,7 +241,7 @@ def fail_to_write(monkeypatch):
     def full(descriptor, data):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("hitab_core.example_journal.write_all", full)
+    monkeypatch.setattr("hitab_core.training.example_journal.write_all", full)
 
 
 def test_the_digest_is_of_what_the_agent_knows_also_where_agents_share_a_library(tmp_path):

@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind, Target
 from hitab_core.errors import FeatureValueError
-from hitab_core.live_features import live_features
-from hitab_core.observing import Change
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Stage
-from hitab_core.senses import Senses
+from hitab_core.running.agent_batch import AgentBatch
+from hitab_core.running.live_features import live_features
+from hitab_core.running.observing import Change
+from hitab_core.running.running_automaton import RunContext
+from hitab_core.running.senses import Senses
 from hitab_core.transition_function import HandWritten
-from hitab_core.transition_tree import TransitionTree
-from hitab_core.troupe import Troupe
 from hitab_core.use import Use
 
 NAN = float("nan")
@@ -164,10 +164,10 @@ class Alone:
         self.body = LoggingBody()
         self.senses = Senses(self.body, repertoire.domain)
         self.random = random.Random(seed)
-        self.stage = Stage(
+        self.context = RunContext(
             repertoire, self.body, self.senses, self.random.random, observe=self._observe
         )
-        self.running = self.stage.perform(use)
+        self.running = self.context.perform(use)
         self.seen: list[str] = []
 
     def _observe(self, change: Change) -> None:
@@ -186,7 +186,7 @@ class Alone:
 
 @settings(max_examples=100)
 @given(data=st.data())
-def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> None:
+def test_a_batch_does_what_its_members_would_do_alone(data: st.DataObject) -> None:
     domain = robot(data.draw(st.booleans(), label="all at once"))
     levels = data.draw(st.integers(1, 4), label="levels")
     repertoire = data.draw(automata(domain, levels), label="repertoire")
@@ -198,21 +198,21 @@ def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> N
     alone = [Alone(repertoire, use, seed + i) for i in range(size)]
     together = [Alone(repertoire, use, seed + i) for i in range(size)]
     percepts = BatchPercepts(np.zeros((size, 6)))
-    troupe = Troupe([one.stage for one in together], use, percepts)
-    for one, other, member in zip(alone, together, troupe.members, strict=True):
+    batch = AgentBatch([one.context for one in together], use, percepts)
+    for one, other, member in zip(alone, together, batch.members, strict=True):
         other.running = member
         one.running.start()
         member.start()
 
     for cycle in range(12):
         percepts.values[:] = [percept(rng, missing) for _ in range(size)]
-        if cycle == 6:  # they go on in another troupe
-            conditions = [member.condition() for member in troupe.members]
-            troupe = Troupe([one.stage for one in together], use, percepts)
-            for other, member, condition in zip(together, troupe.members, conditions, strict=True):
+        if cycle == 6:  # they go on in another batch
+            conditions = [member.condition() for member in batch.members]
+            batch = AgentBatch([one.context for one in together], use, percepts)
+            for other, member, condition in zip(together, batch.members, conditions, strict=True):
                 member.go_on_from(condition)
                 other.running = member
-        troupe.forget()
+        batch.forget()
         for row, values in enumerate(percepts.values.tolist()):
             for one in (alone[row], together[row]):
                 one.body.values = values
@@ -221,7 +221,7 @@ def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> N
                     one.running.stop()
                     one.running.start()
         ticking = np.flatnonzero([rng.random() < 0.9 for _ in range(size)])
-        troupe.decide(np.array([row for row in ticking.tolist() if rng.random() < 0.8], np.int64))
+        batch.decide(np.array([row for row in ticking.tolist() if rng.random() < 0.8], np.int64))
         for row in ticking.tolist():
             alone[row].tick()
             together[row].tick()
@@ -230,11 +230,11 @@ def test_a_troupe_does_what_its_members_would_do_alone(data: st.DataObject) -> N
             assert together[row].seen == alone[row].seen
             assert together[row].random.getstate() == alone[row].random.getstate()
             if not any("feature" in line for line in alone[row].body.done):
-                assert troupe.members[row].active_path == alone[row].running.active_path
-            assert troupe.members[row].raised == alone[row].running.raised
+                assert batch.members[row].active_path == alone[row].running.active_path
+            assert batch.members[row].raised == alone[row].running.raised
 
 
-def test_a_troupe_goes_on_where_its_members_were_alone() -> None:
+def test_a_batch_goes_on_where_its_members_were_alone() -> None:
     domain = robot(True)
     goes = TransitionTree([domain.features["Distance"].scale])
     automaton = Automaton(
@@ -250,14 +250,14 @@ def test_a_troupe_goes_on_where_its_members_were_alone() -> None:
         agent.running.start()
         agent.running.tick()
     percepts = BatchPercepts(np.zeros((3, 6)))
-    troupe = Troupe([agent.stage for agent in agents], Use("L1"), percepts)
-    for agent, member in zip(agents, troupe.members, strict=True):
+    batch = AgentBatch([agent.context for agent in agents], Use("L1"), percepts)
+    for agent, member in zip(agents, batch.members, strict=True):
         member.go_on_from(agent.running.condition())
-    troupe.forget()
-    troupe.decide(np.arange(3))
-    for member in troupe.members:
+    batch.forget()
+    batch.decide(np.arange(3))
+    for member in batch.members:
         member.tick()
-    assert [member.active_path for member in troupe.members] == [["Wait"], ["Kick"], ["Kick"]]
+    assert [member.active_path for member in batch.members] == [["Wait"], ["Kick"], ["Kick"]]
     pulses = [[line for line in a.body.done if "pulse" in line] for a in agents]
     assert pulses == [["pulse Wait()"] * 2, ["pulse Kick()"], ["pulse Kick()"]]
     assert [line for line in agents[1].body.done if "start" in line] == ["start Kick()"]
@@ -273,7 +273,7 @@ def test_a_member_that_nobody_decided_for_decides_by_itself() -> None:
         {START: chooses, "Wait": chooses, "Go(ball)": chooses},
     )
     agent = Alone(Repertoire(domain, {"L1": automaton}), Use("L1"), 1)
-    (member,) = Troupe([agent.stage], Use("L1")).members
+    (member,) = AgentBatch([agent.context], Use("L1")).members
     member.start()
     for distance in (1.0, 1.0, 3.0):
         agent.body.values = [distance]
@@ -284,7 +284,7 @@ def test_a_member_that_nobody_decided_for_decides_by_itself() -> None:
 def test_a_basic_behavior_is_not_performed_in_batches() -> None:
     agent = Alone(Repertoire(robot(False)), Use("Wait"), 1)
     with pytest.raises(TypeError, match="only automata"):
-        Troupe([agent.stage], Use("Wait"))
+        AgentBatch([agent.context], Use("Wait"))
 
 
 def watchers(
@@ -313,20 +313,20 @@ def test_observing_does_not_need_features_that_the_decision_did_not_look_at() ->
     agents = watchers(2, [role], automaton)
     told: list[Sequence[float | None]] = []
     for agent in agents:
-        stage = replace(
-            agent.stage,
+        context = replace(
+            agent.context,
             observe=lambda change: told.append(change.values),
         )
-        agent.stage, agent.running = stage, stage.perform(Use("L1"))
+        agent.context, agent.running = context, context.perform(Use("L1"))
         agent.body.values = [0.0, 0.0, 0.0, 0.0, NAN, 1.0]  # without a role
     agents[0].running.start()
     agents[0].running.tick()
     percepts = BatchPercepts(np.array([agents[1].body.values]))
-    troupe = Troupe([agents[1].stage], Use("L1"), percepts)
-    troupe.members[0].start()
-    troupe.decide(np.arange(1))
-    troupe.members[0].tick()
-    assert troupe.members[0].active_path == agents[0].running.active_path == ["Kick"]
+    batch = AgentBatch([agents[1].context], Use("L1"), percepts)
+    batch.members[0].start()
+    batch.decide(np.arange(1))
+    batch.members[0].tick()
+    assert batch.members[0].active_path == agents[0].running.active_path == ["Kick"]
     assert [list(values) for values in told] == [[1.0, None]] * 2
 
 
@@ -341,26 +341,26 @@ def test_a_feature_that_cannot_be_read_for_all_is_read_for_each_and_stops_nobody
     beat = Feature("Beat", read, FeatureKind.CONTINUOUS, read_all=read_all)
     agents = watchers(2, [beat], {START: goes})
     percepts = BatchPercepts(np.zeros((2, 6)))
-    troupe = Troupe([agent.stage for agent in agents], Use("L1"), percepts)
+    batch = AgentBatch([agent.context for agent in agents], Use("L1"), percepts)
     agents[0].body.values, agents[1].body.values = [0.0] * 6, [1.0] * 7
-    for member in troupe.members:
+    for member in batch.members:
         member.start()
-    troupe.decide(np.arange(2))
+    batch.decide(np.arange(2))
     with pytest.raises(IndexError):
-        troupe.members[0].tick()
-    troupe.members[1].tick()
-    assert [member.active_path for member in troupe.members] == [["Start"], ["Kick"]]
+        batch.members[0].tick()
+    batch.members[1].tick()
+    assert [member.active_path for member in batch.members] == [["Start"], ["Kick"]]
 
 
 def test_what_a_member_perceives_now_is_told_also_when_nothing_has_been_decided_on_it() -> None:
     goes = HandWritten(lambda lit, role: "Wait", (0, 1))
     (agent,) = watchers(1, [robot(True).features["Role"]], {START: goes})
     percepts = BatchPercepts(np.array([[0.0, 0.0, 0.0, 0.0, 1.0, 0.0]]))
-    troupe = Troupe([agent.stage], Use("L1"), percepts)
-    troupe.members[0].start()
+    batch = AgentBatch([agent.context], Use("L1"), percepts)
+    batch.members[0].start()
     agent.body.values = percepts.values[0].tolist()
-    troupe.decide(np.arange(1))
-    troupe.members[0].tick()
+    batch.decide(np.arange(1))
+    batch.members[0].tick()
     agent.body.values = [0.0, 0.0, 0.0, 0.0, 2.0, 0.0]  # a paused world was rearranged
     agent.senses.forget()
-    assert [value for _, _, value in live_features(troupe.members[0], agent.stage)] == [0.0, 2.0]
+    assert [value for _, _, value in live_features(batch.members[0], agent.context)] == [0.0, 2.0]

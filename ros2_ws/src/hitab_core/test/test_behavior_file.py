@@ -13,14 +13,14 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hitab_core import behavior_schema
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_file import BehaviorFile, text_of
-from hitab_core.behavior_reader import read_behavior, read_behavior_file
 from hitab_core.domain import Domain, Feature, FeatureKind
 from hitab_core.errors import LibraryError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.provenance import Provenance
+from hitab_core.library import behavior_schema
+from hitab_core.library.behavior_file import BehaviorFile, text_of
+from hitab_core.library.behavior_reader import read_behavior, read_behavior_file
+from hitab_core.library.provenance import Provenance
 
 Teach = Callable[..., Automaton]
 USES = {"Approach": "0" * 64, "Kick": "basic", "GoTo": "basic"}
@@ -81,7 +81,7 @@ def test_any_yaml_reader_can_read_a_behavior_file(text: str, control: Automaton)
 
 
 def behavior_checksum(content: dict[str, object]) -> str:
-    from hitab_core.digests import checksum
+    from hitab_core.library.digests import checksum
 
     return checksum(content)
 
@@ -395,8 +395,8 @@ def test_an_example_with_the_wrong_number_of_values_cannot_be_stored(robot: Doma
 
 def test_a_library_is_read_without_scikit_learn_or_matplotlib() -> None:
     code = (
-        "import sys; import hitab_core.behavior_library, hitab_core.bundle, hitab_core.trimming; "
-        "import hitab_core.automaton_text, hitab_core.automaton_picture; "
+        "import sys; import hitab_core.library.behavior_library, hitab_core.library.bundle; "
+        "import hitab_core.library.trimming, hitab_core.drawing.text, hitab_core.drawing.picture; "
         "print([m for m in ('sklearn', 'matplotlib', 'scipy', 'rclpy') if m in sys.modules])"
     )
     found = subprocess.run(

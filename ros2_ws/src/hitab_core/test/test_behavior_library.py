@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_library import BehaviorLibrary, accept_edit
 from hitab_core.domain import Domain
-from hitab_core.durable_files import locked
 from hitab_core.errors import LibraryError
-from hitab_core.library_commit import COMMIT, commit
-from hitab_core.library_diff import difference
+from hitab_core.library.behavior_library import BehaviorLibrary, accept_edit
+from hitab_core.library.commit import COMMIT, commit
+from hitab_core.library.differences import difference
+from hitab_core.library.durable_files import locked
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
@@ -339,7 +339,7 @@ def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
         os.rename(source, target)
 
     with monkeypatch.context() as patch:
-        patch.setattr("hitab_core.durable_files.os.replace", failing)
+        patch.setattr("hitab_core.library.durable_files.os.replace", failing)
         # The change is on disk in one piece, and nobody sees it half done: it is made.
         assert other.install(library.texts()) == ["Approach", "Control", "Keepaway"]
     assert (other.folder / COMMIT).exists()
@@ -365,7 +365,7 @@ def test_a_failed_save_changes_nothing(
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("hitab_core.durable_files.os.fsync", full)
+        patch.setattr("hitab_core.library.durable_files.os.fsync", full)
         with pytest.raises(LibraryError, match="No space left on device; make room on the disk"):
             library.save(approach)
     assert snapshot(library.folder) == before
@@ -387,7 +387,7 @@ def test_a_folder_that_may_not_be_written_can_be_read_and_is_named(
             raise PermissionError(13, "Permission denied")
         return opened(path, flags, mode)
 
-    monkeypatch.setattr("hitab_core.durable_files.os.open", read_only)
+    monkeypatch.setattr("hitab_core.library.durable_files.os.open", read_only)
     assert again(library).load()
     with pytest.raises(LibraryError, match="Permission denied; give yourself the right to"):
         library.save(approach)
@@ -405,8 +405,8 @@ def test_whoever_has_to_wait_too_long_is_told_for_what(library: BehaviorLibrary)
 WRITER = """
 import sys, time
 from pathlib import Path
-from hitab_core.durable_files import locked
-from hitab_core.library_commit import commit
+from hitab_core.library.durable_files import locked
+from hitab_core.library.commit import commit
 folder, texts = Path(sys.argv[1]), [Path(p).read_bytes() for p in sys.argv[2:]]
 print("ready", flush=True)
 for i in range(100_000):
@@ -462,7 +462,7 @@ def test_readers_never_see_half_of_what_several_writers_write_even_if_they_are_k
 
 def read_together(folder: Path) -> bytes:
     """Return what all files hold, as a reader of a library sees them."""
-    from hitab_core.library_folder import LibraryFolder
+    from hitab_core.library.folder import LibraryFolder
 
     with LibraryFolder(folder).held(alone=False):
         found = {
@@ -476,11 +476,11 @@ def read_together(folder: Path) -> bytes:
 SAVER = textwrap.dedent(
     """
     import sys
-    from hitab_core.behavior_library import BehaviorLibrary
+    from hitab_core.library.behavior_library import BehaviorLibrary
     from hitab_core.domain import BasicBehavior, Domain
     from hitab_core.automaton import Automaton
     from hitab_core.example import Example
-    from hitab_core.learning import learn_transitions
+    from hitab_core.learning.transition_learning import learn_transitions
     from hitab_core.use import Use
 
     robot = Domain.of("r", "1", None, behaviors=[BasicBehavior("Stop")], features=[])

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.bundle import Bundle, bundle_digest, install, make_bundle, unpack
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import Bundle, bundle_digest, install, make_bundle, unpack
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hitab_core.classifier_spec import ClassifierSpec
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
-from hitab_core.feature_encoding import FeatureEncoding
-from hitab_core.learning import learn_transition
+from hitab_core.learning.classifier_spec import ClassifierSpec
+from hitab_core.learning.feature_encoding import FeatureEncoding
+from hitab_core.learning.transition_learning import learn_transition
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
@@ -82,7 +82,7 @@ def test_any_other_text_is_refused_and_never_run(text, capsys):
         "KNeighborsClassifier",
         "os.system",
         "subprocess.Popen",
-        "hitab_core.transition_tree.TransitionTree",
+        "hitab_core.learning.transition_tree.TransitionTree",
     ],
 )
 def test_only_what_scikit_learn_lists_as_a_classifier_is_made(name):
@@ -100,9 +100,9 @@ def test_unknown_keywords_and_missing_arguments_are_refused_by_name():
 def test_naming_and_parsing_a_classifier_imports_no_scikit_learn():
     script = """
 import sys
-import hitab_core.classifier_replacement
-from hitab_core.learning import learner
-from hitab_core.classifier_spec import ClassifierSpec
+import hitab_core.learning.classifier_replacement
+from hitab_core.learning.transition_learning import learner
+from hitab_core.learning.classifier_spec import ClassifierSpec
 ClassifierSpec.parse("sklearn.svm.SVC(C=10)")
 print([m for m in sys.modules if m.split(".")[0] in ("sklearn", "scipy")])
 """

@@ -15,17 +15,17 @@ from hypothesis import strategies as st
 
 from hitab_core.agent import Agent
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.hierarchy import circle_among, circular, in_order
-from hitab_core.learning import learn_transitions
-from hitab_core.learning_memo import LearningMemo
-from hitab_core.library_check import misfits
+from hitab_core.learning.memo import LearningMemo
+from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.check import misfits
 from hitab_core.repertoire import Repertoire
-from hitab_core.training_session import Curriculum
-from hitab_core.transition_tree import TransitionTree
+from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from hitab_core.automaton import Automaton
-from hitab_core.automaton_graph import arrows
-from hitab_core.automaton_layout import bend_arrows, curve, place_words, state_boxes
-from hitab_core.automaton_picture import draw_automata, draw_automaton
-from hitab_core.automaton_text import automaton_as_text
+from hitab_core.drawing.graph import arrows
+from hitab_core.drawing.layout import bend_arrows, curve, place_words, state_boxes
+from hitab_core.drawing.picture import draw_automata, draw_automaton
+from hitab_core.drawing.text import automaton_as_text
 from hitab_core.errors import HitabError
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use

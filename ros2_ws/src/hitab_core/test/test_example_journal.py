@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.errors import LibraryError
-from hitab_core.example_journal import ExampleJournal
+from hitab_core.training.example_journal import ExampleJournal
 
 RECORDS = [{"do": "begin", "features": ["DistanceTo(ball)"]}, {"do": "command", "value": 0.1}]
 
@@ -149,7 +149,7 @@ def test_a_record_that_could_not_be_written_leaves_nothing_behind(
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("hitab_core.example_journal.write_all", half)
+        patch.setattr("hitab_core.training.example_journal.write_all", half)
         with pytest.raises(LibraryError, match="make room on the disk"):
             journal.append({"do": "command"})
     assert path.read_bytes() == before
@@ -181,7 +181,7 @@ def test_a_path_that_cannot_be_is_named(tmp_path: Path) -> None:
 
 APPENDING = """
 import sys
-from hitab_core.example_journal import ExampleJournal
+from hitab_core.training.example_journal import ExampleJournal
 journal = ExampleJournal.open(sys.argv[1])
 while True:
     number = journal.append({"number": len(journal) + 1, "padding": "x" * 5000})

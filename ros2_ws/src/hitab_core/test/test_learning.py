@@ -10,8 +10,8 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning import learn_transition, learn_transitions
-from hitab_core.transition_tree import TransitionTree
+from hitab_core.learning.transition_learning import learn_transition, learn_transitions
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.use import Use
 
 METERS = Scale()

@@ -9,11 +9,11 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning import learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Stage
-from hitab_core.senses import Senses
-from hitab_core.training_session import Curriculum, TrainingSession
+from hitab_core.running.running_automaton import RunContext
+from hitab_core.running.senses import Senses
+from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -95,15 +95,15 @@ class Agent:
             self.repertoire.add(made)
         self.senses = Senses(self.body, DOMAIN)
         draw = random.Random(seed).random
-        self.stage = Stage(self.repertoire, self.body, self.senses, draw, most_probable)
+        self.context = RunContext(self.repertoire, self.body, self.senses, draw, most_probable)
 
     def perform(self, text):
-        running = self.stage.perform(Use.parse(text))
+        running = self.context.perform(Use.parse(text))
         running.start()
         return running
 
     def train(self, name="T", features=("x",), **more):
-        return TrainingSession(self.stage, Curriculum(name, uses(*features), **more))
+        return TrainingSession(self.context, Curriculum(name, uses(*features), **more))
 
     def see(self, **values):
         self.body.sense(values, [])
@@ -265,7 +265,7 @@ def test_each_feature_is_read_at_most_once_per_tick():
     body = Recorder()
     senses = Senses(body, domain)
     repertoire = Repertoire(domain, {"Low": low, "High": high})
-    running = Stage(repertoire, body, senses, random.random).perform(Use("High"))
+    running = RunContext(repertoire, body, senses, random.random).perform(Use("High"))
     running.start()
     running.tick()
     assert len(reads) == 1
@@ -383,17 +383,17 @@ def test_commanding_the_running_behavior_again_records_one_ordinary_example():
 
 def test_a_threshold_is_adjacent_to_the_demonstrated_example_rather_than_the_default_one():
     session = Agent().train()
-    session.stage.body.sees["x"] = 10.0
+    session.context.body.sees["x"] = 10.0
     session.command(Use("A"))
-    session.stage.body.sees["x"] = 4.0
-    session.stage.senses.forget()
+    session.context.body.sees["x"] = 4.0
+    session.context.senses.forget()
     session.command(Use("B"))
     session.test(restart=True)
     session.running.go_to("A")
     above = math.nextafter(math.nextafter(4.0, 10.0), 10.0)
     for value, expected in ((above, "A"), (4.0, "B")):
-        session.stage.body.sees["x"] = value
-        session.stage.senses.forget()
+        session.context.body.sees["x"] = value
+        session.context.senses.forget()
         session.tick()
         assert session.running.active == expected
 
@@ -604,7 +604,7 @@ def test_a_trained_automaton_takes_the_place_of_a_hand_written_one_beside_the_ot
     trained = automaton("Servo", ["C"], {START: lambda x: "C"})
     body = Recorder()
     repertoire = Repertoire(hand, {"Servo": trained})
-    running = Stage(repertoire, body, Senses(body, hand), random.random).perform(Use("Play"))
+    running = RunContext(repertoire, body, Senses(body, hand), random.random).perform(Use("Play"))
     running.start()
     running.tick()
     running.tick()

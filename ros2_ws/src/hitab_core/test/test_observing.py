@@ -15,18 +15,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.batch_automaton import BatchAutomaton
-from hitab_core.batch_senses import BatchSenses
 from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind
-from hitab_core.learning import learn_transition
-from hitab_core.live_features import live_features
-from hitab_core.observing import Change, guest
+from hitab_core.learning.transition_learning import learn_transition
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Stage
-from hitab_core.senses import Senses
+from hitab_core.running.agent_batch import AgentBatch
+from hitab_core.running.batch_automaton import BatchAutomaton
+from hitab_core.running.batch_senses import BatchSenses
+from hitab_core.running.live_features import live_features
+from hitab_core.running.observing import Change, guest
+from hitab_core.running.running_automaton import RunContext
+from hitab_core.running.senses import Senses
 from hitab_core.transition_function import HandWritten, TransitionFunction
-from hitab_core.transition_tree import TransitionTree
-from hitab_core.troupe import Troupe
 from hitab_core.use import Use
 
 NAMES = ("First", "Second", "Third")
@@ -123,10 +123,10 @@ class Player:
         self.body = Touchy()
         self.random = random.Random(5)
         self.senses = Senses(self.body, DOMAIN)
-        self.stage = Stage(
+        self.context = RunContext(
             self.repertoire, self.body, self.senses, self.random.random, most_probable, observe
         )
-        self.running = self.stage.perform(Use("Outer"))
+        self.running = self.context.perform(Use("Outer"))
         self.running.start()
 
     def tick(self, values: Sequence[float]) -> None:
@@ -218,20 +218,20 @@ def test_with_and_without_observers_an_agent_reads_draws_and_does_the_same(
 
 @settings(max_examples=30)
 @given(data=st.data())
-def test_with_and_without_observers_members_of_a_troupe_do_the_same(data: st.DataObject) -> None:
+def test_with_and_without_observers_members_of_a_batch_do_the_same(data: st.DataObject) -> None:
     made = {state: data.draw(functions()) for state in (START, *STATES)}
     percepts = data.draw(
         st.lists(st.tuples(*[st.sampled_from([-1.0, 0.0, 1.0, 4.0])] * 3), min_size=3, max_size=9)
     )
 
-    def troupe(observe: Callable[[Change], None] | None) -> tuple[Troupe, list[Player]]:
+    def batch(observe: Callable[[Change], None] | None) -> tuple[AgentBatch, list[Player]]:
         inner = {state: make() for state, make in made.items()}
         players = [Player(inner, {}, observe, False) for _ in range(3)]
-        troupe = Troupe([player.stage for player in players], Use("Inner"))
-        for player, member in zip(players, troupe.members, strict=True):
+        batch = AgentBatch([player.context for player in players], Use("Inner"))
+        for player, member in zip(players, batch.members, strict=True):
             player.running = member
             member.start()
-        return troupe, players
+        return batch, players
 
     wrong: list[Exception] = []
 
@@ -241,7 +241,7 @@ def test_with_and_without_observers_members_of_a_troupe_do_the_same(data: st.Dat
         except Exception as error:
             wrong.append(error)
 
-    casts = [troupe(observe) for observe in (None, strictly, fails)]
+    casts = [batch(observe) for observe in (None, strictly, fails)]
     for i in range(len(percepts)):
         for together, players in casts:
             for row, player in enumerate(players):
@@ -345,7 +345,7 @@ def test_what_people_ask_is_not_kept_for_a_decision() -> None:
     player = asked()
     player.body.values = (1.0, 0.0, 0.0)
     player.senses.forget()
-    assert live_features(player.running, player.stage)[0] == ("Outer", "First", 1.5)
+    assert live_features(player.running, player.context)[0] == ("Outer", "First", 1.5)
     player.body.values = (3.0, 0.0, 0.0)  # a feature may change without a percept
     player.running.tick()
     assert player.running.active_path[0] == "A"
@@ -355,7 +355,7 @@ def test_what_a_decision_has_read_is_told_as_it_was_read() -> None:
     player = asked()
     player.tick((3.0, 0.0, 0.0))
     player.body.log.clear()
-    readings = live_features(player.running, player.stage)
+    readings = live_features(player.running, player.context)
     assert readings[0] == ("Outer", "First", 3.5)
     assert player.body.log == [f"read {name}" for name in NAMES[1:]]
 
@@ -365,14 +365,14 @@ def test_one_feature_that_cannot_be_read_hides_no_other_and_raises_nothing() -> 
     player.body.values = (1.0, -1.0, 2.0)
     player.senses.forget()
     also = [Use("Second"), Use("Third")]
-    values = [value for _, _, value in live_features(player.running, player.stage, also)]
+    values = [value for _, _, value in live_features(player.running, player.context, also)]
     assert [math.isnan(value) for value in values] == [False, True, False, True, False]
 
 
 def test_a_replaced_observer_is_a_guest_as_well() -> None:
     player = asked()
-    stage = replace(player.stage, observe=fails)
-    running = stage.perform(Use("Outer"))
+    context = replace(player.context, observe=fails)
+    running = context.perform(Use("Outer"))
     running.start()
     running.tick()
     assert running.active_path[0] in ("A", "Inner")
@@ -389,7 +389,7 @@ def test_the_record_of_a_change_tells_the_path_and_what_was_read() -> None:
     assert (list(inner.values), inner.commanded) == ([4.5, None, None], False)
     assert inner.features == list(NAMES)
     percepts = BatchPercepts(np.zeros((1, 3)))
-    (member,) = Troupe([player.stage], Use("Inner"), percepts).members
+    (member,) = AgentBatch([player.context], Use("Inner"), percepts).members
     member.start()
     member.tick()
     assert list(seen[-1].values) == [5.0, None, None]

@@ -7,11 +7,11 @@ import pytest
 from faulty_disk import FaultyDisk, Killed
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.behavior_library import BehaviorLibrary
-from hitab_core.bundle import make_bundle
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import HitabError, LibraryError, VocabularyError
-from hitab_core.training_session import Curriculum
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import make_bundle
+from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
 
@@ -181,7 +181,7 @@ def test_the_training_that_was_saved_is_not_offered_again_if_the_journal_could_n
     agent = make()
     teach(agent, "Home", "Left", "Right", save=False)
     journal = agent._journal
-    archived = "hitab_core.example_journal.ExampleJournal.archive"
+    archived = "hitab_core.training.example_journal.ExampleJournal.archive"
     with monkeypatch.context() as patch:
 
         def killed(journal):
@@ -209,7 +209,7 @@ def test_the_training_is_offered_again_if_it_was_about_to_be_saved_and_was_not(m
         def killed(folder, changes):
             raise Killed
 
-        patch.setattr("hitab_core.library_folder.commit", killed)
+        patch.setattr("hitab_core.library.folder.commit", killed)
         with pytest.raises(Killed):
             agent.save()
     end_of(agent)

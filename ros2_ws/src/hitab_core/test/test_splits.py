@@ -8,10 +8,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hitab_core.boundaries import end_between, on_circle, threshold_between
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.gain_ratio import gain_and_ratio
-from hitab_core.splits import (
+from hitab_core.learning.boundaries import end_between, on_circle, threshold_between
+from hitab_core.learning.gain_ratio import gain_and_ratio
+from hitab_core.learning.splits import (
     Arc,
     Categories,
     Examples,

@@ -1,8 +1,8 @@
 """A subordinate obeys orders; what it cannot obey waits, and says why."""
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.order import OTHERS, Order
 from hitab_core.subordinate import Subordinate
 

@@ -15,9 +15,9 @@ from sklearn.tree import DecisionTreeClassifier
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
-from hitab_core.transition_tree import TransitionTree
-from hitab_core.tree_nodes import CategoryNode, Leaf, ThresholdNode, nodes
-from hitab_core.tree_pruning import pessimistic_errors, prune
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.tree_nodes import CategoryNode, Leaf, ThresholdNode, nodes
+from hitab_core.learning.tree_pruning import pessimistic_errors, prune
 
 CONTINUOUS = Scale()
 BOOLEAN = Scale(FeatureKind.BOOLEAN)
@@ -316,7 +316,7 @@ def test_where_gain_and_gain_ratio_choose_alike_the_tree_is_scikit_learns(n_feat
 def test_the_scikit_learn_form_of_the_tree_passes_scikit_learns_checks():
     from sklearn.utils.estimator_checks import check_estimator
 
-    from hitab_core.sklearn_compat import TransitionTreeClassifier
+    from hitab_core.learning.scikit_learn import TransitionTreeClassifier
 
     for classifier in (TransitionTreeClassifier(), TransitionTreeClassifier(prune=True)):
         results = check_estimator(classifier)
@@ -324,7 +324,7 @@ def test_the_scikit_learn_form_of_the_tree_passes_scikit_learns_checks():
 
 
 def test_the_scikit_learn_form_learns_the_same_tree():
-    from hitab_core.sklearn_compat import TransitionTreeClassifier
+    from hitab_core.learning.scikit_learn import TransitionTreeClassifier
 
     X, y, default = [[350], [10], [90]], ["Go", "Go", "Turn"], [False, False, True]
     tree = TransitionTree([DEGREES]).fit(X, y, default)
@@ -345,7 +345,8 @@ def test_the_tree_itself_takes_parameters_as_scikit_learns_estimators_do():
 def test_learning_and_running_a_tree_imports_no_scikit_learn():
     script = """
 import sys
-from hitab_core import classifier_replacement, learning
+from hitab_core.learning import classifier_replacement
+from hitab_core.learning import transition_learning as learning
 from hitab_core.domain import Scale
 tree = learning.learn_transition("tree", [Scale()], [[1.0], [2.0]], ["Stop", "Go"])
 decide = tree.compile([0], {"Stop": 0, "Go": 1})

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.automaton import Automaton
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import Domain
 from hitab_core.errors import VocabularyError
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.trimming import rebind, trim
 from hitab_core.repertoire import Repertoire
-from hitab_core.trimming import rebind, trim
 from hitab_core.use import Use
 
 Teach = Callable[..., Automaton]

@@ -14,13 +14,13 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.behavior_library import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.example_log import ExampleLog
-from hitab_core.observing import Change
-from hitab_core.training_session import Curriculum
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.running.observing import Change
+from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
 LASTING = ("Left", "Right", "Stay")

@@ -5,9 +5,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hitab_core.behavior_text import scalar
 from hitab_core.errors import HitabError, LibraryError
-from hitab_core.yaml_places import Complaints, read_yaml
+from hitab_core.library.behavior_text import scalar
+from hitab_core.library.yaml_places import Complaints, read_yaml
 
 
 def test_everything_in_a_document_knows_its_line() -> None:

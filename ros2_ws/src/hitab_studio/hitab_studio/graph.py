@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.automaton_graph import arrows
-from hitab_core.automaton_layout import (
+from hitab_core.drawing.graph import arrows
+from hitab_core.drawing.layout import (
     Box,
     bend_arrows,
     curve,
@@ -18,7 +18,7 @@ from hitab_core.automaton_layout import (
     place_words,
     state_boxes,
 )
-from hitab_core.automaton_picture import words
+from hitab_core.drawing.picture import words
 
 INCH = 72.0
 WIDTH = 392.0

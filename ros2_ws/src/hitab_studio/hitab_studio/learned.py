@@ -10,12 +10,12 @@ from types import MappingProxyType
 from typing import Any
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.classifier_spec import ClassifierSpec
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import HitabError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning import TREE, learn_transitions
-from hitab_core.transition_tree import TransitionTree
+from hitab_core.learning.classifier_spec import ClassifierSpec
+from hitab_core.learning.transition_learning import TREE, learn_transitions
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.use import Use
 
 NOTHING: Mapping[Any, Any] = MappingProxyType({})

@@ -60,10 +60,10 @@ class Page:
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):
-            self._panels = [Panel(name) for name in PANELS if name != "stage"]
+            self._panels = [Panel(name) for name in PANELS if name != "overlay"]
             with ui.element("main"):
                 ui.element("canvas").props('id="field" aria-label="The field"')
-                self._panels.append(Panel("stage"))
+                self._panels.append(Panel("overlay"))
         ui.on("studio", lambda event: self._wishes.add(event.args))
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)

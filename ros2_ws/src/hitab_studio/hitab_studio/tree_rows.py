@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from hitab_core import tree_text
-from hitab_core.transition_tree import TransitionTree
-from hitab_core.tree_nodes import Leaf, Node
+from hitab_core.learning import tree_text
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.tree_nodes import Leaf, Node
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from visualization_msgs.msg import MarkerArray
 from hitab_bringup.errors import SwarmError
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
-from hitab_core.transition_tree import TransitionTree
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.guard import Guard, is_loopback, new_token
 from hitab_studio.learned import Learned, effect, is_contradicted
 from hitab_studio.locks import Holder, Locks

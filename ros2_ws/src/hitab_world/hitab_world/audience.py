@@ -10,7 +10,7 @@ from hitab_msgs import msg
 from hitab_ros import names, qos
 from hitab_ros.guarded_node import GuardedNode
 from hitab_world.attendance import Answer
-from hitab_world.host_desk import HostDesk, PerceptOf
+from hitab_world.host_registry import HostRegistry, PerceptOf
 
 ALONE_MAX = 64  # agents for which a topic each is made ready before they come
 
@@ -22,7 +22,7 @@ class Audience:
         self._node = node
         self._agents = agents
         self._alone: dict[str, tuple[Any, msg.Percept]] = {}
-        self._hosts: HostDesk | None = None
+        self._hosts: HostRegistry | None = None
         if len(agents) <= ALONE_MAX:
             for name in agents:
                 self._expect(name)
@@ -35,7 +35,7 @@ class Audience:
 
         # All may answer before this process gets to read the first.
         self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL)
-        self._hosts = HostDesk(self._node, self._agents, take)
+        self._hosts = HostRegistry(self._node, self._agents, take)
 
     def look(self) -> None:
         """Find out which hosts are there."""

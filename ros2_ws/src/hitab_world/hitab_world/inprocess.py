@@ -22,9 +22,9 @@ from random import Random
 from typing import Any, Protocol
 
 from hitab_core.repertoire import Repertoire
-from hitab_core.running_automaton import Stage
+from hitab_core.running.running_automaton import RunContext
+from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
-from hitab_core.senses import Senses
 from hitab_core.use import Use
 from hitab_world.world import EpisodeResult, World
 
@@ -83,8 +83,10 @@ class AutomatonPlayer:
         self._name = name
         self._random = Random()
         self._senses = Senses(self.body, repertoire.domain)
-        stage = Stage(repertoire, self.body, self._senses, self._random.random, most_probable)
-        self.running = stage.perform(use)
+        context = RunContext(
+            repertoire, self.body, self._senses, self._random.random, most_probable
+        )
+        self.running = context.perform(use)
 
     def begin(self, seed: int, episode: int) -> None:
         """Begin an episode, at Start, with the agent's generator seeded for it."""

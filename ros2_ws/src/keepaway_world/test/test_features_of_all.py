@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hitab_core.domain import BatchPercepts
-from hitab_core.senses import resolved
+from hitab_core.running.senses import resolved
 from hitab_core.use import Use
 from keepaway_world.body import KeeperBody
 from keepaway_world.domain import DOMAIN

@@ -153,7 +153,7 @@ def _figures(texts: list[str]) -> dict[str, Any]:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
             raise typer.BadParameter(f'"{text}" is not NAME=VALUE, such as takers=3')
-        from hitab_core.yaml_places import read_yaml
+        from hitab_core.library.yaml_places import read_yaml
 
         found[name] = read_yaml(value, "--parameter").value
     return found

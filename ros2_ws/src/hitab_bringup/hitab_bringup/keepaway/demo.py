@@ -168,7 +168,7 @@ def _keep_library(source: Path, destination: Path) -> None:
 
 
 def _draw_automata(library: Path, path: Path) -> None:
-    from hitab_core.automaton_picture import draw_automata
+    from hitab_core.drawing.picture import draw_automata
 
     loaded = open_library(library).load()
     draw_automata([loaded[name] for name in paper.TABLE_1 if name in loaded], path)

@@ -144,11 +144,11 @@ def show(
         made_of = Repertoire(opened.domain, loaded).needed_by(name)
         automata = [loaded[part] for part in made_of if part in loaded]
     if picture is not None:
-        from hitab_core.automaton_picture import draw_automata
+        from hitab_core.drawing.picture import draw_automata
 
         console.say(f"drawn to {draw_automata(automata, picture)}")
         return
-    from hitab_core.automaton_text import automaton_as_text
+    from hitab_core.drawing.text import automaton_as_text
 
     console.say("\n\n".join(automaton_as_text(automaton) for automaton in automata))
 
@@ -193,7 +193,7 @@ def diff(
       hitab library diff Keepaway 1 3
     """
     from hitab_core.errors import LibraryError
-    from hitab_core.library_diff import difference
+    from hitab_core.library.differences import difference
 
     opened = _open(library, agent, swarm)
     opened.load(strict=False)
@@ -240,6 +240,6 @@ def accept(path: Annotated[Path, typer.Argument(help="A behavior file.")]) -> No
       hitab library accept my_library/ApproachBall.hfa.yaml
     """
     from hitab_bringup.opened_library import open_library
-    from hitab_core.behavior_library import accept_edit
+    from hitab_core.library.behavior_library import accept_edit
 
     console.say(f"accepted {accept_edit(path, open_library(path.parent).domain)}")

@@ -9,13 +9,13 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from hitab_studio.session import Session
-from hitab_studio.views import agents, dialog, side, stage, top
+from hitab_studio.views import agents, dialog, overlay, side, top
 
 Context = dict[str, Any]
 PANELS: dict[str, Callable[[Session], Context]] = {
     "top": top.context,
     "agents": agents.context,
-    "stage": stage.context,
+    "overlay": overlay.context,
     "side": side.context,
     "dialog": dialog.context,
     "toasts": lambda session: {"toasts": session.toasts},

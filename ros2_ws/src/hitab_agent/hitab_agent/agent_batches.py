@@ -1,0 +1,106 @@
+"""Deciding together for the agents of a host that perform the same automaton."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Any
+
+import numpy as np
+
+from hitab_core.agent import Agent
+from hitab_core.domain import BatchPercepts
+from hitab_core.running.agent_batch import AgentBatch, BatchMember
+from hitab_core.running.running_automaton import Running, RunningAutomaton
+
+WORTH_IT = 8
+"""Fewer agents than these are ticked as fast one by one."""
+
+
+class _Cast:
+    """A batch with the agents that are its members, by row."""
+
+    def __init__(self, agents: Sequence[Agent]) -> None:
+        first = agents[0]
+        assert first.top is not None
+        self._digest = first.library_digest
+        self.agents = tuple(agents)
+        self.percepts = BatchPercepts(np.zeros((len(agents), 0)))
+        self.batch = AgentBatch([agent.context for agent in agents], first.top, self.percepts)
+        for agent, member in zip(agents, self.batch.members, strict=True):
+            performance = agent.performance
+            assert isinstance(performance, RunningAutomaton | BatchMember)
+            member.go_on_from(performance.condition())
+            agent.hand_over(member)
+
+    @property
+    def is_current(self) -> bool:
+        """Whether any member still has the library that this was made of."""
+        return any(agent.library_digest == self._digest for agent in self.agents)
+
+    def has(self, agents: Sequence[Agent]) -> bool:
+        """Whether these agents are members."""
+        members = dict(zip(self.agents, self.batch.members, strict=True))
+        return all(members.get(agent) is agent.performance for agent in agents)
+
+    def decide(self, row_of: dict[Agent, int], values: Any, heard: dict[int, list[str]]) -> None:
+        """Decide for those of the agents that are in a batch of percepts."""
+        batch, percepts = self.batch, self.percepts
+        present = [
+            (row, row_of[agent])
+            for row, agent in enumerate(self.agents)
+            if agent in row_of and agent.performance is batch.members[row]
+        ]
+        if not present:
+            return
+        rows = np.array([row for row, _ in present])
+        if percepts.values.shape[1] != values.shape[1]:
+            percepts.values = np.zeros((len(self.agents), values.shape[1]))
+        percepts.values[rows] = values[[place for _, place in present]]
+        percepts.heard = {row: heard[place] for row, place in present if place in heard}
+        batch.forget()
+        batch.decide(rows)
+
+
+class AgentBatches:
+    """Finds out who performs the same as others, whatever orders and demonstrators do."""
+
+    def __init__(self) -> None:
+        self._known: dict[Agent, Running | None] = {}
+        self._casts: dict[Hashable, _Cast] = {}
+
+    def decide(self, agents: Sequence[Agent], values: Any, heard: dict[int, list[str]]) -> None:
+        """Decide for all agents for which it pays; the others decide when they are ticked.
+
+        Args:
+            agents: that have taken in percepts.
+            values: shape (n, m), what they were; None if they are not laid out alike.
+            heard: the messages heard, by place among the agents.
+        """
+        known = self._known
+        if any(known.get(agent, self) is not agent.performance for agent in agents):
+            self._cast_anew(agents)
+        if values is None:
+            return
+        row_of = {agent: place for place, agent in enumerate(agents)}
+        for cast in self._casts.values():
+            cast.decide(row_of, values, heard)
+
+    def _cast_anew(self, agents: Sequence[Agent]) -> None:
+        groups: dict[Hashable, list[Agent]] = {}
+        for agent in agents:
+            if isinstance(agent.performance, RunningAutomaton | BatchMember):
+                groups.setdefault(_same(agent), []).append(agent)
+        for same, alike in groups.items():
+            cast = self._casts.get(same)
+            if len(alike) >= WORTH_IT and (cast is None or not cast.has(alike)):
+                self._casts[same] = _Cast(alike)
+        self._known = {agent: agent.performance for agent in agents}
+        # What was made of a library that nobody has any more is never performed again.
+        self._casts = {same: cast for same, cast in self._casts.items() if cast.is_current}
+
+
+def _same(agent: Agent) -> Hashable:
+    """Return what is equal for agents that can be decided for together."""
+    context = agent.context
+    digest = agent.library_digest, context.repertoire.domain.signature
+    return str(agent.top), digest, context.most_probable

@@ -1,0 +1,56 @@
+"""Doing things a little later, many of them with one timer."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from rclpy.clock import Clock, ClockType
+
+from hitab_ros.guard import Guard
+from hitab_ros.guarded_node import GuardedNode, name_of
+
+
+class Deferred:
+    """Calls what was put into it, in order, a period later, and rests when there is nothing left.
+
+    Where things are many, only so many are done in a period: what is urgent, such as an order,
+    gets its turn in between.
+    """
+
+    def __init__(self, node: GuardedNode, period_s: float, at_most: int | None = None) -> None:
+        """Make it.
+
+        Args:
+            node: to make the timer on.
+            period_s: between two turns.
+            at_most: how many things are done in one turn; None: all.
+        """
+        self._at_most = at_most
+        self._guard = node.guard
+        self._calls: deque[tuple[Callable[[], None], Guard]] = deque()
+        self._timer = node.create_timer(
+            period_s, self._due, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._timer.cancel()
+
+    def call(self, call: Callable[[], None], guard: Guard | None = None) -> None:
+        """Call a function soon.
+
+        Args:
+            call: the function.
+            guard: of the agent that it is for, in whose status its failure is shown; None: that
+                of the node.
+        """
+        if not self._calls:
+            self._timer.reset()
+        self._calls.append((call, guard or self._guard))
+
+    def _due(self) -> None:
+        calls = self._calls
+        due = len(calls) if self._at_most is None else min(self._at_most, len(calls))
+        for _ in range(due):
+            call, guard = calls.popleft()
+            guard.run(name_of(call), call)
+        if not calls:
+            self._timer.cancel()

@@ -1,0 +1,143 @@
+"""The services of an agent that tell and change nothing: its behaviors, and what it perceives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from hitab_msgs import srv
+
+from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.domain import BasicBehavior, Domain
+from hitab_core.errors import TrainingError
+from hitab_core.library.behavior_file import scale_of
+from hitab_core.library.differences import difference
+from hitab_core.use import Use
+from hitab_ros import names
+from hitab_ros.conversions import example_message
+
+if TYPE_CHECKING:
+    from hitab_agent.agent_node import AgentNode
+
+Told: Any = srv.GetBehavior.Response
+
+
+class InspectionServices:
+    """Offers the services; what they raise is answered by the node's guard."""
+
+    def __init__(self, node: AgentNode) -> None:
+        self._agent = node.agent
+        node.create_service(srv.GetBehavior, names.GET_BEHAVIOR, self._get_behavior)
+        node.create_service(srv.ReadFeatures, names.READ_FEATURES, self._read_features)
+
+    # -- what it perceives ------------------------------------------------------------------
+
+    def _read_features(
+        self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
+    ) -> srv.ReadFeatures.Response:
+        readings = self._agent.live_features([Use.parse(text) for text in request.also])
+        answer.automata = [automaton for automaton, _, _ in readings]
+        answer.features = [feature for _, feature, _ in readings]
+        answer.values = [value for _, _, value in readings]
+        answer.cycle = self._agent.cycle
+        answer.success = True
+        return answer
+
+    # -- what it can do ---------------------------------------------------------------------
+
+    def _get_behavior(
+        self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
+    ) -> Any:
+        if request.name:
+            self._tell_behavior(request, answer)
+        else:
+            self._tell_training(request, answer)
+        answer.success = True
+        return answer
+
+    def _tell_training(
+        self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
+    ) -> None:
+        session = self._agent.session
+        if session is None:
+            raise TrainingError(f"{self._agent.name} is not training anything; name a behavior")
+        curriculum = session.curriculum
+        answer.origin = Told.TRAINING
+        answer.classifier = curriculum.classifier
+        answer.arguments = list(curriculum.arguments)
+        if request.trim:
+            if len(request.bind_from) != len(request.bind_to):
+                raise TrainingError(
+                    f"bind_from has {len(request.bind_from)} names, bind_to {len(request.bind_to)}"
+                )
+            bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
+            automaton, answer.trimmed = self._agent.preview_save(
+                bindings=bindings, keep_unused=request.keep_unused
+            )
+            answer.arguments = []
+            _tell(answer, automaton, self._agent.domain)
+            return
+        states = list(map(str, curriculum.states))
+        states += [s for s in session.states if s not in states]
+        blank = Automaton(
+            curriculum.name,
+            tuple(map(Use.parse, states)),
+            curriculum.features,
+            {},
+            curriculum.parameters,
+            session.examples,
+        )
+        _tell(answer, blank, self._agent.domain)
+
+    def _tell_behavior(
+        self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
+    ) -> None:
+        repertoire, library = self._agent.repertoire, self._agent.library
+        name = request.name
+        # A behavior that is no more in the library may still have versions there.
+        answer.versions = library.versions(name) if name not in FLAGS else []
+        known = self._agent.edition.files
+        if name not in known and not request.version:
+            behavior = repertoire.get(name)
+            if isinstance(behavior, BasicBehavior):
+                answer.name, answer.description = behavior.name, behavior.description
+                answer.parameters = list(behavior.parameters)
+                answer.origin = Told.BASIC
+                return
+            answer.origin = Told.HAND_WRITTEN
+            _tell(answer, behavior, self._agent.domain)
+            return
+        file = library.version(name, request.version) if request.version else known[name]
+        answer.origin = Told.TRAINED
+        answer.classifier = file.classifier
+        answer.version = file.provenance.version
+        answer.created = file.provenance.created
+        answer.note = _origin(file.provenance)
+        _tell(answer, file.automaton, self._agent.domain)
+        if request.compare_with:
+            before = library.version(name, request.compare_with)
+            answer.difference = str(difference(before, file))
+
+
+def _origin(provenance: Any) -> str:
+    """Return where a version comes from, in words."""
+    parts = [f"trained by {provenance.agent}"] if provenance.agent else []
+    parts += [text for text in (provenance.author, provenance.note) if text]
+    return ", ".join(parts)
+
+
+def _tell(answer: srv.GetBehavior.Response, automaton: Automaton, domain: Domain) -> None:
+    answer.name = automaton.name
+    answer.description = automaton.description
+    answer.parameters = list(automaton.parameters)
+    answer.states = list(automaton.labels)
+    answer.features = [str(feature) for feature in automaton.features]
+    scales = [scale_of(feature, domain) for feature in automaton.features]
+    answer.feature_kinds = [scale.kind.value for scale in scales]
+    answer.feature_periods = [float(scale.period) for scale in scales]
+    answer.feature_categories = ["|".join(scale.categories) for scale in scales]
+    answer.feature_units = [_unit(feature, domain) for feature in automaton.features]
+    answer.examples = [example_message(example) for example in automaton.examples]
+
+
+def _unit(feature: Use, domain: Domain) -> str:
+    return "" if feature.name in FLAGS else domain.features[feature.name].unit

@@ -1,0 +1,63 @@
+"""An automaton in plain text: its states, what leads from one to the next, and its trees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.drawing.graph import UNKNOWN, Arrow, arrows
+from hitab_core.learning.transition_tree import TransitionTree
+
+
+def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:
+    """Return an automaton for people to read.
+
+    Args:
+        automaton: to show.
+        trees: whether to draw the tree of each state too, with the number of examples at each
+            leaf.
+    """
+    lines = [_title(automaton)]
+    if automaton.description:
+        lines += [f"  {line}" for line in automaton.description.splitlines()]
+    features = ", ".join(str(feature) for feature in automaton.features) or "none"
+    lines += [f"  features: {features}", f"  examples: {len(automaton.examples)}"]
+    found = arrows(automaton)
+    for state in (START, *automaton.labels):
+        lines += ["", f"  {state}"]
+        lines += [f"    {line}" for line in _transitions(state, found, automaton)]
+    if trees:
+        lines += _trees(automaton)
+    return "\n".join(lines)
+
+
+def _title(automaton: Automaton) -> str:
+    if not automaton.parameters:
+        return automaton.name
+    return f"{automaton.name}({', '.join(automaton.parameters)})"
+
+
+def _transitions(state: str, found: Iterable[Arrow], automaton: Automaton) -> Iterable[str]:
+    if state in FLAGS:
+        return ["raises the flag, then -> Start"]
+    if state not in automaton.transitions:
+        return ["stays"]
+    lines = []
+    for arrow in found:
+        if arrow.source == state:
+            head = "stays" if arrow.is_loop else f"-> {arrow.target}"
+            lines += [
+                f"{head}: {way}" if way.conditions else f"{head} {way}" for way in arrow.ways
+            ] or [f"{head}: {UNKNOWN}"]
+    return lines or [UNKNOWN]
+
+
+def _trees(automaton: Automaton) -> list[str]:
+    names = [str(feature) for feature in automaton.features]
+    lines = []
+    for state in (START, *automaton.labels):
+        function = automaton.transitions.get(state)
+        if isinstance(function, TransitionTree) and function.features_used:
+            lines += ["", f"  tree of {state}"]
+            lines += [f"    {line}" for line in function.as_text(names).splitlines()]
+    return lines

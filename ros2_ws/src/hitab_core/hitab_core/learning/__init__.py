@@ -1,0 +1,1 @@
+"""Learning the transition function of a state from its examples."""

@@ -1,0 +1,262 @@
+"""Any scikit-learn classifier in the place of the tree.
+
+It is named by a text such as ``sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)``, which is
+parsed, never run: a class that scikit-learn lists among its classifiers, and keywords with
+literal values. scikit-learn is imported when the first such function is learned, so agents that
+use trees do without it. A decision takes as long as the classifier's prediction, usually a
+thousand times as long as a tree's.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hitab_core.arrays import Floats
+from hitab_core.domain import Scale
+from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.learning.classifier_spec import ClassifierSpec
+from hitab_core.learning.feature_encoding import FeatureEncoding
+from hitab_core.learning.feature_values import check_scales, feature_values
+from hitab_core.transition_function import Decide, Explanation, Values
+
+_REMEMBERED = 64
+"""How many of its last predictions a function keeps, so that explaining one predicts nothing."""
+
+
+def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
+    """Return what makes a fresh, unfitted classifier.
+
+    Where a classifier draws random numbers and ``random_state`` is not given, it is 0: the same
+    examples give the same function.
+
+    Raises:
+        VocabularyError: if scikit-learn does not list the class or it lacks a keyword.
+    """
+    try:
+        listed = _listed()
+    except ImportError as error:
+        raise VocabularyError(
+            f'"{spec}" needs scikit-learn, which is not installed; install it or use "tree"'
+        ) from error
+    if spec.name not in listed:
+        raise VocabularyError(
+            f'"{spec.name}" is not a classifier of scikit-learn {has(["tree", *listed])}'
+        )
+    made = listed[spec.name]
+    known = sorted(inspect.signature(made).parameters)
+    for name in spec.arguments:
+        if name not in known:
+            raise VocabularyError(f'"{spec.name}" has no parameter "{name}" {has(known)}')
+    arguments = dict(spec.arguments)
+    if "random_state" in known:
+        arguments.setdefault("random_state", 0)
+    try:
+        made(**arguments)
+    except TypeError as error:
+        raise VocabularyError(f'"{spec}" cannot be made: {error}') from error
+    return lambda: made(**arguments)
+
+
+@cache
+def _listed() -> Mapping[str, type]:
+    """Return scikit-learn's classifiers by name; it looks through all its modules for them."""
+    from sklearn.utils import all_estimators  # here, so that trees do without it
+
+    return {_public_name(made): made for _, made in all_estimators(type_filter="classifier")}
+
+
+def _public_name(made: type) -> str:
+    """Return how one imports a class, leaving out private modules."""
+    path: list[str] = []
+    for part in made.__module__.split("."):
+        if part.startswith("_"):
+            break
+        path.append(part)
+    return ".".join([*path, made.__name__])
+
+
+@dataclass(frozen=True)
+class ClassifierFunction:
+    """A transition function that a scikit-learn classifier has learned.
+
+    Attributes:
+        spec: which one, as text.
+        labels: the next states seen, sorted.
+        classifier: fitted; its classes are the indices of ``labels``. None if there is only one.
+        encoding: how feature values are shown to it.
+        data_digest: SHA-256 of the spec and all that was learned from.
+    """
+
+    spec: str
+    labels: tuple[str, ...]
+    classifier: Any
+    encoding: FeatureEncoding
+    data_digest: str
+    _recent: dict[tuple[float, ...], list[float]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+
+    @property
+    def features_used(self) -> tuple[int, ...]:
+        """All features; none if there is only one next state."""
+        return tuple(range(len(self.encoding.scales))) if self.classifier is not None else ()
+
+    def predict_proba(self, X: ArrayLike) -> Floats:
+        """Return the probability of each next state.
+
+        What the classifier predicts has probability 1 if it gives no probabilities.
+
+        Args:
+            X: shape (n, m), feature values.
+
+        Returns:
+            shape (n, n_labels), in the order of ``labels``.
+
+        Raises:
+            FeatureValueError: naming a feature whose value is missing or impossible.
+        """
+        values = feature_values(X, self.encoding.scales)
+        if self.classifier is None:
+            return np.ones((len(values), 1))
+        encoded = self.encoding(values)
+        if hasattr(self.classifier, "predict_proba"):
+            found: Floats = np.asarray(self.classifier.predict_proba(encoded), np.float64)
+            totals: Floats = found.sum(axis=1, keepdims=True)
+            if np.isfinite(totals).all() and (totals > 0).all():
+                odds: Floats = found / totals
+                return odds
+        predicted = np.asarray(self.classifier.predict(encoded))
+        certain: Floats = (predicted[:, None] == np.arange(len(self.labels))).astype(np.float64)
+        return certain
+
+    def compile(
+        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
+    ) -> Decide:
+        """Return the decision as a function; see `TransitionFunction.compile`.
+
+        States are drawn in the order of their indices, one draw per decision that is not certain.
+        Of equally probable states ``most_probable`` takes the one with the lowest index.
+
+        Raises:
+            VocabularyError: if it leads to a state that is not in ``states``.
+        """
+        for label in self.labels:
+            if label not in states:
+                raise VocabularyError(
+                    f'examples lead to "{label}", which is not a state {has(states)}'
+                )
+        order = sorted(range(len(self.labels)), key=lambda i: states[self.labels[i]])
+        choices = [states[self.labels[i]] for i in order]
+        used = [slots[f] for f in self.features_used]
+        if not used and len(choices) == 1:
+            only = choices[0]
+            return lambda values, read, draw: only
+
+        def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
+            row = [read(slot) if (v := values[slot]) is None else v for slot in used]
+            odds = np.array(self._odds(row))[order]
+            if most_probable or odds.max() == 1.0:
+                return choices[int(odds.argmax())]
+            cumulative = odds.cumsum()
+            # The sum may miss 1 by rounding, and a draw above it would choose nothing.
+            return choices[bisect_right(cumulative[:-1].tolist(), draw())]
+
+        return decide
+
+    def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
+        """Explain the decision for a full feature vector: here, only which classifier it is."""
+        feature_values([values], self.encoding.scales, names, ["the values to explain"])
+        odds = self.predict_proba([values])[0].tolist()
+        likely = {label: p for label, p in zip(self.labels, odds, strict=True) if p > 0}
+        return Explanation((self.spec,), self.features_used, likely)
+
+    def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
+        """Explain a decision that has been made; the classifier does not predict again."""
+        read = tuple(i for i in self.features_used if values[i] is not None)
+        if self.classifier is None:
+            return Explanation((self.spec,), read, dict.fromkeys(self.labels, 1.0))
+        odds = self._recent.get(tuple(v for i in read if (v := values[i]) is not None), ())
+        likely = {label: p for label, p in zip(self.labels, odds, strict=False) if p > 0}
+        return Explanation((self.spec,), read, likely)
+
+    def _odds(self, row: Sequence[float]) -> list[float]:
+        """Return the probability of each next state, remembering the last ones."""
+        key, recent = tuple(row), self._recent
+        odds = recent.get(key)
+        if odds is None:
+            odds = self.predict_proba([row])[0].tolist()
+            while len(recent) >= _REMEMBERED:
+                del recent[next(iter(recent))]
+            recent[key] = odds
+        return odds
+
+    def digest(self) -> str:
+        """Return a SHA-256, in hexadecimal, of the spec and of all that was learned from.
+
+        Unlike a tree's, it is not of what was learned: what is inside a classifier is its own.
+        """
+        return self.data_digest
+
+
+def learn_replacement(
+    spec: ClassifierSpec,
+    make: Callable[[], Any],
+    scales: Sequence[Scale],
+    X: ArrayLike,
+    y: Sequence[str],
+    names: Sequence[str] | None = None,
+) -> ClassifierFunction:
+    """Learn a transition function with a scikit-learn classifier.
+
+    Args:
+        spec: which classifier.
+        make: makes it, see `classifier_maker`.
+        scales: for each feature how its values compare.
+        X: shape (n, m), feature values of the examples.
+        y: labels of the next states, n of them.
+        names: names of the features, for errors.
+
+    Raises:
+        FeatureValueError: naming a feature whose value is missing or impossible.
+        TrainingError: if the classifier cannot learn from these examples.
+    """
+    check_scales(scales, names)
+    values = feature_values(X, scales, names)
+    encoding = FeatureEncoding.of(values, scales)
+    labels, classes = np.unique(np.asarray(y, dtype=str), return_inverse=True)
+    learned_from = json.dumps(
+        [
+            str(spec),
+            [asdict(scale) for scale in scales],
+            [[v.hex() for v in row] for row in values.tolist()],
+            list(y),
+        ]
+    )
+    classifier = make() if len(labels) > 1 else None
+    function = ClassifierFunction(
+        str(spec),
+        tuple(labels.tolist()),
+        classifier,
+        encoding,
+        hashlib.sha256(learned_from.encode()).hexdigest(),
+    )
+    if classifier is not None:
+        try:
+            classifier.fit(encoding(values), classes)
+            function.predict_proba(values)  # some fail only here, as with too few neighbors
+        except Exception as error:  # whatever the classifier raises, the user has to mend it
+            raise TrainingError(
+                f'"{spec}" cannot learn from these {len(values)} examples: {error}; '
+                "give more examples, other parameters, or use the tree"
+            ) from error
+    return function

@@ -1,0 +1,60 @@
+"""Feature values for classifiers that know only numbers on a line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hitab_core.arrays import Floats
+from hitab_core.domain import FeatureKind, Scale
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureEncoding:
+    """How feature values are shown to a classifier that knows only numbers on a line.
+
+    A continuous feature is standardized by the mean and standard deviation of the examples, since
+    many classifiers measure distances, in which metres must not outweigh radians. A toroidal one
+    becomes the cosine and sine of its angle, so zero is nowhere in particular. A categorical one
+    becomes one column per category, of which one is 1; a boolean one stays 0 or 1.
+    """
+
+    scales: tuple[Scale, ...]
+    means: tuple[float, ...]
+    deviations: tuple[float, ...]
+    n_categories: tuple[int, ...]
+
+    @classmethod
+    def of(cls, X: Floats, scales: Sequence[Scale]) -> FeatureEncoding:
+        """Return the encoding for examples, shape (n, m)."""
+        deviations = X.std(axis=0)
+        n_categories = tuple(
+            len(scale.categories) or int(X[:, f].max()) + 1
+            if scale.kind is FeatureKind.CATEGORICAL
+            else 0
+            for f, scale in enumerate(scales)
+        )
+        return cls(
+            tuple(scales),
+            tuple(X.mean(axis=0).tolist()),
+            tuple(np.where(deviations > 0, deviations, 1.0).tolist()),
+            n_categories,
+        )
+
+    def __call__(self, X: Floats) -> Floats:
+        """Return the encoded values: shape (n, number of columns), from shape (n, m)."""
+        columns: list[Floats] = []
+        for f, scale in enumerate(self.scales):
+            values = X[:, f]
+            if scale.kind is FeatureKind.TOROIDAL:
+                angle = values * (2 * np.pi / scale.period)
+                columns += [np.cos(angle), np.sin(angle)]
+            elif scale.kind is FeatureKind.CATEGORICAL:
+                columns += [(values == c).astype(float) for c in range(self.n_categories[f])]
+            elif scale.kind is FeatureKind.CONTINUOUS:
+                columns.append((values - self.means[f]) / self.deviations[f])
+            else:
+                columns.append(values)
+        return np.column_stack(columns) if columns else np.zeros((len(X), 1))

@@ -1,0 +1,89 @@
+"""Feature values as arrays: what is missing or impossible is refused, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hitab_core.arrays import Booleans, Floats
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.errors import FeatureValueError, VocabularyError
+
+
+def feature_called(index: int, names: Sequence[str] | None = None) -> str:
+    """Return how errors call a feature: by index and, if there is one, by name."""
+    return f"feature {index}" + (f' "{names[index]}"' if names is not None else "")
+
+
+def check_scales(scales: Sequence[Scale], names: Sequence[str] | None = None) -> None:
+    """Check that toroidal features have a circle.
+
+    Raises:
+        VocabularyError: naming one without a finite, positive period.
+    """
+    for f, scale in enumerate(scales):
+        if scale.kind is FeatureKind.TOROIDAL and not 0 < scale.period < np.inf:
+            raise VocabularyError(
+                f"{feature_called(f, names)} is toroidal with period {scale.period}; "
+                "give the length of its circle, such as 360 for degrees"
+            )
+
+
+def feature_values(
+    X: ArrayLike,
+    scales: Sequence[Scale],
+    names: Sequence[str] | None = None,
+    rows: Sequence[str] | None = None,
+) -> Floats:
+    """Return X as an array of floats.
+
+    Args:
+        X: shape (n, m), values; None or NaN where one is missing.
+        scales: for each of the m features how its values compare.
+        names: names of the features, for errors.
+        rows: what errors call the rows; ``row 0``, ``row 1``, ... by default.
+
+    Raises:
+        FeatureValueError: naming the first feature with a value that is missing, infinite or
+            none that its scale has.
+        ValueError: if X has another shape.
+    """
+    values = np.asarray(X, dtype=np.float64)
+    if values.ndim != 2 or values.shape[1] != len(scales):
+        raise ValueError(
+            f"expected values of shape (n, {len(scales)}), one column per feature, "
+            f"got shape {values.shape}"
+        )
+    for f, scale in enumerate(scales):
+        column = values[:, f]
+        for wrong, why in (
+            (~np.isfinite(column), "which is missing or not a finite number"),
+            (_outside(column, scale), _what_there_is(scale)),
+        ):
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                where = rows[row] if rows is not None else f"row {row}"
+                raise FeatureValueError(
+                    f"{feature_called(f, names)} has value {column[row]} in {where}, {why}"
+                )
+    return values
+
+
+def _outside(column: Floats, scale: Scale) -> Booleans:
+    outside = np.zeros(len(column), np.bool_)
+    if scale.kind is FeatureKind.BOOLEAN:
+        outside = (column != 0) & (column != 1)
+    elif scale.kind is FeatureKind.CATEGORICAL:
+        limit = len(scale.categories) or np.inf
+        outside = (column < 0) | (column >= limit) | (column != np.floor(column))
+    return outside
+
+
+def _what_there_is(scale: Scale) -> str:
+    if scale.kind is FeatureKind.BOOLEAN:
+        return "but it is boolean: 0 or 1"
+    if scale.categories:
+        return f"but its categories are 0 to {len(scale.categories) - 1}"
+    return "but its categories are 0, 1, 2, ..."

@@ -1,0 +1,69 @@
+"""The transition tree as a scikit-learn classifier, for model selection and comparison.
+
+Optional: the only module of this package that imports scikit-learn when it is imported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.utils.multiclass import check_classification_targets
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from hitab_core.arrays import Floats
+from hitab_core.domain import Scale
+from hitab_core.learning.transition_tree import TransitionTree
+
+
+class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+    """`TransitionTree` as scikit-learn wants it: inputs checked its way, its errors, its tags.
+
+    Parameters:
+        scales, min_samples_leaf, max_depth, prune, confidence: see `TransitionTree`.
+
+    Attributes:
+        tree_: the fitted `TransitionTree`.
+        classes_: shape (n_classes,), the labels seen, sorted.
+        n_features_in_: number of features.
+    """
+
+    def __init__(
+        self,
+        scales: Sequence[Scale] | None = None,
+        *,
+        min_samples_leaf: int = 1,
+        max_depth: int | None = None,
+        prune: bool = False,
+        confidence: float = 0.25,
+    ) -> None:
+        """Store the parameters; `fit` checks them."""
+        self.scales = scales
+        self.min_samples_leaf = min_samples_leaf
+        self.max_depth = max_depth
+        self.prune = prune
+        self.confidence = confidence
+
+    def fit(self, X: ArrayLike, y: ArrayLike, default: ArrayLike | None = None) -> Self:
+        """Learn from examples; see `TransitionTree.fit`."""
+        X, y = validate_data(self, X, y, dtype=np.float64)
+        check_classification_targets(y)
+        names = getattr(self, "feature_names_in_", None)
+        self.tree_ = TransitionTree(
+            feature_names=None if names is None else list(names), **self.get_params()
+        ).fit(X, y, default)
+        self.classes_ = self.tree_.classes_
+        return self
+
+    def predict_proba(self, X: ArrayLike) -> Floats:
+        """Return the probability of each class, shape (n, n_classes), for X of shape (n, m)."""
+        check_is_fitted(self)
+        return self.tree_.predict_proba(validate_data(self, X, dtype=np.float64, reset=False))
+
+    def predict(self, X: ArrayLike) -> NDArray[Any]:
+        """Return the most probable class of each row, shape (n,), for X of shape (n, m)."""
+        check_is_fitted(self)
+        return self.tree_.predict(validate_data(self, X, dtype=np.float64, reset=False))

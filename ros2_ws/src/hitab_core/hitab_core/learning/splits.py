@@ -1,0 +1,265 @@
+"""The splits that a transition tree chooses from, and how it chooses: C4.5's gain ratio.
+
+For each feature the split with the largest information gain is its candidate. Of the candidates
+whose gain is at least the average candidate's, the one with the largest gain ratio is taken. The
+ratio is used only to compare features, as Quinlan does: used to place a threshold it would cut
+off single examples at the ends. The penalty on continuous features of C4.5's release 8 is left
+out; it refuses splits when examples are few, and a demonstrator gives few, each for a reason.
+Through the average, a feature that is not taken can still matter to which one is.
+
+Ties (differences below `gain_ratio.TIE`, so that they are the same on all machines) are broken
+
+- within a feature by the larger smallest branch, then on a line by the lower threshold, on a
+  circle by the place counted upwards from the node's first example, so never by where zero is;
+- between features in favour of boolean and categorical ones, since a measured value nearly
+  always differs a little between two examples, then in favour of the lower index.
+
+References:
+    J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapter 2.
+    J. R. Quinlan, Improved Use of Continuous Attributes in C4.5, JAIR 4, 1996.
+    U. M. Fayyad, K. B. Irani, On the Handling of Continuous-Valued Attributes in Decision Tree
+    Generation, Machine Learning 8, 1992.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.learning.boundaries import end_between, threshold_between
+from hitab_core.learning.gain_ratio import TIE, best_of, gain_and_ratio, two_way_gains
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold:
+    """Two branches: ``value <= threshold``, and the others."""
+
+    threshold: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """Two branches: ``[start, end)`` counted upwards on the circle, and the others."""
+
+    start: float
+    end: float
+    period: float
+
+
+@dataclass(frozen=True, slots=True)
+class Categories:
+    """One branch for each of these categories."""
+
+    categories: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Split:
+    """A way to split the examples of a node by one feature.
+
+    Attributes:
+        test: what is asked of the feature's value.
+        gain: information gain in bits, at least 0.
+        ratio: gain over split information.
+        parts: for each branch the positions of its examples, ascending.
+    """
+
+    test: Threshold | Arc | Categories
+    gain: float
+    ratio: float
+    parts: tuple[Integers, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Examples:
+    """The examples of a node, as one feature shows them.
+
+    Attributes:
+        values: shape (n,), the feature's values; toroidal ones in [0, period).
+        classes: shape (n,), the classes as 0 .. n_classes - 1.
+        default: shape (n,), whether an example is a default one.
+        n_classes: number of classes, those that this node lacks included.
+    """
+
+    values: Floats
+    classes: Integers
+    default: Booleans
+    n_classes: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Groups:
+    """The distinct values, ascending, with what is there: class counts, only default examples."""
+
+    values: list[float]
+    group_of: Integers
+    counts: Integers
+    is_default: list[bool]
+
+    @classmethod
+    def of(cls, examples: Examples) -> _Groups:
+        values, group_of = np.unique(examples.values, return_inverse=True)
+        counts = np.zeros((len(values), examples.n_classes), np.int64)
+        np.add.at(counts, (group_of, examples.classes), 1)
+        is_default = np.ones(len(values), np.bool_)
+        np.logical_and.at(is_default, group_of, examples.default)
+        return cls(values.tolist(), group_of, counts, is_default.tolist())
+
+
+def _two_way(examples: Examples, first: Booleans, test: Threshold | Arc) -> Split:
+    counts = np.array(
+        [
+            np.bincount(examples.classes[side], minlength=examples.n_classes)
+            for side in (first, ~first)
+        ]
+    )
+    return Split(test, *gain_and_ratio(counts), (np.flatnonzero(first), np.flatnonzero(~first)))
+
+
+def split_continuous(examples: Examples, min_branch: int = 1) -> Split | None:
+    """Return the best split by a threshold between two adjacent distinct values, if any."""
+    groups = _Groups.of(examples)
+    if len(groups.values) < 2:
+        return None
+    below = groups.counts.cumsum(axis=0)[:-1]
+    best = best_of(*two_way_gains(below.T, groups.counts.sum(axis=0), min_branch))
+    if best is None:
+        return None
+    threshold = threshold_between(
+        groups.values[best],
+        groups.values[best + 1],
+        below_is_default=groups.is_default[best],
+        above_is_default=groups.is_default[best + 1],
+    )
+    return _two_way(examples, groups.group_of <= best, Threshold(threshold))
+
+
+def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Split | None:
+    """Return the best split by an arc, if any.
+
+    An end of an arc lies between two values that are neighbours on the circle; the inside is the
+    side without the node's first example. All pairs of ends are compared, so the time grows with
+    the square of the number of ends; those within a run of one class are left out where they
+    cannot gain most (Fayyad and Irani, 1992, whose argument holds for each end by itself).
+    """
+    groups = _Groups.of(examples)
+    k = len(groups.values)
+    if k < 2:
+        return None
+    # Places on the circle are counted from the first example's, which rotates with the others.
+    origin = int(groups.group_of[0])
+    counts = np.roll(groups.counts, -origin, axis=0)
+    ends = np.arange(k)
+    if min_branch == 1:
+        only = np.where((counts > 0).sum(axis=1) == 1, counts.argmax(axis=1), -1)
+        ends = np.flatnonzero((only != np.roll(only, -1)) | (only < 0))
+        if len(ends) < 2:
+            return None  # there is but one class
+    found = _best_arc(counts.cumsum(axis=0)[ends], counts.sum(axis=0), min_branch)
+    if found is None:
+        return None
+    last_outside, last_inside = int(ends[found[0]]), int(ends[found[1]])
+
+    def end(place: int) -> float:
+        before, after = (place + origin) % k, (place + 1 + origin) % k
+        return end_between(
+            groups.values[before],
+            groups.values[after],
+            period,
+            before_is_default=groups.is_default[before],
+            after_is_default=groups.is_default[after],
+        )
+
+    places = (groups.group_of - origin) % k
+    inside = (places > last_outside) & (places <= last_inside)
+    return _two_way(examples, inside, Arc(end(last_outside), end(last_inside), period))
+
+
+def _best_arc(up_to: Integers, totals: Integers, min_branch: int) -> tuple[int, int] | None:
+    """Return which two ends, in ascending order, make the best arc.
+
+    Args:
+        up_to: shape (n_ends, n_classes), the examples of each class before each end.
+        totals, min_branch: as in `two_way_gains`.
+    """
+    n_ends = len(up_to)
+    at_once = max(1, 10_000 // n_ends)  # first ends; a block of pairs should fit in a cache
+    best, found = -np.inf, []
+    for start in range(0, n_ends - 1, at_once):
+        firsts, seconds = up_to[start : start + at_once].T, up_to[start + 1 :].T
+        # Where the second end is not behind the first, nothing is inside.
+        inside = np.maximum(seconds[:, None, :] - firsts[:, :, None], 0)
+        gains, smaller = two_way_gains(inside, totals, min_branch)
+        best = max(best, gains.max())
+        if best > -np.inf:
+            i, j = np.nonzero(gains >= best - TIE)
+            found.append((gains[i, j], smaller[i, j], i + start, j + start + 1))
+    if not found:
+        return None
+    gains, smaller, i, j = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    chosen = best_of(gains, smaller)
+    return None if chosen is None else (int(i[chosen]), int(j[chosen]))
+
+
+def split_boolean(examples: Examples, min_branch: int = 1) -> Split | None:
+    """Return the split into false and true, if both were seen often enough."""
+    false = examples.values <= 0.5
+    if min(np.count_nonzero(false), np.count_nonzero(~false)) < min_branch:
+        return None
+    return _two_way(examples, false, Threshold(0.5))
+
+
+def split_categorical(examples: Examples, min_branch: int = 1) -> Split | None:
+    """Return the split into all categories seen, if two of them were seen often enough.
+
+    Two and not all, as in C4.5: else one rare category would make the feature useless.
+    """
+    groups = _Groups.of(examples)
+    if np.count_nonzero(groups.counts.sum(axis=1) >= min_branch) < 2:
+        return None
+    parts = tuple(np.flatnonzero(groups.group_of == g) for g in range(len(groups.values)))
+    test = Categories(tuple(int(value) for value in groups.values))
+    return Split(test, *gain_and_ratio(groups.counts), parts)
+
+
+def split_by(examples: Examples, scale: Scale, min_branch: int = 1) -> Split | None:
+    """Return the best split by a feature of this scale; None if there is none.
+
+    Args:
+        examples: the node's examples, as the feature shows them.
+        scale: how the feature's values compare.
+        min_branch: the fewest examples that a branch may have.
+    """
+    if scale.kind is FeatureKind.TOROIDAL:
+        return split_toroidal(examples, scale.period, min_branch)
+    if scale.kind is FeatureKind.BOOLEAN:
+        return split_boolean(examples, min_branch)
+    if scale.kind is FeatureKind.CATEGORICAL:
+        return split_categorical(examples, min_branch)
+    return split_continuous(examples, min_branch)
+
+
+def choose_split(
+    candidates: Sequence[Split | None], scales: Sequence[Scale]
+) -> tuple[int, Split] | None:
+    """Return the feature to split by and its split: C4.5's gain-ratio criterion.
+
+    Args:
+        candidates: for each feature its best split; None where it has none.
+        scales: for each feature how its values compare.
+    """
+    found = [(f, split) for f, split in enumerate(candidates) if split is not None]
+    if not found:
+        return None
+    average = sum(split.gain for _, split in found) / len(found)
+    worthy = [(f, split) for f, split in found if split.gain >= average - TIE]
+    best = max(split.ratio for _, split in worthy)
+    measured = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
+    return min(
+        ((f, split) for f, split in worthy if split.ratio >= best - TIE),
+        key=lambda choice: (scales[choice[0]].kind in measured, choice[0]),
+    )

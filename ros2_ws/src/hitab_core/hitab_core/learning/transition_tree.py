@@ -1,0 +1,343 @@
+"""The classifier that learns a transition function: a C4.5 tree with probabilities at its leaves.
+
+In behavior a scikit-learn estimator, but it does not import scikit-learn; `sklearn_compat` has the
+same tree as one that is checked to be.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hitab_core.arrays import Floats, Integers
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.errors import VocabularyError, has
+from hitab_core.learning import tree_text
+from hitab_core.learning.boundaries import on_circle
+from hitab_core.learning.compiled_tree import (
+    Compiled,
+    MatrixColumns,
+    compiled,
+    decide_rows,
+    decider,
+    ends,
+    leaf_choice,
+)
+from hitab_core.learning.feature_values import check_scales, feature_values
+from hitab_core.learning.tree_growth import grow
+from hitab_core.learning.tree_nodes import Leaf, Node, described, fold, nodes
+from hitab_core.learning.tree_pruning import prune
+from hitab_core.learning.tree_text import Rule
+from hitab_core.transition_function import Decide, Explanation
+
+
+class TransitionTree:
+    """A decision tree that maps feature values to a distribution over next states.
+
+    It follows C4.5 with the two differences that HiTAB makes: a leaf keeps the distribution of
+    its examples, and a boundary between a default example and another lies beside the other
+    (`hitab_core.learning.boundaries`). `hitab_core.learning.splits` lists and rates the splits.
+
+    The same examples in the same order give the same tree on any machine. Their order matters
+    only where two arcs of a toroidal feature are equally good.
+
+    Parameters:
+        scales: for each feature how its values compare; None: all are continuous.
+        min_samples_leaf: the fewest examples that a branch may have; of the branches of a
+            categorical feature two must have as many.
+        max_depth: the most tests on a path; None: no limit.
+        prune: whether to prune as C4.5 does. Without, all examples that do not contradict each
+            other are reproduced.
+        confidence: of pruning, in (0, 0.5]; smaller prunes more.
+        feature_names: names of the features, for errors.
+
+    Attributes:
+        classes_: shape (n_classes,), the labels seen, sorted.
+        n_features_in_: number of features, m.
+        scales_: for each feature how its values compare.
+        root_: the tree, see `hitab_core.learning.tree_nodes`.
+
+    References:
+        Paper, section 3. J. R. Quinlan, C4.5: Programs for Machine Learning, 1993.
+    """
+
+    def __init__(
+        self,
+        scales: Sequence[Scale] | None = None,
+        *,
+        min_samples_leaf: int = 1,
+        max_depth: int | None = None,
+        prune: bool = False,
+        confidence: float = 0.25,
+        feature_names: Sequence[str] | None = None,
+    ) -> None:
+        """Store the parameters; `fit` checks them."""
+        self.scales = scales
+        self.min_samples_leaf = min_samples_leaf
+        self.max_depth = max_depth
+        self.prune = prune
+        self.confidence = confidence
+        self.feature_names = feature_names
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """Return the parameters by name; ``deep`` is there for scikit-learn."""
+        return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}
+
+    def set_params(self, **params: Any) -> Self:
+        """Set parameters by name.
+
+        Raises:
+            ValueError: naming one that there is not.
+        """
+        known = self.get_params()
+        for name in params:
+            if name not in known:
+                raise ValueError(f'TransitionTree has no parameter "{name}" {has(known)}')
+        for name, value in params.items():
+            setattr(self, name, value)
+        return self
+
+    def __repr__(self) -> str:
+        """Return how to make it, leaving out what is as it is by default."""
+        defaults = inspect.signature(type(self)).parameters
+        given = ", ".join(
+            f"{name}={value!r}"
+            for name, value in self.get_params().items()
+            if value != defaults[name].default
+        )
+        return f"{type(self).__name__}({given})"
+
+    def fit(self, X: ArrayLike, y: ArrayLike, default: ArrayLike | None = None) -> Self:
+        """Learn from examples.
+
+        Args:
+            X: shape (n, m), feature values in the features' own units, n at least 1.
+            y: shape (n,), labels of the next states.
+            default: shape (n,), whether an example is a default one; None: none is.
+
+        Raises:
+            FeatureValueError: naming a feature with a value that is missing, infinite or none
+                that its scale has.
+            VocabularyError: naming a toroidal feature without a period.
+            ValueError: if shapes do not fit or a parameter is out of range.
+        """
+        deepest = 0 if self.max_depth is None else self.max_depth
+        if self.min_samples_leaf < 1 or deepest < 0 or not 0 < self.confidence <= 0.5:
+            raise ValueError(
+                f"{self!r}: min_samples_leaf must be at least 1, max_depth None or at least 0, "
+                "confidence in (0, 0.5]"
+            )
+        n_columns = np.shape(X)[1] if np.ndim(X) == 2 else 0
+        scales = tuple(self.scales) if self.scales is not None else (Scale(),) * n_columns
+        check_scales(scales, self.feature_names)
+        values = feature_values(X, scales, self.feature_names) + 0.0  # a copy, no negative zeros
+        labels = np.asarray(y)
+        is_default = np.zeros(len(values), np.bool_)
+        if default is not None:
+            is_default = np.asarray(default, dtype=np.bool_)
+        if len(values) == 0 or not labels.shape == is_default.shape == (len(values),):
+            raise ValueError(
+                f"expected at least one example, each with a label and whether it is a default "
+                f"one, got X {values.shape}, y {labels.shape}, default {is_default.shape}"
+            )
+        for f, scale in enumerate(scales):
+            if scale.kind is FeatureKind.TOROIDAL:
+                values[:, f] = [on_circle(v, scale.period) for v in values[:, f].tolist()]
+        self.classes_: NDArray[Any]
+        self.classes_, classes = np.unique(labels, return_inverse=True)
+        self.n_features_in_ = len(scales)
+        self.scales_ = scales
+        self.root_: Node = grow(
+            values,
+            classes,
+            is_default,
+            len(self.classes_),
+            scales,
+            min_samples_leaf=self.min_samples_leaf,
+            max_depth=self.max_depth,
+        )
+        if self.prune:
+            self.root_ = prune(self.root_, self.confidence)
+        return self
+
+    def _fitted(self) -> Node:
+        if not hasattr(self, "root_"):
+            raise AttributeError("this TransitionTree has learned nothing yet; call fit first")
+        return self.root_
+
+    @property
+    def labels(self) -> list[str]:
+        """The labels of the next states it knows, in the order of ``classes_``."""
+        self._fitted()
+        return [str(label) for label in self.classes_.tolist()]
+
+    @property
+    def features_used(self) -> tuple[int, ...]:
+        """Indices of the features that the tree tests, ascending."""
+        inner = (node for node in nodes(self._fitted()) if not isinstance(node, Leaf))
+        return tuple(sorted({node.feature for node in inner}))
+
+    def predict_proba(self, X: ArrayLike) -> Floats:
+        """Return the probability of each class.
+
+        Args:
+            X: shape (n, m).
+
+        Returns:
+            shape (n, n_classes), columns in the order of ``classes_``.
+
+        Raises:
+            FeatureValueError: as `fit`.
+        """
+        root = self._fitted()
+        values = feature_values(X, self.scales_, self.feature_names)
+        probabilities = np.empty((len(values), len(self.classes_)))
+        tree = compiled(root, range(self.n_features_in_), np.array)
+        for counts, rows in ends(tree, MatrixColumns(values), np.arange(len(values))):
+            probabilities[rows] = counts / counts.sum()
+        return probabilities
+
+    def predict(self, X: ArrayLike) -> NDArray[Any]:
+        """Return the most probable class; of equally probable ones the first in ``classes_``.
+
+        Args:
+            X: shape (n, m).
+
+        Raises:
+            FeatureValueError: as `fit`.
+        """
+        probabilities = self.predict_proba(X)
+        return np.asarray(self.classes_[probabilities.argmax(axis=1)])
+
+    def compile(
+        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
+    ) -> Decide:
+        """Return the decision as a fast function; see `TransitionFunction.compile`.
+
+        A leaf with several classes takes one draw and goes through its states in the order of
+        their indices; a leaf with one class takes none. Of equally probable states
+        ``most_probable`` takes the one with the lowest index.
+
+        Raises:
+            VocabularyError: if the tree leads to a state that is not in ``states``.
+        """
+        return decider(self._compiled(slots, states, most_probable))
+
+    def compile_batch(
+        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
+    ) -> Compiled:
+        """Return the tree as `compiled_tree.ends` walks it for many agents; see `compile`.
+
+        Raises:
+            VocabularyError: if the tree leads to a state that is not in ``states``.
+        """
+        return self._compiled(slots, states, most_probable)
+
+    def decide_batch(
+        self,
+        X: ArrayLike,
+        draws: ArrayLike,
+        states: Mapping[str, int] | None = None,
+        *,
+        most_probable: bool = False,
+    ) -> Integers:
+        """Return decisions for many agents at once: what `compile` decides for each.
+
+        Args:
+            X: shape (n, m), the feature values of each agent.
+            draws: shape (n,), a number on [0, 1) for each agent.
+            states: the index of each state, by label; None: as in ``classes_``.
+            most_probable: always take the most probable state.
+
+        Returns:
+            shape (n,), indices of the next states.
+
+        Raises:
+            FeatureValueError: as `fit`.
+            VocabularyError: if the tree leads to a state that is not in ``states``.
+        """
+        if states is None:
+            states = {label: i for i, label in enumerate(self.labels)}
+        tree = self._compiled(range(self.n_features_in_), states, most_probable)
+        values = feature_values(X, self.scales_, self.feature_names)
+        return decide_rows(tree, values, np.asarray(draws, dtype=np.float64))
+
+    def _compiled(
+        self, slots: Sequence[int], states: Mapping[str, int], most_probable: bool
+    ) -> Any:
+        root = self._fitted()
+        for label in self.labels:
+            if label not in states:
+                raise VocabularyError(
+                    f'examples lead to "{label}", which is not a state {has(states)}'
+                )
+        indices = [states[label] for label in self.labels]
+        return compiled(
+            root, slots, lambda counts: leaf_choice(counts, indices, most_probable=most_probable)
+        )
+
+    def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
+        """Explain the decision for a full feature vector; ``names`` name its features.
+
+        Raises:
+            FeatureValueError: as `fit`.
+        """
+        self._fitted()
+        feature_values([values], self.scales_, names, ["the values to explain"])
+        return self.retrace(values, names)
+
+    def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
+        """Explain a decision that has been made; see `TransitionFunction.retrace`.
+
+        Only values on the path are looked at. Where one is None the explanation ends, with the
+        distribution of the examples that came so far.
+        """
+        node = self._fitted()
+        tests: list[str] = []
+        features: list[int] = []
+        while not isinstance(node, Leaf):
+            value = values[node.feature]
+            if value is None:
+                break
+            branch = node.branch_for(value)
+            tests.extend(tree_text.conditions([(node, branch)], self.scales_, names))
+            features.append(node.feature)
+            node = node.branches[branch] if branch is not None else Leaf(node.counts)
+        return Explanation(
+            tuple(tests),
+            tuple(dict.fromkeys(features)),
+            tree_text.distribution(node.counts, self.labels),
+        )
+
+    def rules(self, names: Sequence[str]) -> list[Rule]:
+        """Return one readable rule per leaf, what a path says of one feature merged."""
+        return tree_text.rules(self._fitted(), self.labels, self.scales_, names)
+
+    def as_text(self, names: Sequence[str]) -> str:
+        """Return a drawing of the tree, a line per branch."""
+        return tree_text.drawing(self._fitted(), self.labels, self.scales_, names)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the tree as plain data, numbers exact (``float.hex``)."""
+
+        def plain(node: Node, parts: list[dict[str, Any]]) -> dict[str, Any]:
+            return described(node) | ({"branches": parts} if parts else {})
+
+        return {"classes": self.labels, "root": fold(self._fitted(), plain)}
+
+    def digest(self) -> str:
+        """Return a SHA-256 in hexadecimal of the tree: labels, structure, counts, exact numbers.
+
+        Equal trees have the same one on all machines.
+        """
+        plain = [
+            {**described(node), "branches": len(node.branches)} for node in nodes(self._fitted())
+        ]
+        text = json.dumps([self.labels, plain], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()

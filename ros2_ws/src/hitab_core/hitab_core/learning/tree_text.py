@@ -1,0 +1,200 @@
+"""A transition tree in words: conditions, one rule per leaf, and a drawing.
+
+Numbers are rounded to six digits. One that lies just beside a short number, as thresholds next to
+an example do, is written as that number, with ``<`` or a bracket that says on which side it is.
+Arcs are written ``[start, end)``, counted upwards, in the half circle either side of zero:
+``[-10, 10)`` degrees leads through zero, ``[170, -170)`` through 180.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode
+
+Step = tuple[ThresholdNode | ArcNode | CategoryNode, int | None]
+"""A node on a path and the branch taken there; None for a category that was not seen."""
+
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What a tree decides where all of some conditions hold.
+
+    Attributes:
+        conditions: readable; at most one for each feature.
+        distribution: probability of each next state that is possible, by label.
+        examples: how many examples it was learned from.
+    """
+
+    conditions: tuple[str, ...]
+    distribution: Mapping[str, float]
+    examples: int
+
+    def __str__(self) -> str:
+        """Return ``if A and B: Stop 0.75, GoFast 0.25 (4 examples)``."""
+        given = f"if {' and '.join(self.conditions)}" if self.conditions else "always"
+        noun = "example" if self.examples == 1 else "examples"
+        return f"{given}: {as_odds(self.distribution)} ({self.examples} {noun})"
+
+
+def as_odds(distribution: Mapping[str, float]) -> str:
+    """Return ``Stop`` if that is certain, else ``Stop 0.75, GoFast 0.25``."""
+    if len(distribution) == 1:
+        return next(iter(distribution))
+    return ", ".join(f"{label} {p:.3g}" for label, p in distribution.items())
+
+
+def distribution(counts: Sequence[int], labels: Sequence[str]) -> dict[str, float]:
+    """Return the probability of each label that was seen."""
+    total = sum(counts)
+    return {label: n / total for label, n in zip(labels, counts, strict=True) if n}
+
+
+def conditions(
+    path: Sequence[Step], scales: Sequence[Scale], names: Sequence[str]
+) -> tuple[str, ...]:
+    """Return what holds on a path, all that it says of one feature merged into one condition."""
+    by_feature: dict[int, list[Step]] = {}
+    for step in path:
+        by_feature.setdefault(step[0].feature, []).append(step)
+    return tuple(
+        _condition(steps, scales[feature], names[feature]) for feature, steps in by_feature.items()
+    )
+
+
+def _condition(steps: Sequence[Step], scale: Scale, name: str) -> str:
+    low, high = -math.inf, math.inf
+    arcs: list[Interval] = [(0.0, math.inf)]
+    for node, branch in steps:
+        if isinstance(node, CategoryNode):
+            return _category(node, branch, scale, name)
+        if isinstance(node, ArcNode):
+            start, end = (node.start, node.end) if branch == 0 else (node.end, node.start)
+            arcs = _common(arcs, _intervals(start, end, node.period))
+        elif branch == 0:
+            high = node.threshold  # on a path each threshold lies between those before
+        else:
+            low = node.threshold
+    if scale.kind is FeatureKind.TOROIDAL:
+        return f"{name} {_arcs(arcs, scale.period)}"
+    if scale.kind is FeatureKind.BOOLEAN:
+        return name if low > 0 else f"not {name}"
+    return _range(low, high, name)
+
+
+def _range(low: float, high: float, name: str) -> str:
+    """Return ``low < value <= high`` in words."""
+    (least, least_side), (most, most_side) = _short(low), _short(high)
+    if least == most:
+        return f"{name} = {most}"
+    at_most = "<" if most_side < 0 else "<="
+    if low == -math.inf:
+        return f"{name} {at_most} {most}"
+    if high == math.inf:
+        return f"{name} {'>=' if least_side < 0 else '>'} {least}"
+    return f"{least} {'<=' if least_side < 0 else '<'} {name} {at_most} {most}"
+
+
+def _short(number: float, negligible: float = 1e-300) -> tuple[str, int]:
+    """Return a number in six digits, and 1 or -1 if it lies just above or below what is written.
+
+    Args:
+        number: what to write.
+        negligible: how far from zero a number still counts as zero.
+    """
+    text = "0" if abs(number) < negligible else f"{number:.6g}"
+    written = float(text)
+    if written == number or abs(number - written) > max(1e-12 * abs(number), negligible):
+        return text, 0
+    return text, 1 if number > written else -1
+
+
+def _category(node: CategoryNode, branch: int | None, scale: Scale, name: str) -> str:
+    known = dict(enumerate(scale.categories))
+    called = [known.get(category, str(category)) for category in node.categories]
+    return (
+        f"{name} = {called[branch]}"
+        if branch is not None
+        else (f"{name} is none of {', '.join(called)}")
+    )
+
+
+def _intervals(start: float, end: float, period: float) -> list[Interval]:
+    """Return the arc ``[start, end)`` cut at zero."""
+    if start < end:
+        return [(start, end)]
+    return [(0.0, end), (start, period)] if end > 0 else [(start, period)]
+
+
+def _common(some: Sequence[Interval], others: Sequence[Interval]) -> list[Interval]:
+    common = [(max(a[0], b[0]), min(a[1], b[1])) for a in some for b in others]
+    return sorted(interval for interval in common if interval[0] < interval[1])
+
+
+def _arcs(intervals: list[Interval], period: float) -> str:
+    if len(intervals) > 1 and intervals[0][0] == 0.0 and intervals[-1][1] == period:
+        intervals = [*intervals[1:-1], (intervals[-1][0], intervals[0][1])]
+
+    return " or ".join(_arc(start, end, period) for start, end in intervals)
+
+
+def _arc(start: float, end: float, period: float) -> str:
+    (first, first_side), (last, last_side) = (
+        _short(place - period if place > period / 2 else place, 1e-12 * period)
+        for place in (start, end)
+    )
+    if first == last:
+        return f"= {first}" if (end - start) % period < period / 2 else f"!= {first}"
+    return f"in {'(' if first_side > 0 else '['}{first}, {last}{']' if last_side > 0 else ')'}"
+
+
+def _ways_on(node: ThresholdNode | ArcNode | CategoryNode, scale: Scale) -> list[int | None]:
+    """Return the branches of a node, and None if there are categories that it has not seen."""
+    ways: list[int | None] = list(range(len(node.branches)))
+    if isinstance(node, CategoryNode) and len(scale.categories) != len(node.categories):
+        ways.append(None)
+    return ways
+
+
+def _paths(root: Node, scales: Sequence[Scale]) -> Iterator[tuple[Node, tuple[Step, ...]]]:
+    """Yield all nodes, each before its branches, and how one comes there."""
+    waiting: list[tuple[Node, tuple[Step, ...]]] = [(root, ())]
+    while waiting:
+        node, path = waiting.pop()
+        yield node, path
+        if isinstance(node, Leaf):
+            continue
+        for way in reversed(_ways_on(node, scales[node.feature])):
+            branch = node.branches[way] if way is not None else Leaf(node.counts)
+            waiting.append((branch, (*path, (node, way))))
+
+
+def rules(
+    root: Node, labels: Sequence[str], scales: Sequence[Scale], names: Sequence[str]
+) -> list[Rule]:
+    """Return one rule per leaf, in the order of the drawing."""
+    return [
+        Rule(conditions(path, scales, names), distribution(node.counts, labels), sum(node.counts))
+        for node, path in _paths(root, scales)
+        if isinstance(node, Leaf)
+    ]
+
+
+def drawing(
+    root: Node, labels: Sequence[str], scales: Sequence[Scale], names: Sequence[str]
+) -> str:
+    """Return the tree as C4.5 draws one: a line per branch, indented by depth."""
+    lines = []
+    for node, path in _paths(root, scales):
+        text = "".join(conditions(path[-1:], scales, names))
+        if isinstance(node, Leaf):
+            odds = as_odds(distribution(node.counts, labels))
+            text += f"{': ' if text else ''}{odds} ({sum(node.counts)})"
+        if text:
+            lines.append("|   " * (len(path) - 1) + text)
+    return "\n".join(lines)

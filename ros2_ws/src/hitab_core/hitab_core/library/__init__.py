@@ -1,0 +1,1 @@
+"""Behaviors as files: folders, editions, bundles, trimming, differences."""

@@ -1,0 +1,160 @@
+"""A behavior as it is stored: the automaton, how it was learned, and where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.domain import BOOLEAN_SCALE, Domain, FeatureKind, Scale
+from hitab_core.errors import LibraryError
+from hitab_core.example import Example
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.library.behavior_schema import FLAG, FORMAT, SUFFIX
+from hitab_core.library.behavior_text import behavior_text
+from hitab_core.library.digests import checksum
+from hitab_core.library.provenance import Provenance
+from hitab_core.use import Use
+
+BASIC = "basic"
+"""What a file says of a used behavior that is hard-coded in the robot."""
+
+HAND_WRITTEN = "hand-written"
+"""What a file says of a used automaton that comes with the domain."""
+
+
+@dataclass(frozen=True, slots=True, weakref_slot=True)
+class BehaviorFile:
+    """A behavior with all that its file says. Those with the same checksum say the same.
+
+    Attributes:
+        automaton: with the transition functions that are learned from its examples.
+        classifier: what learns them, see `hitab_core.learning.transition_learning`.
+        trees: digest of each state's transition function.
+        uses: for each behavior that it uses the checksum of its file when this one was saved, or
+            ``"basic"``, or ``"hand-written"``. For information: a used behavior may be retrained.
+        provenance: where it comes from.
+        checksum: SHA-256 of all that the file says.
+        text: the file.
+        state_lines: line of each state, in the order of the automaton's.
+    """
+
+    automaton: Automaton = field(compare=False)
+    classifier: str = field(compare=False)
+    trees: Mapping[str, str] = field(compare=False)
+    uses: Mapping[str, str] = field(compare=False)
+    provenance: Provenance = field(compare=False)
+    checksum: str
+    text: str = field(compare=False, repr=False)
+    state_lines: tuple[int, ...] = field(compare=False, repr=False)
+
+    @property
+    def name(self) -> str:
+        """What the behavior is called."""
+        return self.automaton.name
+
+
+def file_name(name: str) -> str:
+    """Return the name of the file of the behavior called ``name``."""
+    return name + SUFFIX
+
+
+def scale_of(feature: Use, domain: Domain) -> Scale:
+    """Return how the values of a feature compare; flags are boolean."""
+    return BOOLEAN_SCALE if feature.name in FLAGS else domain.features[feature.name].scale
+
+
+def feature_record(use: Use, domain: Domain) -> dict[str, Any]:
+    """Return what a file says of a feature: all that is needed to understand its values."""
+    if use.name in FLAGS:
+        return {"feature": str(use), "kind": FLAG}
+    feature = domain.features[use.name]
+    record: dict[str, Any] = {"feature": str(use), "kind": feature.kind.value}
+    if feature.unit:
+        record["unit"] = feature.unit
+    if feature.kind is FeatureKind.TOROIDAL:
+        record["period"] = float(feature.period)
+    if feature.kind is FeatureKind.CATEGORICAL:
+        record["categories"] = list(feature.categories)
+    return record
+
+
+def text_of(
+    automaton: Automaton,
+    domain: Domain,
+    *,
+    classifier: str,
+    uses: Mapping[str, str],
+    provenance: Provenance,
+) -> str:
+    """Return the file of an automaton.
+
+    Raises:
+        LibraryError: if a transition function was not learned and so cannot be stored.
+    """
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "name": automaton.name,
+        "description": automaton.description,
+        "domain": {
+            "name": domain.name,
+            "version": domain.version,
+            "signature": domain.signature,
+        },
+        "parameters": list(automaton.parameters),
+        "states": list(automaton.labels),
+        "features": [feature_record(feature, domain) for feature in automaton.features],
+        "classifier": classifier,
+        "examples": [_example_record(e, automaton, domain) for e in automaton.examples],
+        "trees": _digests(automaton),
+        "uses": {name: uses[name] for name in sorted(automaton.behaviors_used)},
+        "provenance": asdict(provenance),
+    }
+    return behavior_text(content | {"checksum": checksum(content)}, _rules(automaton))
+
+
+def _digests(automaton: Automaton) -> dict[str, str]:
+    digests = {}
+    for state, function in automaton.transitions.items():
+        digest = getattr(function, "digest", None)
+        if digest is None:
+            raise LibraryError(
+                f'"{automaton.name}" cannot be saved: the transition function of "{state}" was '
+                "not learned from examples; a hand-written automaton belongs to its domain"
+            )
+        digests[state] = str(digest())
+    return digests
+
+
+def _rules(automaton: Automaton) -> dict[str, list[str]]:
+    names = [str(feature) for feature in automaton.features]
+    return {
+        state: [str(rule) for rule in function.rules(names)]
+        for state, function in automaton.transitions.items()
+        if isinstance(function, TransitionTree)
+    }
+
+
+def _example_record(example: Example, automaton: Automaton, domain: Domain) -> dict[str, Any]:
+    if len(example.features) != len(automaton.features):
+        raise LibraryError(
+            f'"{automaton.name}" cannot be saved: example {example.number} has '
+            f"{len(example.features)} values for {len(automaton.features)} features; delete it"
+        )
+    counted = [
+        scale_of(feature, domain).kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL)
+        for feature in automaton.features
+    ]
+    return {
+        "number": example.number,
+        "state": example.state,
+        "features": [
+            int(value) if whole and float(value).is_integer() else float(value)
+            for value, whole in zip(example.features, counted, strict=True)
+        ],
+        "next_state": example.next_state,
+        "kind": example.kind.value,
+        "command": example.command,
+        "cycle": example.cycle,
+    }

@@ -1,0 +1,339 @@
+"""Reading a behavior file, trusting nothing in it: all that is wrong is told, by line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
+from hitab_core.domain import BOOLEAN_SCALE, Domain, Scale
+from hitab_core.errors import HitabError, LibraryError, VocabularyError, has
+from hitab_core.example import Example, ExampleKind
+from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.library.behavior_file import BehaviorFile, feature_record, file_name, scale_of
+from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
+from hitab_core.library.digests import checksum
+from hitab_core.library.durable_files import file_errors
+from hitab_core.library.example_check import wrong_with
+from hitab_core.library.provenance import Provenance
+from hitab_core.library.yaml_places import LARGEST, Complaints, Document, read_yaml
+from hitab_core.transition_function import LearnedTransition
+from hitab_core.use import Use
+
+
+def read_behavior_file(path: Path, domain: Domain) -> BehaviorFile:
+    """Read a behavior from a file, called like the behavior.
+
+    Raises:
+        LibraryError: naming all that is wrong, with lines.
+    """
+    return read_behavior(read_text(path), path.name, domain)
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a behavior file.
+
+    Raises:
+        LibraryError: if it cannot be read, is not text or is too large to be a behavior.
+    """
+    with file_errors(path, "read"):
+        if path.is_fifo():
+            raise LibraryError(f"{path}: is a pipe, which cannot be read as a file; remove it")
+        with path.open("rb") as file:
+            data = file.read(4 * LARGEST + 1)
+    return text_in(data, path)
+
+
+def text_in(data: bytes, path: Path) -> str:
+    """Return the text of a behavior file of which the first bytes were read.
+
+    Raises:
+        LibraryError: if it is not text or is too large to be a behavior.
+    """
+    if len(data) > 4 * LARGEST:
+        raise LibraryError(f"{path.name}: has more than {4 * LARGEST} bytes; it is no behavior")
+    try:
+        return data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise LibraryError(
+            f"{path.name}:{line}: is not UTF-8 text; save it as UTF-8, or restore a version"
+        ) from None
+
+
+def read_behavior(
+    text: str, file: str, domain: Domain, *, name: str | None = None, accepting: bool = False
+) -> BehaviorFile:
+    """Read a behavior from the text of its file.
+
+    The transition functions are learned again from the examples and compared with the digests in
+    the file. Whether the behaviors exist that it uses is not looked at; a library does that.
+
+    Args:
+        text: of the file.
+        file: what errors call it.
+        domain: with which it must have been trained.
+        name: what it must be called; by default as the file is.
+        accepting: take the text as it was edited, whatever digests it states.
+
+    Raises:
+        LibraryError: naming all that is wrong, with lines.
+    """
+    document = read_yaml(text, file)
+    check_format(document)
+    complaints = Complaints(document)
+    if not accepting:
+        _check_checksum(document, complaints)
+    content: dict[str, Any] = migrated(document.value)
+    if not check_schema(content, complaints):
+        complaints.raise_any()  # what follows relies on the form
+    return _Reader(document, content, domain, complaints, accepting).read(
+        name or file.removesuffix(SUFFIX), text
+    )
+
+
+def _check_checksum(document: Document, complaints: Complaints) -> None:
+    stated = document.value.get("checksum")
+    if stated is None:
+        return  # the schema complains
+    if stated != checksum(document.value):
+        complaints.add(
+            ("checksum",),
+            "the checksum is not that of the file: it was edited or damaged; if it was edited on "
+            f"purpose, run: hitab library accept {document.file}; "
+            "if not, restore an earlier version",
+        )
+
+
+class _Reader:
+    def __init__(
+        self,
+        document: Document,
+        content: dict[str, Any],
+        domain: Domain,
+        complaints: Complaints,
+        accepting: bool,
+    ) -> None:
+        self._document = document
+        self._content = content
+        self._domain = domain
+        self._complaints = complaints
+        self._accepting = accepting
+        self._before = len(complaints)
+        self._accept = f"hitab library accept {document.file}"
+
+    def read(self, name: str, text: str) -> BehaviorFile:
+        content, complaints = self._content, self._complaints
+        self._check_domain()
+        self._check_name(name)
+        self._check_parameters()
+        states = self._states()
+        features, scales = self._features()
+        self._stop_if_wrong()  # examples cannot be understood without these
+        examples = self._examples([str(state) for state in states], scales)
+        self._stop_if_wrong()
+        functions = self._learn(examples, features, scales)
+        trees = {state: function.digest() for state, function in functions.items()}
+        if not self._accepting:
+            self._check_trees(trees)
+            self._check_uses({s.name for s in states if s.name not in FLAGS})
+        complaints.raise_any()
+        automaton = Automaton(
+            content["name"],
+            tuple(states),
+            tuple(features),
+            functions,
+            tuple(content["parameters"]),
+            tuple(examples),
+            content["description"],
+        )
+        provenance = Provenance(**content["provenance"])
+        return BehaviorFile(
+            automaton,
+            content["classifier"],
+            trees,
+            dict(content["uses"]),
+            provenance,
+            checksum(self._document.value),
+            text,
+            tuple(self._document.line(("states", i)) for i in range(len(states))),
+        )
+
+    def _stop_if_wrong(self) -> None:
+        """Stop if what was read is wrong; that the checksum is need not stop anything."""
+        if len(self._complaints) > self._before:
+            self._complaints.raise_any()
+
+    def _check_domain(self) -> None:
+        stated, domain = self._content["domain"], self._domain
+        if stated["name"] != domain.name:
+            # Nothing else can be right, so nothing else is looked at.
+            self._complaints.add(
+                ("domain", "name"),
+                f'was trained in domain "{stated["name"]}", and this is "{domain.name}"; '
+                "use a library of this domain",
+            )
+            self._complaints.raise_any()
+        theirs = (stated["version"], stated["signature"])
+        ours = (domain.version, domain.signature)
+        if theirs != ours and not self._accepting:
+            self._complaints.add(
+                ("domain",),
+                f'was trained with domain "{domain.name}" version {theirs[0]} (signature '
+                f"{theirs[1]}), and this is version {ours[0]} (signature {ours[1]}); if what it "
+                f"uses means the same as then, run: {self._accept}; if not, train it again",
+            )
+
+    def _check_name(self, expected: str) -> None:
+        name = self._content["name"]
+        if name != expected:
+            self._complaints.add(
+                ("name",),
+                f'is called "{name}", but the file is called "{self._document.file}"; '
+                f'rename the file to "{file_name(name)}", or give the behavior the file\'s name',
+            )
+        if name in RESERVED:
+            self._complaints.add(("name",), f'"{name}" is reserved; choose another name')
+        if name in self._domain.behaviors:
+            self._complaints.add(
+                ("name",),
+                f'"{name}" is a basic behavior of domain "{self._domain.name}"; '
+                "choose another name",
+            )
+
+    def _check_parameters(self) -> None:
+        parameters = self._content["parameters"]
+        for i, parameter in enumerate(parameters):
+            if parameter in self._domain.targets:
+                self._complaints.add(
+                    ("parameters", i),
+                    f'parameter "{parameter}" is also a target; call it something else',
+                )
+            if parameter in parameters[:i]:
+                self._complaints.add(
+                    ("parameters", i), f'has parameter "{parameter}" twice; remove one'
+                )
+
+    def _states(self) -> list[Use]:
+        states = self._uses("states", self._content["states"])
+        arguments = {*self._domain.targets, *self._content["parameters"]}
+        for i, state in enumerate(states):
+            if state.name == START:
+                self._complaints.add(
+                    ("states", i), f"{START} is always there and not listed; remove it"
+                )
+            elif state.name in FLAGS and state.arguments:
+                self._complaints.add(
+                    ("states", i), f'flag state "{state.name}" takes no targets; remove them'
+                )
+            for argument in state.arguments:
+                if argument not in arguments:
+                    self._complaints.add(
+                        ("states", i),
+                        f'unknown target "{argument}" in state "{state}" {has(arguments)}; '
+                        "name one of these, or add it to the parameters",
+                    )
+        return states
+
+    def _features(self) -> tuple[list[Use], list[Scale]]:
+        records = self._content["features"]
+        features = self._uses("features", [record["feature"] for record in records])
+        known = {f.name: f.parameters for f in self._domain.features.values()}
+        scales = []
+        for i, (use, record) in enumerate(zip(features, records, strict=True)):
+            try:
+                if use.name in FLAGS and not use.arguments:
+                    scales.append(BOOLEAN_SCALE)
+                else:
+                    self._domain.check_use(use, known, self._content["parameters"], what="feature")
+                    scales.append(scale_of(use, self._domain))
+            except VocabularyError as error:
+                self._complaints.add(("features", i), f"{error}; correct it, or train again")
+                continue
+            for key, value in feature_record(use, self._domain).items():
+                if key != "feature" and record.get(key) != value:
+                    self._complaints.add(
+                        ("features", i),
+                        f'"{key}" of feature "{use}" is {record.get(key)} here and {value} in '
+                        "the domain, so that its values mean something else; train it again",
+                    )
+        return features, scales
+
+    def _uses(self, key: str, texts: Sequence[str]) -> list[Use]:
+        uses: list[Use] = []
+        for i, text in enumerate(texts):
+            try:
+                use = Use.parse(text)
+            except VocabularyError as error:
+                self._complaints.add((key, i), str(error))
+                continue
+            if use in uses:
+                self._complaints.add((key, i), f'has "{use}" twice; remove one')
+            uses.append(use)
+        if len(uses) < len(texts):
+            self._stop_if_wrong()  # positions would no longer fit
+        return uses
+
+    def _examples(self, labels: Sequence[str], scales: Sequence[Scale]) -> list[Example]:
+        examples = []
+        numbers: dict[int, int] = {}
+        for i, record in enumerate(self._content["examples"]):
+            values = tuple(float(value) for value in record["features"])
+            example = Example(
+                record["state"],
+                values,
+                record["next_state"],
+                ExampleKind(record["kind"]),
+                int(record["number"]),
+                int(record["command"]),
+                int(record["cycle"]),
+            )
+            for wrong in wrong_with(example, labels, scales):
+                self._complaints.add(("examples", i), f"example {example.number} {wrong}")
+            if example.number in numbers:
+                first = self._document.line(("examples", numbers[example.number]))
+                self._complaints.add(
+                    ("examples", i),
+                    f"there is another example {example.number} at line {first}; "
+                    "give each its own number",
+                )
+            numbers.setdefault(example.number, i)
+            examples.append(example)
+        return examples
+
+    def _learn(
+        self, examples: Sequence[Example], features: Sequence[Use], scales: Sequence[Scale]
+    ) -> Mapping[str, LearnedTransition]:
+        try:
+            return learn_transitions(
+                examples, scales, self._content["classifier"], [str(use) for use in features]
+            )
+        except HitabError as error:
+            self._complaints.add(("classifier",), f"nothing can be learned: {error}")
+            self._complaints.raise_any()
+            raise
+
+    def _check_trees(self, learned: Mapping[str, str]) -> None:
+        stated = self._content["trees"]
+        for state, digest in learned.items():
+            if stated.get(state) != digest:
+                self._complaints.add(
+                    ("trees", state),
+                    f'what is learned for state "{state}" from the examples differs from what was '
+                    "saved: they were edited, or this version of HiTAB learns otherwise; "
+                    f"test the behavior, then run: {self._accept}",
+                )
+        for state in stated:
+            if state not in learned:
+                self._complaints.add(
+                    ("trees", state), f'there is no example of state "{state}"; remove the line'
+                )
+
+    def _check_uses(self, used: Iterable[str]) -> None:
+        if {*used} != {*self._content["uses"]}:
+            self._complaints.add(
+                ("uses",),
+                f"lists {', '.join(self._content['uses']) or 'nothing'}, but the states use "
+                f"{', '.join(sorted(used)) or 'nothing'}; run: {self._accept}",
+            )

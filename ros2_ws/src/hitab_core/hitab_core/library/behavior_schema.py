@@ -1,0 +1,205 @@
+"""The form of a behavior file: which keys there are and what may stand there.
+
+What cannot be said by a schema (that an example has one value per feature, that a target exists)
+is checked by `hitab_core.library.behavior_reader`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+
+from hitab_core.domain import FeatureKind
+from hitab_core.errors import LibraryError
+from hitab_core.example import ExampleKind
+from hitab_core.library.yaml_places import Complaints, Document
+
+FORMAT = 1
+"""The version of the form that is written."""
+
+FLAG = "flag"
+"""The kind of a feature that tells whether the active sub-behavior has raised a flag."""
+
+SUFFIX = ".hfa.yaml"
+"""Ending of a behavior file's name."""
+
+MIGRATIONS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {}
+"""For each older format a function that returns the content of a file in the next one."""
+
+_NAME = {"type": "string", "pattern": r"^[A-Za-z][A-Za-z0-9_]*\Z"}
+_TEXT = {"type": "string"}
+_COUNT = {"type": "integer", "minimum": 0, "maximum": 10**15}
+_DIGEST = {"type": "string", "pattern": r"^[0-9a-f]{64}\Z"}
+
+
+def _record(needed: Mapping[str, Any], optional: Mapping[str, Any] | None = None) -> Any:
+    return {
+        "type": "object",
+        "additionalProperties": False,
+        "required": list(needed),
+        "properties": {**needed, **(optional or {})},
+    }
+
+
+def _list(items: Any) -> Any:
+    return {"type": "array", "items": items}
+
+
+SCHEMA: Mapping[str, Any] = {
+    "$schema": "https://json-schema.org/draft/2020-12/schema",
+    "title": "A behavior trained by demonstration",
+    **_record(
+        {
+            "format": {"const": FORMAT},
+            "name": _NAME,
+            "description": _TEXT,
+            "domain": _record({"name": _NAME, "version": _TEXT, "signature": _TEXT}),
+            "parameters": _list(_NAME),
+            "states": _list(_TEXT),
+            "features": _list(
+                _record(
+                    {
+                        "feature": _TEXT,
+                        "kind": {"enum": [*(kind.value for kind in FeatureKind), FLAG]},
+                    },
+                    {
+                        "unit": _TEXT,
+                        "period": {"type": "number", "exclusiveMinimum": 0},
+                        "categories": _list(_TEXT),
+                    },
+                )
+            ),
+            "classifier": _TEXT,
+            "examples": _list(
+                _record(
+                    {
+                        "number": {**_COUNT, "minimum": 1},
+                        "state": _TEXT,
+                        "features": _list({"type": "number"}),
+                        "next_state": _TEXT,
+                        "kind": {"enum": [kind.value for kind in ExampleKind]},
+                        "command": _COUNT,
+                        "cycle": _COUNT,
+                    }
+                )
+            ),
+            "trees": {"type": "object", "additionalProperties": _DIGEST},
+            "uses": {"type": "object", "additionalProperties": _TEXT},
+            "provenance": _record(
+                {
+                    "version": {**_COUNT, "minimum": 1},
+                    "created": _TEXT,
+                    "author": _TEXT,
+                    "agent": _TEXT,
+                    "tool": _TEXT,
+                    "earlier": _TEXT,
+                    "note": _TEXT,
+                }
+            ),
+            "checksum": _DIGEST,
+        }
+    ),
+}
+
+_TYPES = {
+    "string": "text",
+    "integer": "a whole number",
+    "number": "a number",
+    "array": "a list",
+    "object": "a mapping of names to values",
+}
+
+
+@cache
+def _validator() -> Any:
+    from jsonschema import Draft202012Validator  # here, since it takes long to import
+
+    return Draft202012Validator(SCHEMA)
+
+
+def check_format(document: Document) -> int:
+    """Return the format of a document.
+
+    Raises:
+        LibraryError: if it is none, or newer than what can be read.
+    """
+    if not isinstance(document.value, dict):
+        raise LibraryError(
+            f"{document.place()}: is not a behavior file: expected keys such as format and name"
+        )
+    found = document.value.get("format")
+    if not isinstance(found, int) or isinstance(found, bool):
+        raise LibraryError(
+            f'{document.place(("format",))}: "format" is missing or not a number; '
+            f"a behavior file begins with format: {FORMAT}"
+        )
+    if found > FORMAT:
+        raise LibraryError(
+            f"{document.place(('format',))}: has format {found}, and this HiTAB reads formats up "
+            f"to {FORMAT}; update HiTAB, or save the behavior again with an older one"
+        )
+    if found < FORMAT and found not in MIGRATIONS:
+        raise LibraryError(
+            f"{document.place(('format',))}: has format {found}, which this HiTAB cannot read "
+            f"(reads: {', '.join(str(n) for n in sorted([*MIGRATIONS, FORMAT]))})"
+        )
+    return found
+
+
+def migrated(content: dict[str, Any]) -> dict[str, Any]:
+    """Return the content of a file of any format that can be read in the present one."""
+    while content["format"] < FORMAT:
+        content = MIGRATIONS[content["format"]](content)
+    return content
+
+
+def check_schema(content: Mapping[str, Any], complaints: Complaints) -> bool:
+    """Complain about all that has another form than `SCHEMA`; return whether there is none."""
+    well = True
+    for error in _validator().iter_errors(content):
+        complaints.add(tuple(error.absolute_path), _in_words(error))
+        well = False
+    return well
+
+
+def _in_words(error: Any) -> str:
+    path = list(error.absolute_path)
+    subject = f'"{path[-1]}"' if path else "the file"
+    if path and isinstance(path[-1], int):
+        subject = f'item {path[-1] + 1} of "{path[-2]}"'
+    limit, value = error.validator_value, error.instance
+    match error.validator:
+        case "required":
+            missing = [key for key in limit if key not in value]
+            return f"{subject} lacks {_quoted(missing)}; was it cut off?"
+        case "additionalProperties" if isinstance(limit, bool):
+            known = error.schema["properties"]
+            unknown = [key for key in value if key not in known]
+            return f"{subject} has {_quoted(unknown)}; only known are {', '.join(known)}"
+        case "type":
+            return f"{subject} must be {_TYPES[limit]}, not {_shown(value)}"
+        case "enum":
+            return f"{subject} is {_shown(value)}; it must be one of {', '.join(limit)}"
+        case "pattern" if limit == _DIGEST["pattern"]:
+            return f"{subject} is not a digest (64 characters 0-9 and a-f); was it cut off?"
+        case "pattern":
+            return f"{subject} is {_shown(value)}, not a name; use letters, digits and _"
+        case "minimum":
+            return f"{subject} is {_shown(value)}; it must be at least {limit}"
+        case "exclusiveMinimum":
+            return f"{subject} is {_shown(value)}; it must be more than {limit}"
+        case "maximum":
+            return f"{subject} is {_shown(value)}; it must be at most {limit}"
+        case _:
+            return f"{subject}: {error.message}"
+
+
+def _quoted(names: list[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names)
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 40 else text[:37] + "..."

@@ -1,0 +1,127 @@
+"""How a behavior file looks: made to be read by people, one line for each thing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import yaml
+
+from hitab_core.library.yaml_places import means_itself
+
+Rules = Mapping[str, Sequence[str]]
+"""For each state what is learned for it, in words; shown as comments."""
+
+_WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.()-]*\Z", re.ASCII)
+
+
+def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
+    """Return the text of a behavior file.
+
+    Args:
+        content: what it says, in the form of `hitab_core.library.behavior_schema.SCHEMA`.
+        rules: readable rules by state.
+    """
+    lines = [
+        "# A behavior trained by demonstration. It may be edited; then accept the edit with",
+        f"#   hitab library accept {content['name']}.hfa.yaml",
+    ]
+    for key, value in content.items():
+        if key in ("states", "features", "examples", "trees", "uses", "provenance"):
+            lines.append("")
+        lines.extend(_section(key, value, rules, content))
+    return "\n".join(lines) + "\n"
+
+
+def _section(key: str, value: Any, rules: Rules, content: Mapping[str, Any]) -> Iterable[str]:
+    match key:
+        case "states":
+            return _block("states:", [f"- {scalar(state)}" for state in value], "[]")
+        case "features":
+            head = "features:  # in the order of the examples' values"
+            return _block(head, [f"- {_flow(feature)}" for feature in value], "[]")
+        case "examples":
+            head = "examples:  # in state, seeing these features, go to next_state"
+            names = ", ".join(feature["feature"] for feature in content["features"])
+            rows = [f"# features: {names}", *_table(value)] if value else []
+            return _block(head, rows, "[]")
+        case "trees":
+            head = "trees:  # digests of what is learned from the examples of each state"
+            return _block(head, _trees(value, rules), "{}")
+        case "uses":
+            head = "uses:  # what it is made of, as it was when this was saved"
+            return _block(
+                head, [f"{name}: {scalar(as_was)}" for name, as_was in value.items()], "{}"
+            )
+        case "provenance":
+            return _block("provenance:", [f"{k}: {scalar(v)}" for k, v in value.items()], "{}")
+        case _:
+            return [f"{key}: {_flow(value)}"]
+
+
+def _block(head: str, lines: Sequence[str], empty: str) -> list[str]:
+    if not lines:
+        key, _, comment = head.partition(":")
+        return [f"{key}: {empty}{comment}"]
+    return [head, *(f"  {line}" for line in lines)]
+
+
+def _trees(digests: Mapping[str, str], rules: Rules) -> list[str]:
+    lines = []
+    for state, digest in digests.items():
+        # A name that YAML would break a line at must not become part of the file.
+        lines += [f"# {' '.join(rule.split())}" for rule in rules.get(state, ())]
+        lines.append(f"{scalar(state)}: {scalar(digest)}")
+    return lines
+
+
+def _table(examples: Sequence[Mapping[str, Any]]) -> Iterable[str]:
+    """Return a line for each example, what belongs together one below the other."""
+    rows = [
+        [
+            [scalar(value) for value in cell] if isinstance(cell, list) else [scalar(cell)]
+            for cell in example.values()
+        ]
+        for example in examples
+    ]
+    keys = list(examples[0])
+    width = [
+        [max(map(len, column)) for column in zip(*(row[k] for row in rows), strict=True)]
+        for k in range(len(keys))
+    ]
+    for row, example in zip(rows, examples, strict=True):
+        cells = []
+        for k, key in enumerate(keys):
+            parts = [
+                part.rjust(w) if key in ("number", "features", "command", "cycle") else part
+                for part, w in zip(row[k], width[k], strict=True)
+            ]
+            text = f"[{', '.join(parts)}]" if isinstance(example[key], list) else parts[0]
+            comma = "," if k + 1 < len(keys) else ""
+            pad = max(width[k]) + 1 if key in ("state", "next_state", "kind") else 0
+            cells.append(f"{key}: " + f"{text}{comma}".ljust(pad))
+        yield f"- {{{' '.join(cells)}}}"
+
+
+def _flow(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key}: {_flow(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_flow(inner) for inner in value) + "]"
+    return scalar(value)
+
+
+def scalar(value: str | int | float) -> str:
+    """Return a value so that it is read back exactly, by readers of YAML 1.1 too."""
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        text = repr(value)
+        digits, e, exponent = text.partition("e")
+        # Without a point, "1e-05" is text to many readers.
+        return f"{digits}.0e{exponent}" if e and "." not in digits else text
+    if _WORD.match(value) and means_itself(value):
+        return value
+    quoted: str = yaml.safe_dump(value, default_style='"', allow_unicode=True, width=2**30)
+    return quoted.rstrip("\n")

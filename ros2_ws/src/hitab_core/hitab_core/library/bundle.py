@@ -1,0 +1,176 @@
+"""A behavior with all that it is made of, for other agents: all of it arrives, or none."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from hitab_core.automaton import Automaton
+from hitab_core.domain import Domain
+from hitab_core.errors import LibraryError, VocabularyError, has
+from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.change import LibraryChange
+from hitab_core.library.check import misfits
+from hitab_core.library.edition import Edition, Editions
+from hitab_core.repertoire import Repertoire
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """Behavior files, each after those that it uses; the last is what the bundle is for.
+
+    Attributes:
+        files: names of behaviors and the texts of their files.
+        digest: SHA-256, in hexadecimal, of all of it.
+    """
+
+    files: tuple[tuple[str, str], ...]
+    digest: str
+
+    @property
+    def name(self) -> str:
+        """The behavior that the bundle is for; empty if there is none."""
+        return self.files[-1][0] if self.files else ""
+
+
+def bundle_digest(files: tuple[tuple[str, str], ...]) -> str:
+    """Return the digest of names and texts, byte by byte and in their order."""
+    whole = hashlib.sha256()
+    for name, text in files:
+        for part in (name, text):
+            data = part.encode(errors="surrogatepass")
+            whole.update(b"%d:" % len(data) + data)
+    return whole.hexdigest()
+
+
+def make_bundle(
+    library: BehaviorLibrary | Mapping[str, str], repertoire: Repertoire, name: str
+) -> Bundle:
+    """Pack a behavior.
+
+    Args:
+        library: where trained behaviors are saved, or their files' texts by name.
+        repertoire: what these behaviors use.
+        name: of the behavior.
+
+    Raises:
+        LibraryError: if the behavior, or one that it uses, was trained but not saved.
+    """
+    texts = library.texts() if isinstance(library, BehaviorLibrary) else library
+    try:
+        needed = repertoire.needed_by(name)
+    except VocabularyError as error:
+        raise LibraryError(f"cannot be sent: {error}") from None
+    files = []
+    for part in needed:
+        if part in texts:
+            files.append((part, texts[part]))
+        elif repertoire.automata[part] is not repertoire.domain.automata.get(part):
+            raise LibraryError(
+                f'"{name}" cannot be sent: "{part}" has no file {has(texts)}; save it first'
+            )
+    if not files:
+        raise LibraryError(
+            f'"{name}" need not be sent: it comes with domain "{repertoire.domain.name}"'
+        )
+    made = tuple(files)
+    return Bundle(made, bundle_digest(made))
+
+
+def unpack(bundle: Bundle, domain: Domain) -> dict[str, Automaton]:
+    """Return the automata of a bundle by name, each after those that it uses.
+
+    Raises:
+        LibraryError: naming all that is wrong with it.
+    """
+    return {name: file.automaton for name, file in read_bundle(bundle, Editions(domain)).items()}
+
+
+def install(bundle: Bundle, library: BehaviorLibrary) -> list[str]:
+    """Put the behaviors of a bundle into a library: all, or none.
+
+    Returns:
+        The names of those that have changed.
+
+    Raises:
+        LibraryError: naming all that is wrong; then nothing has changed.
+    """
+    read_bundle(bundle, library.editions)
+    return library.install(dict(bundle.files))
+
+
+def plan_bundle(change: LibraryChange, bundle: Bundle, editions: Editions) -> Edition:
+    """Plan to put the behaviors of a bundle that was read into a library: all, or none.
+
+    Returns:
+        What the library will hold.
+
+    Raises:
+        LibraryError: naming all that is wrong with it or with other files in the library.
+        VocabularyError: if they do not fit to the domain.
+    """
+    change.install(dict(bundle.files))
+    if change.problems:
+        raise LibraryError("\n".join(change.problems[name] for name in sorted(change.problems)))
+    return editions.of(change.after)
+
+
+def digest_in(edition: Edition, names: Iterable[str]) -> str:
+    """Return the digest over the files of these behaviors, in their order, in an edition."""
+    return bundle_digest(tuple((name, edition.files[name].text) for name in names))
+
+
+def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
+    """Return the files of a bundle by name, each after those that it uses.
+
+    Args:
+        bundle: what was received.
+        editions: reads them; what it has read before costs nothing.
+
+    Raises:
+        LibraryError: naming all that is wrong with it.
+    """
+    if not bundle.files:
+        raise LibraryError("the bundle is empty; send it again")
+    found = bundle_digest(bundle.files)
+    if found != bundle.digest:
+        raise LibraryError(
+            f'the bundle of "{bundle.name}" has digest {found[:16]}… instead of '
+            f"{bundle.digest[:16]}…: it has changed on its way; send it again"
+        )
+    files: dict[str, BehaviorFile] = {}
+    problems: list[str] = []
+    for name, text in bundle.files:
+        if name in files:
+            problems.append(f'"{name}" is in the bundle twice; send it again')
+        try:
+            file = editions.read(text, file_name(name))
+        except LibraryError as error:
+            problems.append(str(error))
+            continue
+        late = [n for n, f in files.items() if name in f.automaton.behaviors_used]
+        if late:
+            problems.append(f'"{name}" comes after {late[0]}, which uses it; pack it again')
+        files[name] = file
+    if not problems:
+        problems += misfits(files, editions.domain).values()
+    if not problems:
+        unneeded = {*files} - _made_of(bundle.name, files)
+        if unneeded:
+            problems.append(
+                f'"{bundle.name}" is not made of {", ".join(sorted(unneeded))}; pack it again'
+            )
+    if problems:
+        raise LibraryError("\n".join(problems))
+    return files
+
+
+def _made_of(name: str, files: Mapping[str, BehaviorFile]) -> set[str]:
+    waiting, found = [name], {name}
+    while waiting:
+        used = files[waiting.pop()].automaton.behaviors_used & {*files}
+        waiting.extend(used - found)
+        found |= used
+    return found

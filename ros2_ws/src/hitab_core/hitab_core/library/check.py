@@ -1,0 +1,110 @@
+"""Whether behavior files fit together: what they use exists, and none uses itself."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+
+from hitab_core.automaton import FLAGS
+from hitab_core.domain import Domain
+from hitab_core.errors import has
+from hitab_core.hierarchy import Uses, circular
+from hitab_core.library.behavior_file import BehaviorFile, file_name
+
+
+def misfits(
+    files: Mapping[str, BehaviorFile], domain: Domain, unreadable: Mapping[str, str] | None = None
+) -> dict[str, str]:
+    """Return what keeps behaviors from being used, by name, each a text with a line per complaint.
+
+    Args:
+        files: the behaviors that could be read, by name.
+        domain: gives the basic behaviors and the hand-written automata.
+        unreadable: names of those that could not; what uses them cannot be used either.
+    """
+    lost = set(unreadable or ())
+    users: dict[str, list[str]] = {}
+    for name, file in files.items():
+        for used in file.automaton.behaviors_used:
+            users.setdefault(used, []).append(name)
+
+    def uses(name: str) -> Iterable[str]:
+        automaton = files[name].automaton if name in files else domain.automata.get(name)
+        return () if automaton is None else automaton.behaviors_used
+
+    circles = circular(files, uses)
+    found: dict[str, str] = {}
+    asked: Iterable[str] = files
+    while asked:
+        more = {
+            name: "\n".join(complaints)
+            for name in asked
+            if (complaints := _complaints(files[name], files, domain, lost, circles, uses))
+        }
+        found |= more
+        lost |= set(more)
+        # Only what uses one of these may have become wrong by that.
+        asked = {user: None for name in more for user in users.get(name, ()) if user not in found}
+    return found
+
+
+def _complaints(
+    file: BehaviorFile,
+    files: Mapping[str, BehaviorFile],
+    domain: Domain,
+    lost: set[str],
+    circles: Mapping[str, int],
+    uses: Uses,
+) -> list[str]:
+    complaints = []
+    for state, line in zip(file.automaton.states, file.state_lines, strict=True):
+        if state.name in FLAGS:
+            continue
+        place = f'{file_name(file.name)}:{line}: state "{state}" uses behavior "{state.name}"'
+        parameters = _parameters(state.name, files, domain)
+        if file.name in circles and circles[file.name] == circles.get(state.name):
+            way = " -> ".join(_circle(file.name, state.name, uses))
+            complaints.append(
+                f"{place}, which makes it recursive ({way}); "
+                "a behavior cannot use itself: remove the state from one of these"
+            )
+        elif state.name in lost:
+            complaints.append(f"{place}, which is not right either; mend that first")
+        elif parameters is None:
+            complaints.append(
+                f"{place} which is not in the library {has(files)} nor a behavior of domain "
+                f'"{domain.name}" {has([*domain.behaviors, *domain.automata])}; '
+                f"put {file_name(state.name)} into the folder, or take the state out"
+            )
+        elif len(parameters) != len(state.arguments):
+            complaints.append(
+                f"{place}, which takes {len(parameters)} target(s) "
+                f"({', '.join(parameters) or 'none'}), not {len(state.arguments)}; "
+                "train one of the two again"
+            )
+    return complaints
+
+
+def _parameters(
+    name: str, files: Mapping[str, BehaviorFile], domain: Domain
+) -> tuple[str, ...] | None:
+    if name in files:
+        return files[name].automaton.parameters
+    known = domain.behaviors.get(name) or domain.automata.get(name)
+    return known.parameters if known is not None else None
+
+
+def _circle(name: str, used: str, uses: Uses) -> list[str]:
+    """Return the shortest way from ``name`` over ``used`` back to ``name``; there is one."""
+    came_from = {used: name}
+    waiting = deque([used])
+    while name not in came_from:
+        last = waiting.popleft()
+        for below in sorted(uses(last)):
+            if below not in came_from:
+                came_from[below] = last
+                waiting.append(below)
+    way = [name]
+    while len(way) == 1 or way[-1] != name:
+        way.append(came_from[way[-1]])
+    return way[::-1]

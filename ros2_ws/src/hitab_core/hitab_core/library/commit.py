@@ -1,0 +1,210 @@
+"""Several files of a folder changed at once: all of them, or none, also when the power fails.
+
+What is to be done is first written down whole in one file, the note. Once that is in its place
+the change counts as made: whoever comes to the folder next and finds the note carries it out
+again from the beginning and, where the disk does not let him, reads as if it were carried out.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import zlib
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+
+from hitab_core.errors import LibraryError
+from hitab_core.library.durable_files import (
+    UNFINISHED,
+    file_errors,
+    locked,
+    sync_folder,
+    write_durably,
+)
+
+COMMIT = ".commit.json"
+"""The note, which says what is to be done."""
+
+_INSIDE = re.compile(r"(\.?[A-Za-z0-9][A-Za-z0-9_.-]*/)*\.?[A-Za-z0-9][A-Za-z0-9_.-]*\Z")
+_HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")
+
+
+def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
+    """Write and remove files, all or none. The caller holds the folder alone.
+
+    When this returns, the note is on disk and the change is made, even if the files themselves
+    could not be written yet.
+
+    Args:
+        folder: where.
+        changes: new contents by path inside the folder; None: the file is removed.
+
+    Raises:
+        LibraryError: if it cannot be written; then nothing has changed.
+    """
+    finish(folder)
+    if not changes:
+        return
+    with file_errors(folder, "write to"):
+        try:
+            write_durably(folder / COMMIT, _note(changes))
+        except OSError:
+            if not _withdrawn(folder):
+                return  # whoever comes next finds the note: the change is made
+            raise
+    # What cannot be carried out now is done by whoever comes next.
+    with suppress(OSError, LibraryError):
+        _carry_out(folder, pending(folder))
+        _remove_note(folder)
+
+
+def announce(folder: Path, changes: Mapping[str, bytes | None]) -> bytes:
+    """Put a note into its place without waiting for the disk; return what it says.
+
+    The caller holds the folder alone, and has carried out what was to be done there before. The
+    change survives this process from now on, and a power failure once the caller has forced the
+    file system to disk. Then come `carry_out`, the disk again, and `forget`.
+
+    Raises:
+        LibraryError: if it cannot be written; then nothing has changed.
+    """
+    note = _note(changes)
+    with file_errors(folder, "write to"):
+        write_durably(folder / COMMIT, note, sync=False)
+    return note
+
+
+def withdraw(folder: Path, note: bytes) -> bool:
+    """Take back a note that was announced; return whether that was still possible."""
+    try:
+        with file_errors(folder, "use"), locked(folder, alone=True, patience=0.0):
+            return _is_there(folder, note) and _withdrawn(folder)
+    except LibraryError:
+        return False
+
+
+def carry_out(folder: Path, note: bytes) -> None:
+    """Do what a note says, unless somebody has done so, without waiting for the disk.
+
+    Whoever holds the folder, or comes after a disk error, does it himself.
+    """
+    with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
+        if _is_there(folder, note):
+            _carry_out(folder, pending(folder), sync=False)
+
+
+def forget(folder: Path, note: bytes) -> None:
+    """Remove a note that was carried out, on disk too, unless somebody has done so."""
+    with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
+        if _is_there(folder, note):
+            (folder / COMMIT).unlink()
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Return whether changes are written down but perhaps not all done."""
+    return (folder / COMMIT).exists()
+
+
+def finish(folder: Path) -> None:
+    """Do what is written down, if anything is. The caller holds the folder alone.
+
+    Raises:
+        LibraryError: if what is written down makes no sense, or cannot be done.
+    """
+    note = folder / COMMIT
+    with file_errors(folder, "write to"):
+        there = os.listdir(folder) if folder.is_dir() else []
+        for name in there:
+            if name.startswith(".") and name.endswith(UNFINISHED):
+                (folder / name).unlink(missing_ok=True)
+        if COMMIT not in there:
+            return
+        for left_over in folder.glob(f".*/*/.*{UNFINISHED}"):  # beside versions
+            left_over.unlink(missing_ok=True)
+        plan = pending(folder)
+        if plan:
+            # It may have been announced only, and must not get lost while it is half done.
+            descriptor = os.open(note, os.O_RDONLY | os.O_CLOEXEC)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+            sync_folder(folder)
+            _carry_out(folder, plan)
+        _remove_note(folder)
+
+
+def pending(folder: Path) -> dict[str, bytes | None]:
+    """Return what a note says that perhaps is not done yet; empty if there is none.
+
+    Raises:
+        LibraryError: if the note makes no sense.
+    """
+    note = folder / COMMIT
+    with file_errors(note, "read"):
+        try:
+            data = note.read_bytes()
+        except FileNotFoundError:
+            return {}
+    head = _HEAD.match(data)
+    body = data[head.end() :] if head is not None else b""
+    if b"\0" in data or not data or (head is not None and len(body) < int(head[2])):
+        return {}  # the power failed before it was on disk: the change was never made
+    try:
+        if head is None or zlib.crc32(body) != int(head[1], 16):
+            raise ValueError("check sum")
+        plan = json.loads(body)
+        for path, content in plan.items():
+            if _INSIDE.match(path) is None or not isinstance(content, str | None):
+                raise ValueError(path)
+        return {
+            path: None if content is None else content.encode("latin-1")
+            for path, content in plan.items()
+        }
+    except (ValueError, AttributeError, TypeError, RecursionError) as error:
+        raise LibraryError(
+            f"{note}: does not say what is to be done ({error}); "
+            "it was changed by hand: remove it and check the folder's files"
+        ) from None
+
+
+def _note(changes: Mapping[str, bytes | None]) -> bytes:
+    plan = {
+        path: None if data is None else data.decode("latin-1") for path, data in changes.items()
+    }
+    body = json.dumps(plan).encode()
+    return b"%08x %d\n" % (zlib.crc32(body), len(body)) + body
+
+
+def _is_there(folder: Path, note: bytes) -> bool:
+    try:
+        return (folder / COMMIT).read_bytes() == note
+    except OSError:
+        return False
+
+
+def _withdrawn(folder: Path) -> bool:
+    """Remove the note, if it is there; return whether it is not there any more."""
+    try:
+        (folder / COMMIT).unlink(missing_ok=True)
+    except OSError:
+        return not is_unfinished(folder)
+    return True
+
+
+def _carry_out(folder: Path, plan: Mapping[str, bytes | None], *, sync: bool = True) -> None:
+    for path, content in plan.items():
+        place = folder / path
+        if content is not None:
+            write_durably(place, content, sync=sync)
+        elif place.exists():
+            place.unlink()
+            if sync:
+                sync_folder(place.parent)
+
+
+def _remove_note(folder: Path) -> None:
+    (folder / COMMIT).unlink()
+    sync_folder(folder)

@@ -1,0 +1,240 @@
+"""What happens to an automaton on saving: what it does not need is trimmed, its targets bound.
+
+Source: the paper, section 3, "Running HiTAB": before a behavior is saved, unused states and
+features are trimmed, and parameters bound to a target or to a parameter of the automaton itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.domain import Domain
+from hitab_core.errors import VocabularyError, has
+from hitab_core.example import Example
+from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.tree_nodes import described, nodes
+from hitab_core.repertoire import Repertoire
+from hitab_core.transition_function import LearnedTransition, TransitionFunction
+from hitab_core.use import NAME, NAME_RULE, Use
+
+
+def trim(
+    automaton: Automaton, repertoire: Repertoire, *, classifier: str = "tree"
+) -> tuple[Automaton, list[str]]:
+    """Return an automaton without states and features that it does not need.
+
+    A state is needed if an example mentions it, a feature if a transition function can look at
+    it. What is learned from the trimmed examples decides exactly as before: the tree that C4.5
+    grows depends a little on features that it does not use in the end, and where leaving one out
+    would change a decision, it stays.
+
+    Args:
+        automaton: as it was trained.
+        repertoire: the behaviors and features that there are.
+        classifier: what learned it.
+
+    Returns:
+        The trimmed automaton and, for people to read, what was trimmed.
+
+    Raises:
+        VocabularyError: if something is bound to neither a target nor a parameter.
+        FeatureValueError, TrainingError: as `learn_transitions`.
+    """
+    check_bound(automaton, repertoire.domain)
+    mentioned = {label for e in automaton.examples for label in (e.state, e.next_state)}
+    states = tuple(s for s in automaton.states if str(s) in mentioned)
+    notes = [
+        f'state "{state}" was never visited' for state in automaton.states if state not in states
+    ]
+    complete = _learned(replace(automaton, states=states, transitions={}), repertoire, classifier)
+    columns = _needed_columns(complete, repertoire, classifier)
+    trimmed = _learned(_with_columns(complete, columns), repertoire, classifier)
+    used = _columns_used(complete)
+    for i, feature in enumerate(automaton.features):
+        if i not in columns:
+            notes.append(f'feature "{feature}" is not used by any transition function')
+        elif i not in used:
+            notes.append(
+                f'kept feature "{feature}": no transition function uses it, but without it '
+                "other ones would be learned"
+            )
+    mentioned = {a for use in (*trimmed.states, *trimmed.features) for a in use.arguments}
+    notes += [
+        f'kept parameter "{parameter}", which nothing uses'
+        for parameter in automaton.parameters
+        if parameter not in mentioned
+    ]
+    return trimmed, notes
+
+
+def rebind(
+    automaton: Automaton,
+    bindings: Mapping[str, str],
+    repertoire: Repertoire,
+    *,
+    classifier: str = "tree",
+) -> Automaton:
+    """Return an automaton that does the same with other targets.
+
+    ``{"ball": "A"}`` makes a behavior for the ball one for anything: ``A`` becomes a parameter.
+    ``{"A": "ball"}`` binds its parameter to the ball; it is a parameter no longer. A whole use
+    such as ``{"DistanceTo(ball)": "DistanceTo(A)"}`` is for that place alone and comes first.
+
+    Args:
+        automaton: whose states, features and examples are to be bound.
+        bindings: targets or parameters, or whole uses, and what to put in their place.
+        repertoire: the behaviors, features and targets that there are.
+        classifier: what learned it.
+
+    Raises:
+        VocabularyError: if a binding is of nothing that there is, or two states or two features
+            would become the same.
+    """
+    targets = repertoire.domain.targets
+    uses = (*automaton.states, *automaton.features)
+    there = {a for use in uses for a in use.arguments} | {str(use) for use in uses}
+    there |= {*automaton.parameters}
+    for old, new in bindings.items():
+        if old not in there:
+            raise VocabularyError(f'"{old}" is not in automaton "{automaton.name}" {has(there)}')
+        if "(" not in old and NAME.match(new) is None:
+            raise VocabularyError(f'"{new}" cannot be a target or parameter; {NAME_RULE}')
+
+    def bound(use: Use) -> Use:
+        whole = bindings.get(str(use)) if use.arguments else None
+        if whole is None:
+            return use.bound(bindings)
+        new = Use.parse(whole)
+        if new.name != use.name:
+            raise VocabularyError(f'"{use}" cannot become "{new}": only its targets can be bound')
+        return new
+
+    def label(old: str) -> str:
+        return old if old in (START, *FLAGS) else str(bound(Use.parse(old)))
+
+    states = _distinct(automaton.states, bound, "state")
+    features = _distinct(automaton.features, bound, "feature")
+    mentioned = [a for use in (*states, *features) for a in use.arguments]
+    parameters = [p for p in automaton.parameters if p in mentioned or p not in bindings]
+    parameters += [a for a in mentioned if a not in targets and a in bindings.values()]
+    parameters += [a for a in _arguments(bindings) if a in mentioned and a not in targets]
+    rebound = Automaton(
+        automaton.name,
+        states,
+        features,
+        {},
+        tuple(dict.fromkeys(parameters)),
+        tuple(
+            replace(e, state=label(e.state), next_state=label(e.next_state))
+            for e in automaton.examples
+        ),
+        automaton.description,
+    )
+    repertoire.check(rebound)
+    return _learned(rebound, repertoire, classifier)
+
+
+def check_bound(automaton: Automaton, domain: Domain) -> None:
+    """Check that everything is bound.
+
+    Raises:
+        VocabularyError: naming what is bound to neither a target nor a parameter.
+    """
+    there = [*domain.targets, *automaton.parameters]
+    for use in (*automaton.states, *automaton.features):
+        for argument in use.arguments:
+            if argument not in there:
+                raise VocabularyError(
+                    f'"{argument}" in "{use}" of automaton "{automaton.name}" is unbound; bind it '
+                    f"to a target, or make it a parameter {has(there)}"
+                )
+
+
+def _arguments(bindings: Mapping[str, str]) -> list[str]:
+    """Return the arguments in bindings of whole uses."""
+    return [a for old, new in bindings.items() if "(" in old for a in Use.parse(new).arguments]
+
+
+def _distinct(uses: Sequence[Use], bound: Any, what: str) -> tuple[Use, ...]:
+    became: dict[Use, Use] = {}
+    for use in uses:
+        new = bound(use)
+        if new in became:
+            raise VocabularyError(
+                f'{what}s "{became[new]}" and "{use}" would both become "{new}"; '
+                "bind one of them to something else"
+            )
+        became[new] = use
+    return tuple(became)
+
+
+def _learned(automaton: Automaton, repertoire: Repertoire, classifier: str) -> Automaton:
+    scales = [repertoire.scale_of(feature) for feature in automaton.features]
+    names = [str(feature) for feature in automaton.features]
+    functions: Mapping[str, LearnedTransition] = learn_transitions(
+        automaton.examples, scales, classifier, names
+    )
+    return replace(automaton, transitions=functions)
+
+
+def _columns_used(automaton: Automaton) -> set[int]:
+    return {i for function in automaton.transitions.values() for i in function.features_used}
+
+
+def _with_columns(automaton: Automaton, columns: Sequence[int]) -> Automaton:
+    def values(example: Example) -> tuple[float, ...]:
+        return tuple(example.features[i] for i in columns)
+
+    return replace(
+        automaton,
+        features=tuple(automaton.features[i] for i in columns),
+        examples=tuple(replace(e, features=values(e)) for e in automaton.examples),
+        transitions={},
+    )
+
+
+def _needed_columns(complete: Automaton, repertoire: Repertoire, classifier: str) -> list[int]:
+    """Return the features without which something else would be learned, by index."""
+
+    def suffice(columns: Sequence[int]) -> bool:
+        fewer = _learned(_with_columns(complete, columns), repertoire, classifier)
+        return all(
+            _decide_alike(function, fewer.transitions[state], columns)
+            for state, function in complete.transitions.items()
+        )
+
+    everything = range(len(complete.features))
+    used = _columns_used(complete)
+    needed = [i for i in everything if i in used]
+    if suffice(needed):
+        return needed
+    needed = list(everything)
+    for i in everything:
+        fewer = [other for other in needed if other != i]
+        if i not in used and suffice(fewer):
+            needed = fewer
+    return needed
+
+
+def _decide_alike(
+    before: TransitionFunction, after: TransitionFunction, columns: Sequence[int]
+) -> bool:
+    """Return whether two functions decide the same if ``after`` sees only some features."""
+    if isinstance(before, TransitionTree) and isinstance(after, TransitionTree):
+        return before.labels == after.labels and _nodes(before) == _nodes(after, columns)
+    # Another classifier looks at all features, or at none where there is nothing to decide.
+    return len(columns) == len(before.features_used) or before.features_used == ()
+
+
+def _nodes(tree: TransitionTree, columns: Sequence[int] | None = None) -> list[dict[str, Any]]:
+    plain: list[dict[str, Any]] = [
+        {**described(node), "branches": len(node.branches)} for node in nodes(tree.root_)
+    ]
+    for node in plain:
+        if columns is not None and "feature" in node:
+            node["feature"] = columns[node["feature"]]
+    return plain

@@ -1,0 +1,1 @@
+"""Performing automata: one agent, or many of the same behavior at once."""

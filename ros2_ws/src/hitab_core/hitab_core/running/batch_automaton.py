@@ -1,0 +1,339 @@
+"""One automaton performed by many agents at once, over arrays.
+
+A tick does for each agent what `RunningAutomaton.tick` does, by the same comparisons and the same
+draws of its own generator, but level by level: the agents in each state go together down that
+state's tree. What the basic behaviors then do stays the matter of each agent's body: the result
+of a tick is which basic behavior each agent performs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.learning.compiled_tree import Draw, ends
+from hitab_core.repertoire import Repertoire
+from hitab_core.running.batch_senses import BatchSenses
+from hitab_core.running.observing import guest
+from hitab_core.transition_function import TransitionFunction
+from hitab_core.use import Use
+
+NOTHING = -1
+"""Stands for the basic behavior of an agent that performs none."""
+
+DrawFor = Callable[[Integers], Floats]
+"""Returns a number, uniform on [0, 1), for each of some agents, of the agent's own generator."""
+
+Observe = Callable[["BatchLevel", Integers, int, int], None]
+"""Told of agents (rows) that change state: the level, from which state, to which, by index."""
+
+_FLAG_BITS = {flag: 1 << i for i, flag in enumerate(FLAGS)}
+
+
+def draws_of(generators: Sequence[Callable[[], float]]) -> DrawFor:
+    """Return what draws from each agent's own generator, only for those that have to."""
+    return lambda rows: np.array([generators[row]() for row in rows.tolist()])
+
+
+class _Decision(Protocol):
+    """Decides for agents in one state: yields next states with the rows that go there."""
+
+    def __call__(self, rows: Integers) -> Iterator[tuple[int, Integers]]:
+        """Decide for some agents; those whose features cannot be read are left out."""
+
+
+class BatchLevel:
+    """An automaton in the hierarchy, being performed by those agents whose path leads to it.
+
+    Attributes:
+        label: how the automaton is used.
+        path: labels of the automata from the top-level behavior's to this one.
+        labels: of its states, Start first.
+        above: the level of the automaton that uses it.
+        active: shape (n,), index of each agent's active state; of meaning only where this level
+            is being performed.
+        slots: of its features, in the senses.
+        raised: shape (n,), the flags that each agent's automaton has raised, as bits.
+    """
+
+    def __init__(
+        self,
+        batch: BatchAutomaton,
+        automaton: Automaton,
+        use: Use,
+        above: BatchLevel | None,
+    ) -> None:
+        self.label = str(use)
+        self.path: tuple[str, ...] = (*(above.path if above is not None else ()), self.label)
+        self.automaton = automaton
+        self.above = above
+        self.bindings = dict(zip(automaton.parameters, use.arguments, strict=True))
+        self.labels = [START, *automaton.labels]
+        self.active: Integers = np.zeros(batch.size, np.int64)
+        self.raised = np.zeros(batch.size, np.uint8)
+        self._batch = batch
+        self._bits = [_FLAG_BITS.get(label, 0) for label in self.labels]
+        self.children: list[BatchLevel | int | None] = [None]
+        for state in automaton.states:
+            self.children.append(
+                None if state.name in FLAGS else batch.child(state.bound(self.bindings), self)
+            )
+        self.slots: list[int] = []
+        self._flag_slots: list[tuple[int, int]] = []
+        for feature in automaton.features:
+            if feature.name in FLAGS:
+                self.slots.append(batch.senses.slot_for_flag())
+                self._flag_slots.append((self.slots[-1], _FLAG_BITS[feature.name]))
+            else:
+                self.slots.append(batch.senses.slot(feature.bound(self.bindings)))
+        index = {label: i for i, label in enumerate(self.labels)}
+        self._decisions: list[_Decision | None] = [None] * len(self.labels)
+        for label, function in automaton.transitions.items():
+            self._decisions[index[label]] = batch.decision(function, self.slots, index)
+
+    def start(self, rows: Integers) -> None:
+        """Have some agents begin in Start, with no flag raised."""
+        self.active[rows] = 0
+        self.raised[rows] = 0
+
+    def tick(self, rows: Integers) -> None:
+        """Have some agents query, change state and perform what is active then."""
+        active = self.active.take(rows)
+        groups: list[tuple[int, Integers]] = []
+        blank = []
+        for state, count in enumerate(np.bincount(active).tolist()):
+            if count:
+                group = rows if count == len(rows) else rows[active == state]
+                if self.children[state] is None:  # Start and flag states are left at once
+                    blank.append(group)
+                else:
+                    groups.append((state, group))
+        if blank:
+            group = _joined(blank)
+            self.active[group] = 0
+            groups.append((0, group))
+        gathered: list[list[Integers]] = [[] for _ in self.labels]
+        for state, group in groups:
+            if self._flag_slots:
+                self._see_flags(self.children[state], group)
+            decide = self._decisions[state]
+            if decide is None:
+                gathered[state].append(group)
+                continue
+            for chosen, piece in decide(group):
+                if chosen != state:
+                    self._enter(state, chosen, piece)
+                gathered[chosen].append(piece)
+        for chosen, pieces in enumerate(gathered):
+            if pieces:
+                self._perform(self.children[chosen], _joined(pieces))
+
+    def _perform(self, child: BatchLevel | int | None, rows: Integers) -> None:
+        if isinstance(child, BatchLevel):
+            child.tick(rows)
+        else:
+            self._batch.arrive(rows, NOTHING if child is None else child)
+
+    def _see_flags(self, child: BatchLevel | int | None, rows: Integers) -> None:
+        if not isinstance(child, BatchLevel):
+            for slot, _ in self._flag_slots:
+                self._batch.senses.put(slot, rows, 0.0)
+            return
+        raised = child.raised[rows]
+        for slot, bit in self._flag_slots:
+            self._batch.senses.put(slot, rows, (raised & bit) != 0)
+        child.raised[rows] = 0
+
+    def _enter(self, source: int, chosen: int, rows: Integers) -> None:
+        batch = self._batch
+        if batch.observe is not None:
+            batch.observe(self, rows, source, chosen)
+        batch.leave(rows)
+        self.active[rows] = chosen
+        child = self.children[chosen]
+        if isinstance(child, BatchLevel):
+            child.start(rows)
+        elif child is None and chosen:
+            self.raised[rows] |= self._bits[chosen]
+
+    def active_path(self, row: int) -> list[str]:
+        """Return the labels of one agent's active states, from this level's inwards."""
+        state = int(self.active[row])
+        child = self.children[state]
+        inner = child.active_path(row) if isinstance(child, BatchLevel) else []
+        return [self.labels[state], *inner]
+
+    def condition(self, row: int) -> list[tuple[int, frozenset[str]]]:
+        """Return one agent's active states and raised flags, from this level's inwards."""
+        state = int(self.active[row])
+        child = self.children[state]
+        inner = child.condition(row) if isinstance(child, BatchLevel) else []
+        return [(state, frozenset(self.raised_by(row))), *inner]
+
+    def raised_by(self, row: int) -> set[str]:
+        """Return the flags that one agent's automaton has raised."""
+        raised = int(self.raised[row])
+        return {flag for flag, bit in _FLAG_BITS.items() if raised & bit}
+
+
+class BatchAutomaton:
+    """A behavior performed by n agents; see the module.
+
+    What an agent has to do after a tick is told by `performed` before and after it: if the two
+    differ, it stops the one, if any, and starts the other, if any; then it pulses the latter.
+
+    Attributes:
+        basics: the basic behaviors that can be performed, bound to targets.
+        performed: shape (n,), which of these each agent performs, or `NOTHING`.
+        top: the level of the behavior itself.
+    """
+
+    def __init__(
+        self,
+        repertoire: Repertoire,
+        use: Use,
+        senses: BatchSenses,
+        draw: DrawFor,
+        size: int,
+        *,
+        most_probable: bool = False,
+        observe: Observe | None = None,
+    ) -> None:
+        """Prepare; the agents are in Start.
+
+        Args:
+            repertoire: the behaviors that there are.
+            use: the automaton to perform, its arguments targets.
+            senses: the agents' features; whoever ticks has it forget them before.
+            draw: draws for the agents at a leaf with more than one state.
+            size: how many agents, n.
+            most_probable: take the most probable next state instead of drawing one.
+            observe: called at each change of state, before the new state is started.
+        """
+        self.size = size
+        self.senses = senses
+        self.observe = None if observe is None else guest(observe)
+        self.basics: list[Use] = []
+        self.performed: Integers = np.full(size, NOTHING, np.int64)
+        self._repertoire = repertoire
+        self._draw = draw
+        self._most_probable = most_probable
+        self._moved: Booleans = np.zeros(size, np.bool_)
+        self._arrived: Booleans = np.zeros(size, np.bool_)
+        top = self.child(use, None)
+        if not isinstance(top, BatchLevel):
+            raise TypeError(f'"{use}" is a basic behavior; only automata are performed in batches')
+        self.top = top
+
+    def start(self, rows: Integers) -> None:
+        """Have some agents begin at Start; they perform nothing yet."""
+        self.top.start(rows)
+        self.performed[rows] = NOTHING
+
+    def tick(self, rows: Integers) -> dict[int, Exception]:
+        """Perform one timestep of some agents, each given once.
+
+        Returns:
+            what was wrong with an agent's features, by row. Such an agent stays where the
+            decision that failed found it, and must not pulse.
+        """
+        self._moved[rows] = False
+        self._arrived[rows] = False
+        self.top.tick(rows)
+        if not self.senses.errors:
+            return {}
+        lost = rows[~self._arrived[rows]]
+        # Whoever had left a state when a decision further inside failed performs nothing now.
+        self.performed[lost[self._moved[lost]]] = NOTHING
+        return {row: self.senses.errors[row] for row in lost.tolist()}
+
+    def go_on_from(self, row: int, levels: Sequence[tuple[int, frozenset[str]]]) -> int:
+        """Put one agent where it was elsewhere; return what it performs; see `condition`."""
+        child: BatchLevel | int | None = self.top
+        for state, raised in levels:
+            assert isinstance(child, BatchLevel)
+            child.active[row] = state
+            child.raised[row] = sum(_FLAG_BITS[flag] for flag in raised)
+            child = child.children[state]
+        performed = child if isinstance(child, int) else NOTHING
+        self.performed[row] = performed
+        return performed
+
+    def active_path(self, row: int) -> list[str]:
+        """Return the labels of one agent's active states, from the behavior's own inwards."""
+        return self.top.active_path(row)
+
+    # -- for the levels ---------------------------------------------------------------------
+
+    def child(self, use: Use, above: BatchLevel | None) -> BatchLevel | int:
+        """Return a new level for an automaton, the index in `basics` for a basic behavior."""
+        behavior = self._repertoire.get(use.name)
+        if isinstance(behavior, Automaton):
+            return BatchLevel(self, behavior, use, above)
+        self.basics.append(use)
+        return len(self.basics) - 1
+
+    def arrive(self, rows: Integers, basic: int) -> None:
+        """Note what some agents perform at the end of their paths."""
+        self.performed[rows] = basic
+        self._arrived[rows] = True
+
+    def leave(self, rows: Integers) -> None:
+        """Note that some agents have left a state."""
+        self._moved[rows] = True
+
+    def decision(
+        self, function: TransitionFunction, slots: Sequence[int], states: dict[str, int]
+    ) -> _Decision:
+        """Return what a transition function decides for many agents."""
+        compile_batch = getattr(function, "compile_batch", None)
+        if compile_batch is None:
+            return self._one_by_one(function, slots, states)
+        root = compile_batch(slots, states, most_probable=self._most_probable)
+        return lambda rows: self._down_the_tree(root, rows)
+
+    def _down_the_tree(self, root: Any, rows: Integers) -> Iterator[tuple[int, Integers]]:
+        for leaf, piece in ends(root, self.senses, rows):
+            if not isinstance(leaf, Draw):
+                yield leaf, piece
+                continue
+            drawn = np.searchsorted(leaf.cumulative, self._draw(piece), side="right")
+            for i, choice in enumerate(leaf.choices):
+                chosen = piece[drawn == i]
+                if len(chosen):
+                    yield choice, chosen
+
+    def _one_by_one(
+        self, function: TransitionFunction, slots: Sequence[int], states: dict[str, int]
+    ) -> _Decision:
+        """Return the decision of a function that only decides for one agent at a time."""
+        decide_one = function.compile(slots, states, most_probable=self._most_probable)
+        blank: list[float | None] = [None] * (max(slots, default=0) + 1)
+
+        def decide(rows: Integers) -> Iterator[tuple[int, Integers]]:
+            for row in rows.tolist():
+                only = np.array([row])
+                read, draw = partial(self._read, row), partial(self._draw_one, only)
+                try:
+                    chosen = decide_one(blank, read, draw)
+                except Exception as error:  # one agent must not stop the others
+                    self.senses.errors[row] = error
+                    continue
+                yield chosen, only
+
+        return decide
+
+    def _read(self, row: int, slot: int) -> float:
+        return self.senses.value(slot, row)
+
+    def _draw_one(self, only: Integers) -> float:
+        return float(self._draw(only)[0])
+
+
+def _joined(pieces: list[Integers]) -> Integers:
+    return pieces[0] if len(pieces) == 1 else np.concatenate(pieces)

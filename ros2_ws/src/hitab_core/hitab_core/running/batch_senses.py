@@ -1,0 +1,195 @@
+"""The features of many agents as columns, read when a decision first looks at them.
+
+A feature that its domain can read for all agents at once (`Feature.read_all`) costs one array
+operation; any other is read agent by agent, and only for the agents whose decisions look at it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.domain import Domain, FeatureKind
+from hitab_core.running.senses import checked, resolved
+from hitab_core.use import Use
+
+ReadAll = Callable[[], Floats]
+
+
+@dataclass(slots=True)
+class _Column:
+    """The values of one feature: shape (n,).
+
+    Attributes:
+        use: of the feature.
+        readers: read it from an agent's body, by row; made when first needed.
+        known: which values have been read since the last percepts, one by one.
+        whole: whether all are known.
+        wrong: why values are missing or impossible, by row; these are NaN.
+    """
+
+    values: Floats
+    name: str = ""
+    categories: int = 0
+    read_all: ReadAll | None = None
+    use: Use | None = None
+    readers: dict[int, Callable[[], float]] = field(default_factory=dict)
+    known: Booleans | None = None
+    whole: bool = False
+    wrong: dict[int, Exception] = field(default_factory=dict)
+
+
+class BatchSenses:
+    """Feature values of many agents by slot, as `Senses` has those of one.
+
+    Attributes:
+        from_bodies: read everything from bodies, agent by agent.
+        errors: why a feature that an agent's decision looked at could not be read, by row.
+    """
+
+    def __init__(
+        self, domain: Domain, size: int, bodies: Sequence[Any] = (), percepts: Any = None
+    ) -> None:
+        """Know the agents.
+
+        Args:
+            domain: whose features they are.
+            size: how many agents, n.
+            bodies: of each agent; not needed for features that are read for all.
+            percepts: what the domain reads for all agents at once, see `Feature.read_all`;
+                None: nothing is read so.
+        """
+        self.from_bodies = False
+        self.errors: dict[int, Exception] = {}
+        self._domain = domain
+        self._size = size
+        self._bodies = bodies
+        self._percepts = percepts
+        self._columns: list[_Column] = []
+        self._slots: dict[Use, int] = {}
+
+    def slot(self, use: Use) -> int:
+        """Return the slot of a feature bound to targets, making it on first use."""
+        if use not in self._slots:
+            feature = self._domain.features[use.name]
+            column = _Column(
+                np.zeros(self._size),
+                str(use),
+                len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
+                self._reads_all(use),
+            )
+            column.use = use
+            self._columns.append(column)
+            self._slots[use] = len(self._columns) - 1
+        return self._slots[use]
+
+    def _reads_all(self, use: Use) -> ReadAll | None:
+        domain = self._domain
+        read = domain.features[use.name].read_all
+        resolvers = [domain.targets[argument].resolve_all for argument in use.arguments]
+        if self._percepts is None or read is None or None in resolvers:
+            return None
+        percepts = self._percepts
+        return lambda: read(percepts, *[r(percepts) for r in resolvers if r is not None])
+
+    def slot_for_flag(self) -> int:
+        """Return a fresh slot that its automaton fills by itself."""
+        self._columns.append(_Column(np.zeros(self._size), whole=True))
+        return len(self._columns) - 1
+
+    def put(self, slot: int, rows: Integers, values: Any) -> None:
+        """Set the values of a flag's slot."""
+        self._columns[slot].values[rows] = values
+
+    def forget(self) -> None:
+        """Forget all values but flags: new percepts have come."""
+        self.errors.clear()
+        for slot in self._slots.values():
+            column = self._columns[slot]
+            column.whole = False
+            column.wrong.clear()
+            column.known = None
+
+    def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
+        """Return those of some agents whose value can be read, and their values."""
+        column = self._columns[slot]
+        if not column.whole and not self._read_all(column):
+            self._read(column, rows)
+        values = column.values.take(rows)
+        if column.wrong:
+            missing = values != values
+            self.errors |= {row: column.wrong[row] for row in rows[missing].tolist()}
+            rows, values = rows[~missing], values[~missing]
+        return rows, values
+
+    def value(self, slot: int, row: int) -> float:
+        """Return one value.
+
+        Raises:
+            FeatureValueError: if it is missing, not a number or not a category.
+        """
+        _, values = self.take(slot, np.array([row]))
+        if not len(values):
+            raise self.errors[row]
+        return float(values[0])
+
+    def known(self, slot: int, row: int) -> float | None:
+        """Return a value that has been read since the last percepts; None if it has not."""
+        column = self._columns[slot]
+        read = column.whole or (column.known is not None and bool(column.known[row]))
+        value = float(column.values[row]) if read else math.nan
+        return None if value != value else value
+
+    def _read_all(self, column: _Column) -> bool:
+        """Read a column for all agents at once; return whether that can be done."""
+        if column.read_all is None or self.from_bodies or column.known is not None:
+            return False
+        try:
+            # A copy: what is read one by one is written into it.
+            values = np.array(column.read_all(), np.float64)
+            if values.shape != (self._size,):
+                raise ValueError(f"shape {values.shape}, not {(self._size,)}")
+        except Exception:  # of the domain's code: reading one by one tells whose it is, and why
+            return False
+        column.values = values
+        self._inspect(column)
+        return True
+
+    def _inspect(self, column: _Column) -> None:
+        """Find impossible values in a column that is whole."""
+        column.whole = True
+        values = column.values
+        wrong = values != values
+        if column.categories:
+            wrong |= ~((values >= 0) & (values < column.categories) & (values == np.floor(values)))
+        for row in np.flatnonzero(wrong).tolist():
+            self._read_one(column, row, partial(float, values[row]))
+
+    def _read(self, column: _Column, rows: Integers) -> None:
+        if column.known is None:
+            column.known = np.zeros(self._size, np.bool_)
+        for row in rows[~column.known[rows]].tolist():
+            self._read_one(column, row, self._reader(column, row))
+        column.known[rows] = True
+
+    def _reader(self, column: _Column, row: int) -> Callable[[], float]:
+        reader = column.readers.get(row)
+        if reader is None:
+            assert column.use is not None
+            read = self._domain.features[column.use.name].read
+            reader = resolved(read, self._bodies[row], self._domain, column.use)
+            column.readers[row] = reader
+        return reader
+
+    def _read_one(self, column: _Column, row: int, read: Callable[[], float]) -> None:
+        try:
+            column.values[row] = checked(read, column.name, column.categories)
+        except Exception as error:  # one agent's sensor must not stop the others
+            column.values[row] = np.nan
+            column.wrong[row] = error

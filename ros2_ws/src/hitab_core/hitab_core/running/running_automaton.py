@@ -1,0 +1,301 @@
+"""An automaton, or a basic behavior, being performed by one agent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.domain import BasicBehavior
+from hitab_core.repertoire import Repertoire
+from hitab_core.running.observing import Change, Observe, guest
+from hitab_core.running.senses import Senses, resolved
+from hitab_core.transition_function import Decide, TransitionFunction
+from hitab_core.use import Use
+
+
+class Running(Protocol):
+    """A behavior being performed."""
+
+    @property
+    def raised(self) -> set[str]:
+        """The flags that it has raised and nobody has taken down."""
+
+    @property
+    def active_path(self) -> list[str]:
+        """Labels of the active states, outermost first; none in a basic behavior."""
+
+    def start(self) -> None:
+        """Begin performing, from the beginning."""
+
+    def tick(self) -> None:
+        """Perform one timestep."""
+
+    def stop(self) -> None:
+        """Stop performing, innermost first."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunContext:
+    """What everything that one agent performs has in common.
+
+    Attributes:
+        repertoire: the behaviors that there are.
+        body: the domain's body of this agent.
+        senses: its features, over the same body.
+        draw: uniform random numbers on [0, 1), of the agent's own seeded generator.
+        most_probable: take the most probable next state instead of drawing one.
+        observe: called at each change of state, after the decision and before the new state is
+            started. What it raises goes no further; see `hitab_core.running.observing`.
+    """
+
+    repertoire: Repertoire
+    body: Any
+    senses: Senses
+    draw: Callable[[], float]
+    most_probable: bool = False
+    observe: Observe | None = None
+
+    def __post_init__(self) -> None:
+        """Keep what an observer raises out of whatever is performed here."""
+        if self.observe is not None:
+            object.__setattr__(self, "observe", guest(self.observe))
+
+    def perform(self, use: Use, above: RunningAutomaton | None = None) -> Running:
+        """Return a performance of ``use``, whose arguments must all be targets; not started."""
+        behavior = self.repertoire.get(use.name)
+        if isinstance(behavior, BasicBehavior):
+            return RunningBasicBehavior(self, behavior, use)
+        bindings = dict(zip(behavior.parameters, use.arguments, strict=True))
+        return RunningAutomaton(self, behavior, bindings, above, str(use))
+
+
+class RunningBasicBehavior:
+    """A basic behavior being performed; a one-shot one is pulsed once after each start."""
+
+    __slots__ = ("_one_shot", "_pulse", "_pulsed", "_start", "_stop", "raised")
+
+    def __init__(self, context: RunContext, behavior: BasicBehavior, use: Use) -> None:
+        domain, body = context.repertoire.domain, context.body
+        self._start = resolved(behavior.start, body, domain, use)
+        self._pulse = resolved(behavior.pulse, body, domain, use)
+        self._stop = resolved(behavior.stop, body, domain, use)
+        self._one_shot = behavior.one_shot
+        self._pulsed = False
+        self.raised: set[str] = set()
+
+    @property
+    def active_path(self) -> list[str]:
+        """Nothing: a basic behavior has no states."""
+        return []
+
+    def start(self) -> None:
+        """Begin performing."""
+        self._pulsed = False
+        self._start()
+
+    def tick(self) -> None:
+        """Pulse once; a one-shot behavior only the first time."""
+        if self._one_shot:
+            if self._pulsed:
+                return
+            self._pulsed = True
+        self._pulse()
+
+    def stop(self) -> None:
+        """Stop performing."""
+        self._stop()
+
+
+Condition = tuple[list[tuple[int, frozenset[str]]], RunningBasicBehavior | None]
+"""From outside in, the index of each automaton's active state and the flags that it has raised;
+and the basic behavior that is performed at the end, if any."""
+
+
+class RunningAutomaton:
+    """An automaton being performed: its active state and, inside it, what that performs.
+
+    `tick` is the paper's step: query the transition function of the active state, change state
+    if it says so, pulse the active behavior. A demonstrator who is in control replaces the query:
+    `go_to` and `pulse`.
+    """
+
+    def __init__(
+        self,
+        context: RunContext,
+        automaton: Automaton,
+        bindings: Mapping[str, str] | None = None,
+        above: RunningAutomaton | None = None,
+        label: str = "",
+    ) -> None:
+        self.context = context
+        self.automaton = automaton
+        self.bindings = dict(bindings or {})
+        self.above = above
+        self.label = label or automaton.name
+        self.path: tuple[str, ...] = (*(above.path if above is not None else ()), self.label)
+        self.raised: set[str] = set()
+        self._senses = context.senses
+        self._values = context.senses.values
+        self._read = context.senses.read
+        self._labels: list[str] = [START]
+        self._children: list[Running | None] = [None]
+        self._decide: list[Decide | None] = [None]
+        self._functions: dict[str, TransitionFunction] = {}
+        self._index: dict[str, int] = {START: 0}
+        self._active = 0
+        for state in automaton.states:
+            self.add_state(state)
+        self._slots: list[int] = []
+        self._flag_slots: list[tuple[int, str]] = []
+        for feature in automaton.features:
+            if feature.name in FLAGS:
+                slot = context.senses.slot_for_flag()
+                self._flag_slots.append((slot, feature.name))
+            else:
+                slot = context.senses.slot(feature.bound(self.bindings))
+            self._slots.append(slot)
+        self.set_transitions(automaton.transitions)
+
+    def add_state(self, state: Use) -> None:
+        """Add a state, as training does when a behavior is commanded for the first time."""
+        label = str(state)
+        if label in self._index:
+            return
+        child: Running | None = None
+        if state.name not in FLAGS:
+            child = self.context.perform(state.bound(self.bindings), self)
+        self._index[label] = len(self._labels)
+        self._labels.append(label)
+        self._children.append(child)
+        self._decide.append(None)
+
+    def set_transitions(self, transitions: Mapping[str, TransitionFunction]) -> None:
+        """Decide by these transition functions from now on; the active state stays active."""
+        self._functions = dict(transitions)
+        self._decide = [None] * len(self._labels)
+        for label, function in transitions.items():
+            self._decide[self._index[label]] = function.compile(
+                self._slots, self._index, most_probable=self.context.most_probable
+            )
+
+    @property
+    def active(self) -> str:
+        """The label of the active state."""
+        return self._labels[self._active]
+
+    @property
+    def child(self) -> Running | None:
+        """What the active state performs; None in Start and in flag states."""
+        return self._children[self._active]
+
+    @property
+    def active_path(self) -> list[str]:
+        """The active states from this automaton's inwards."""
+        child = self.child
+        inner = child.active_path if isinstance(child, RunningAutomaton) else []
+        return [self.active, *inner]
+
+    def condition(self) -> Condition:
+        """Return where it is, so that something else can go on from there."""
+        own = (self._active, frozenset(self.raised))
+        child = self.child
+        if isinstance(child, RunningAutomaton):
+            levels, basic = child.condition()
+            return [own, *levels], basic
+        return [own], child if isinstance(child, RunningBasicBehavior) else None
+
+    def start(self) -> None:
+        """Begin in Start, with no flag raised."""
+        self._active = 0
+        self.raised.clear()
+
+    def stop(self) -> None:
+        """Stop what is active, innermost first, and fall back to Start."""
+        child = self._children[self._active]
+        if child is not None:
+            child.stop()
+        self._active = 0
+
+    def tick(self) -> None:
+        """Query, change state if the transition function says so, pulse."""
+        active = self._active
+        child = self._children[active]
+        if child is None:
+            active = self._active = 0  # Start and flag states are left at once
+        if self._flag_slots:
+            self._see_flags(child)
+        decide = self._decide[active]
+        if decide is not None:
+            chosen = decide(self._values, self._read, self.context.draw)
+            if chosen != active:
+                child = self._enter(chosen)
+        if child is not None:
+            child.tick()
+
+    def pulse(self) -> None:
+        """Perform one timestep of the active state without querying: a demonstrator decides."""
+        child = self._children[self._active]
+        if child is not None:
+            child.tick()
+        else:
+            self._active = 0  # a flag was raised; the flag state is left at once
+
+    def go_to(self, label: str) -> None:
+        """Change to a state on a demonstrator's command; the active state is not restarted."""
+        index = self._index[label]
+        if index != self._active:
+            self._enter(index, commanded=True)
+
+    def take_down_flags(self) -> None:
+        """Take down what the active state has raised: a demonstrator's command is the query."""
+        child = self.child
+        if child is not None:
+            child.raised.clear()
+
+    def peek_features(self) -> list[float]:
+        """Return the values of all features now, leaving raised flags up."""
+        child = self.child
+        for slot, flag in self._flag_slots:
+            self._values[slot] = 1.0 if child is not None and flag in child.raised else 0.0
+        return [self._read(slot) for slot in self._slots]
+
+    def _see_flags(self, child: Running | None) -> None:
+        raised = child.raised if child is not None else None
+        for slot, flag in self._flag_slots:
+            self._values[slot] = 1.0 if raised and flag in raised else 0.0
+        if raised:
+            raised.clear()
+
+    def _enter(self, index: int, *, commanded: bool = False) -> Running | None:
+        observe = self.context.observe
+        if observe is not None:
+            observe(self._change(index, commanded))
+        old = self._children[self._active]
+        if old is not None:
+            old.stop()
+        self._active = index
+        child = self._children[index]
+        if child is None:
+            if index:
+                self.raised.add(self._labels[index])
+        else:
+            child.start()
+        return child
+
+    def _change(self, index: int, commanded: bool) -> Change:
+        source, destination = self._labels[self._active], self._labels[index]
+        if commanded:
+            return Change(self.path, source, destination, True)
+        values = self._values
+        return Change(
+            self.path,
+            source,
+            destination,
+            False,
+            self.automaton.features,
+            self.bindings,
+            [values[slot] for slot in self._slots],
+            self._functions.get(source),
+        )

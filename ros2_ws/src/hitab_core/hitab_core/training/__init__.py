@@ -1,0 +1,1 @@
+"""Training: a session, its examples, and the journal that survives the process."""

@@ -1,0 +1,255 @@
+"""A training on disk, record by record, so that killing the agent loses nothing acknowledged.
+
+One JSON object per line: the version of the form, a number that counts from 1, a check sum and
+what was recorded. A record counts once its line is complete; a line that was cut off was never
+acknowledged and is dropped.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Self
+
+from hitab_core.errors import LibraryError
+from hitab_core.library.durable_files import file_errors, make_folder, sync_folder, write_all
+
+VERSION = 1
+"""The version of the form that is written."""
+
+
+class ExampleJournal:
+    """The journal of one training; one process at a time has it open.
+
+    Use `open`, not the constructor.
+    """
+
+    def __init__(self, path: Path, descriptor: int) -> None:
+        """Take over an open, locked file."""
+        self.path = path
+        self._descriptor = descriptor
+        self._records: list[dict[str, Any]] = []
+        self._size = 0
+
+    @classmethod
+    def open(cls, path: Path | str) -> Self:
+        """Open a journal to go on with it, or begin one.
+
+        A last line that was cut off is removed.
+
+        Raises:
+            LibraryError: if it cannot be read or written, is open elsewhere, or is damaged,
+                naming the line.
+        """
+        path = Path(path)
+        with file_errors(path, "open"):
+            make_folder(path.parent)
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+            journal = cls(path, descriptor)
+            try:
+                journal._lock()
+                journal._resume()
+                sync_folder(path.parent)
+            except BaseException:
+                os.close(descriptor)
+                raise
+        return journal
+
+    @classmethod
+    def begin(cls, path: Path | str, first: Mapping[str, Any]) -> Self:
+        """Begin a journal in the place of the one that may be there, which is archived.
+
+        Args:
+            path: where it shall be.
+            first: its first record.
+
+        Raises:
+            LibraryError: if it cannot be written; then what was there is as before.
+        """
+        path = Path(path)
+        beside = path.with_name(f"{path.stem}.next{path.suffix}")
+        with file_errors(beside, "remove"):
+            beside.unlink(missing_ok=True)  # left over from a process that was killed
+        journal = cls.open(beside)
+        try:
+            journal.append(first)
+            with file_errors(path, "begin"):
+                earlier = _free_name(path) if path.exists() else None
+                if earlier is not None:
+                    path.rename(earlier)
+                try:
+                    beside.rename(path)
+                    sync_folder(path.parent)
+                except BaseException:
+                    if earlier is not None:
+                        with suppress(OSError):
+                            earlier.rename(path)
+                    raise
+        except BaseException:
+            journal.close()
+            with suppress(OSError):
+                beside.unlink(missing_ok=True)
+            raise
+        journal.path = path
+        return journal
+
+    def append(self, record: Mapping[str, Any]) -> int:
+        """Write a record; when this returns, it is on disk.
+
+        Args:
+            record: anything that JSON can say.
+
+        Returns:
+            Its number.
+
+        Raises:
+            LibraryError: if it cannot be written; then the journal is as before.
+        """
+        number = len(self._records) + 1
+        try:
+            kept = json.loads(json.dumps(record, allow_nan=False))
+        except (TypeError, ValueError, RecursionError) as error:
+            raise LibraryError(f"{self.path}: cannot hold {record}: {error}") from None
+        data = _line(number, kept)
+        with file_errors(self.path, "write to"):
+            if not os.fstat(self._open()).st_nlink:
+                self._write_afresh()
+            if os.fstat(self._descriptor).st_size != self._size:
+                os.ftruncate(self._descriptor, self._size)  # what could not be taken back before
+            try:
+                write_all(self._descriptor, data)
+                os.fsync(self._descriptor)
+            except OSError:
+                with suppress(OSError):  # half a line is dropped when it is opened again, too
+                    os.ftruncate(self._descriptor, self._size)
+                raise
+        self._size += len(data)
+        self._records.append(kept)
+        return number
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield all records, oldest first."""
+        yield from list(self._records)
+
+    def __len__(self) -> int:
+        """Return how many records there are."""
+        return len(self._records)
+
+    def close(self) -> None:
+        """Close it, to be gone on with later."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+    def discard(self) -> None:
+        """Close it and remove its file.
+
+        Raises:
+            LibraryError: if that cannot be done.
+        """
+        with file_errors(self.path, "remove"):
+            if self.path.exists():
+                self.path.unlink()
+                sync_folder(self.path.parent)
+        self.close()
+
+    def archive(self) -> Path:
+        """Close it and give its file a name under which it is not gone on with.
+
+        Returns:
+            The file: ``training.jsonl`` becomes ``training.1.jsonl``, or the next free number.
+
+        Raises:
+            LibraryError: if that cannot be done.
+        """
+        with file_errors(self.path, "rename"):
+            archived = _free_name(self.path)
+            if self.path.exists():  # else somebody has removed it
+                self.path.rename(archived)
+                # Done for everybody now; at worst a power failure brings the old name back.
+                with suppress(OSError):
+                    sync_folder(self.path.parent)
+        self.close()
+        return archived
+
+    def _open(self) -> int:
+        if self._descriptor < 0:
+            raise LibraryError(f"{self.path}: is closed; open it again to write to it")
+        return self._descriptor
+
+    def _write_afresh(self) -> None:
+        """Write everything again, since somebody has removed the file or its folder."""
+        again = type(self).open(self.path)
+        try:
+            for record in self._records[len(again) :]:
+                again.append(record)
+        except BaseException:
+            again.close()
+            raise
+        os.close(self._descriptor)
+        self._descriptor, self._size = again._descriptor, again._size
+
+    def _lock(self) -> None:
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not os.path.samestat(os.fstat(self._descriptor), self.path.stat()):
+                raise BlockingIOError  # renamed or removed while it was being opened
+        except (BlockingIOError, FileNotFoundError):
+            raise LibraryError(
+                f"{self.path}: is in use by another process; end that, or use another folder"
+            ) from None
+
+    def _resume(self) -> None:
+        data = self.path.read_bytes()
+        whole, _, torn = data.rpartition(b"\n")
+        lines = whole.split(b"\n") if whole else []
+        # Where power fails, a disk may be left with zeros instead of what was last written.
+        if lines and b"\0" in lines[-1] and not torn:
+            torn = lines.pop()
+        for number, line in enumerate(lines, 1):
+            self._records.append(_record(line, number, f"{self.path.name}:{number}"))
+        self._size = sum(len(line) + 1 for line in lines)
+        if self._size < len(data):
+            os.ftruncate(self._descriptor, self._size)
+        os.fsync(self._descriptor)
+
+
+def _free_name(path: Path) -> Path:
+    number = 1
+    while (archived := path.with_name(f"{path.stem}.{number}{path.suffix}")).exists():
+        number += 1
+    return archived
+
+
+def _line(number: int, record: Mapping[str, Any]) -> bytes:
+    text = json.dumps(record)
+    line = f'{{"journal": {VERSION}, "number": {number}, "crc": "{_crc(text)}", "record": '
+    return f"{line}{text}}}\n".encode()
+
+
+def _crc(text: str) -> str:
+    return f"{zlib.crc32(text.encode()):08x}"
+
+
+def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
+    damaged = "keep the lines above it in a file of their own, and go on with that"
+    try:
+        entry = json.loads(line)
+        version, found, crc, record = (entry[k] for k in ("journal", "number", "crc", "record"))
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise LibraryError(f"{place}: is not a record of a journal; {damaged}") from None
+    if version != VERSION:
+        raise LibraryError(
+            f"{place}: has version {version} of the form, and this HiTAB reads {VERSION}; "
+            "use the HiTAB that wrote it"
+        )
+    if found != number:
+        raise LibraryError(f"{place}: has number {found} instead of {number}; {damaged}")
+    if crc != _crc(json.dumps(record)) or not isinstance(record, dict):
+        raise LibraryError(f"{place}: was damaged or edited (check sum); {damaged}")
+    return record

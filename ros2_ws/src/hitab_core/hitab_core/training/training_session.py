@@ -1,0 +1,387 @@
+"""Training one automaton: a demonstrator commands, examples are recorded, functions are learned.
+
+Source: the paper, section 3, "Training with HiTAB".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.example import Example, ExampleKind
+from hitab_core.learning.transition_learning import learn_transitions, learner
+from hitab_core.running.running_automaton import RunContext, RunningAutomaton
+from hitab_core.training.example_log import Edit, ExampleLog
+from hitab_core.training.training_record import example_record, prepared, replay
+from hitab_core.use import NAME, NAME_RULE, Use
+
+Journal = Callable[[Mapping[str, Any]], None]
+"""Writes a record to disk before it returns."""
+
+
+def _forget(record: Mapping[str, Any]) -> None:
+    """Keep no journal."""
+
+
+@dataclass(frozen=True)
+class Curriculum:
+    """What is chosen before training begins.
+
+    Attributes:
+        name: of the automaton to be trained.
+        features: what its transition functions may look at.
+        states: what may be commanded; empty: anything in the repertoire.
+        parameters: its free variables.
+        arguments: the targets to which they are bound while it is being trained.
+        classifier: ``"tree"``, or a scikit-learn classifier (`classifier_replacement`).
+    """
+
+    name: str
+    features: tuple[Use, ...]
+    states: tuple[Use, ...] = ()
+    parameters: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()
+    classifier: str = "tree"
+
+    def to_record(self) -> dict[str, Any]:
+        """Return it as plain data for the journal."""
+        return {
+            "automaton": self.name,
+            "features": [str(f) for f in self.features],
+            "states": [str(s) for s in self.states],
+            "parameters": list(self.parameters),
+            "arguments": list(self.arguments),
+            "classifier": self.classifier,
+        }
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
+        """Read what `to_record` wrote."""
+        return cls(
+            record["automaton"],
+            tuple(Use.parse(text) for text in record["features"]),
+            tuple(Use.parse(text) for text in record["states"]),
+            tuple(record["parameters"]),
+            tuple(record["arguments"]),
+            record["classifier"],
+        )
+
+
+class TrainingSession:
+    """One automaton being trained by one agent.
+
+    In training the demonstrator decides: `command` changes the state and records examples. In
+    testing the learned transition functions decide. Changing between the two leaves the active
+    state, and what it performs, as they are.
+
+    Taking back a command has the agent perform again what it performed when it was given, so
+    that the next command is recorded in that state; doing it again, what it led to. After a
+    crash the agent is in Start, and that can be done to all that the journal tells.
+    """
+
+    def __init__(
+        self,
+        context: RunContext,
+        curriculum: Curriculum,
+        examples: Iterable[Example] = (),
+        journal: Journal = _forget,
+    ) -> None:
+        """Begin in training mode, in Start.
+
+        Raises:
+            VocabularyError: if the curriculum names what does not exist.
+        """
+        check(context, curriculum)
+        self.context = context
+        self.curriculum = curriculum
+        self.log = ExampleLog(examples)
+        self.testing = False
+        self._tested = False
+        self._left = False
+        self._journal = journal
+        self.running = self._perform(())
+
+    def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
+        bindings = dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
+        blank = Automaton(
+            self.curriculum.name,
+            tuple(states),
+            self.curriculum.features,
+            {},
+            self.curriculum.parameters,
+        )
+        running = RunningAutomaton(self.context, blank, bindings)
+        for label in _labels(self.log.examples):
+            running.add_state(Use.parse(label))
+        return running
+
+    @property
+    def examples(self) -> tuple[Example, ...]:
+        """What has been recorded so far."""
+        return self.log.examples
+
+    @property
+    def states(self) -> list[str]:
+        """Labels of the states that examples mention, in order of appearance, without Start."""
+        return _labels(self.log.examples)
+
+    def tick(self) -> None:
+        """Perform one timestep."""
+        if self.testing:
+            self.running.tick()
+        else:
+            self.running.pulse()
+
+    def restart(self) -> None:
+        """Stop what is active and go back to Start, as at the beginning of an episode."""
+        self.running.stop()
+        self.running.start()
+        self._left = False
+
+    def leave(self) -> None:
+        """Stop, since the agent performs something else; `restart` is how to come back."""
+        self.running.stop()
+        self._left = True
+
+    def check_on(self, context: RunContext) -> None:
+        """Check that the training could go on with another repertoire.
+
+        Raises:
+            VocabularyError: naming what that does not have.
+        """
+        check(context, self.curriculum)
+        for label in _labels(self.log.examples):
+            context.repertoire.check_state(Use.parse(label), self.curriculum.parameters)
+
+    def replay(self, records: Iterable[Mapping[str, Any]]) -> None:
+        """Do again what a journal tells was done since the training was begun.
+
+        Raises:
+            VocabularyError: if an example is of a behavior that there is not any more.
+        """
+        records = list(records)
+        replay(records, self.log)
+        self._tested = any(record["do"] == "test" for record in records)
+        self.check_on(self.context)
+        self.rebuild(self.context)
+
+    def rebuild(self, context: RunContext) -> None:
+        """Perform afresh, at Start, since behaviors of the repertoire may have changed."""
+        self.context = context
+        self.running = self._perform(())
+        if self.testing:
+            self.running.set_transitions(self.automaton().transitions)
+
+    def command(self, state: Use, cycle: int = 0) -> list[Example]:
+        """Perform a behavior now, and record the examples that this teaches.
+
+        Args:
+            state: the behavior with its arguments, or a flag.
+            cycle: the world's cycle, kept with the examples.
+
+        Returns:
+            The examples recorded: one, and a default one unless the behavior is one-shot or
+            was running already.
+
+        Raises:
+            TrainingError: in testing mode, or if the behavior is not among the chosen ones.
+            VocabularyError: if there is no such behavior or target.
+            FeatureValueError: if a feature has no value now.
+        """
+        if self.testing:
+            raise TrainingError(
+                f'"{self.curriculum.name}" is being tested; take over by going to training mode '
+                "before commanding"
+            )
+        self._check_state(state)
+        running = self.running
+        label = str(state)
+        source = START if running.active in FLAGS else running.active
+        again = label == source
+        features = tuple(running.peek_features())
+        taught = self.log.preview(
+            source,
+            features,
+            label,
+            kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
+            with_default=not again and not self.context.repertoire.is_one_shot(state),
+            cycle=cycle,
+        )
+        # On disk first: what is acknowledged must survive the agent.
+        self._journal({"do": "command", "examples": [example_record(e) for e in taught]})
+        self.log.make(self.log.addition(taught))
+        running.take_down_flags()
+        running.add_state(state)
+        running.go_to(label)
+        return taught
+
+    def test(self, *, restart: bool = False) -> None:
+        """Learn the transition functions and let them decide from now on.
+
+        Raises:
+            TrainingError: if no example leaves Start.
+        """
+        automaton = self.automaton()
+        self._journal({"do": "test"})
+        self.running.set_transitions(automaton.transitions)
+        if restart:
+            self.restart()
+        self.testing = self._tested = True
+
+    def take_over(self) -> None:
+        """Give control to the demonstrator, at the active state."""
+        self._journal({"do": "train"})
+        self.testing = False
+
+    def undo(self) -> None:
+        """Take back the last command, deletion or relabelling.
+
+        Of a command, the agent performs again what it performed when the command was given.
+
+        Raises:
+            TrainingError: if there is nothing to take back.
+        """
+        self._edit({"do": "undo"})
+
+    def redo(self) -> None:
+        """Do again what was taken back last; of a command, perform what it led to.
+
+        Raises:
+            TrainingError: if there is nothing, or something else was done since.
+        """
+        self._edit({"do": "redo"})
+
+    def delete(self, numbers: Iterable[int]) -> None:
+        """Delete examples by number.
+
+        Raises:
+            TrainingError: if one of them is not there.
+        """
+        self._edit({"do": "delete", "numbers": sorted(set(numbers))})
+
+    def relabel(self, numbers: Iterable[int], next_state: Use) -> None:
+        """Change where examples lead to.
+
+        Raises:
+            TrainingError: if one of them is not there.
+            VocabularyError: if there is no such behavior.
+        """
+        self._check_state(next_state)
+        self._edit(
+            {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(next_state)}
+        )
+
+    def _edit(self, record: Mapping[str, Any]) -> None:
+        # Whatever is refused is refused before it is written.
+        edit = prepared(self.log, record)
+        assert edit is not None
+        learned = self._learned(self.log.after(edit)) if self.testing else None
+        labels = _labels(example for _, example in edit.came)
+        if edit.entered not in (None, START):
+            labels.append(str(edit.entered))
+        for label in labels:
+            self.running.add_state(Use.parse(label))
+        self._journal(record)
+        self.log.make(edit)
+        if learned is not None:
+            self.running.set_transitions(learned.transitions)
+        self._perform_again(edit)
+
+    def _perform_again(self, edit: Edit) -> None:
+        """Perform what was performed before a command that was undone, or after a redone one."""
+        if edit.entered is None or self._left:
+            return
+        self.running.raised.discard(str(edit.left))
+        self.running.go_to(edit.entered)
+
+    def automaton(self) -> Automaton:
+        """Return what has been learned so far, untrimmed.
+
+        Raises:
+            TrainingError: if no example leaves Start.
+        """
+        return self._learned(self.log.examples)
+
+    def _learned(self, examples: tuple[Example, ...]) -> Automaton:
+        if not any(e.state == START for e in examples):
+            raise TrainingError(
+                f'"{self.curriculum.name}" cannot be tested: no example leaves {START}; '
+                "command the behavior that it should begin with"
+            )
+        repertoire = self.context.repertoire
+        scales = [repertoire.scale_of(feature) for feature in self.curriculum.features]
+        names = [str(feature) for feature in self.curriculum.features]
+        return Automaton(
+            self.curriculum.name,
+            tuple(Use.parse(label) for label in _labels(examples)),
+            self.curriculum.features,
+            learn_transitions(examples, scales, self.curriculum.classifier, names),
+            self.curriculum.parameters,
+            examples,
+        )
+
+    def _check_state(self, state: Use) -> None:
+        if state.name == self.curriculum.name:
+            raise VocabularyError(
+                f'recursive automaton: "{state.name}" is what is being trained; '
+                "a behavior cannot use itself"
+            )
+        self.context.repertoire.check_state(state, self.curriculum.parameters)
+        needed = self.context.repertoire
+        if state.name not in FLAGS and self.curriculum.name in needed.needed_by(state.name):
+            raise VocabularyError(
+                f'recursive automaton: "{state.name}" uses "{self.curriculum.name}", '
+                "which is being trained"
+            )
+        chosen = self.curriculum.states
+        if chosen and state not in chosen:
+            raise TrainingError(
+                f'"{state}" is not among the states chosen for "{self.curriculum.name}" '
+                f"{has(chosen)}; begin again with it, or without choosing states"
+            )
+
+
+def check(context: RunContext, curriculum: Curriculum) -> None:
+    """Check that all that a curriculum names exists, its classifier included.
+
+    Raises:
+        VocabularyError: naming what does not.
+    """
+    repertoire = context.repertoire
+    name = curriculum.name
+    for text in (name, *curriculum.parameters):
+        if NAME.match(text) is None:
+            raise VocabularyError(f'"{text}" is not a name; {NAME_RULE}')
+    if len(set(curriculum.parameters)) < len(curriculum.parameters):
+        raise VocabularyError(f'"{name}" has a parameter twice; give each a name of its own')
+    if len(curriculum.parameters) != len(curriculum.arguments):
+        raise VocabularyError(
+            f'"{name}" has {len(curriculum.parameters)} parameter(s) but '
+            f"{len(curriculum.arguments)} target(s) to train with"
+        )
+    for argument in curriculum.arguments:
+        if argument not in repertoire.domain.targets:
+            raise VocabularyError(f'unknown target "{argument}" {has(repertoire.domain.targets)}')
+    if len(set(curriculum.features)) < len(curriculum.features):
+        raise VocabularyError(f'"{name}" has a feature twice')
+    for feature in curriculum.features:
+        repertoire.check_feature(feature, curriculum.parameters)
+    for state in curriculum.states:
+        repertoire.check_state(state, curriculum.parameters)
+    # The empty automaton is checked as any other: reserved names, parameters that are targets.
+    blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
+    repertoire.check_new(blank)
+    learner(curriculum.classifier, [repertoire.scale_of(f) for f in curriculum.features])
+
+
+def _labels(examples: Iterable[Example]) -> list[str]:
+    """Return the states that examples mention, in order of appearance, without Start."""
+    seen: dict[str, None] = {}
+    for example in examples:
+        for label in (example.state, example.next_state):
+            if label != START:
+                seen.setdefault(label)
+    return list(seen)
