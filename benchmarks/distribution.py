@@ -97,7 +97,7 @@ class Meter:
     def __init__(self, link: Any, agents: int) -> None:
         from hitab_msgs import msg, srv
 
-        from hitab_bringup.names import WORLD
+        from hitab_client.names import WORLD
         from hitab_ros import names, qos
 
         self._link = link
@@ -185,11 +185,12 @@ def hurry(folder: Path) -> None:
 
 def measure(agents: int, hosts: int, library: str, rounds: int, *, preferred: bool) -> Figures:
     """Bring a swarm up, distribute a few times, take it down."""
-    from hitab_bringup import domain_ids, supervision
+    from hitab_bringup import supervision
     from hitab_bringup.bringing_up import bring_up
-    from hitab_bringup.ros_link import RosLink
-    from hitab_bringup.run_folder import RunFolder
     from hitab_bringup.swarm_file import parse_swarm
+    from hitab_client import domain_ids
+    from hitab_client.ros_link import RosLink
+    from hitab_client.run_folder import RunFolder
 
     with tempfile.TemporaryDirectory(prefix="hitab-give-") as place, domain_ids.reserved() as id_:
         folder = Path(place).resolve()

@@ -18,10 +18,10 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup.keepaway.evaluation import mean_and_error
 from keepaway_world.inprocess import play
 from keepaway_world.parameters import variant
 from keepaway_world.reference_keepers import reference_players
+from keepaway_world.verbs.evaluation import mean_and_error
 from keepaway_world.world import KeepawayWorld
 
 SLOW = {"taker_speed": 0.25}

@@ -105,7 +105,7 @@ def bare() -> Iterator[Measure]:
 def keepaway(library: Path) -> Iterator[Measure]:
     """Give a swarm that plays keepaway in lockstep."""
     from hitab_bringup.bringing_up import temporary_swarm
-    from hitab_bringup.keepaway.evaluation import play_lockstep, trained_keepers
+    from keepaway_world.verbs.evaluation import play_lockstep, trained_keepers
 
     swarm = trained_keepers(library, "Keepaway", {})
     with temporary_swarm(swarm, progress=lambda *_: None) as running:
@@ -134,8 +134,8 @@ def main(
     """Compare keepaway in lockstep with a bare publish-and-wait-for-all loop."""
     if role:
         answer(role)
-    from hitab_bringup.domain_ids import reserved
     from hitab_bringup.shipped import shipped
+    from hitab_client.domain_ids import reserved
 
     trained = library or shipped("libraries") / "keepaway"
     loops, games, missed = [], [], 0

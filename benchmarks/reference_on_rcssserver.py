@@ -21,7 +21,7 @@ from typing import Annotated
 import typer
 from report import tell
 
-from hitab_bringup.keepaway.evaluation import mean_and_error
+from keepaway_world.verbs.evaluation import mean_and_error
 
 JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
 START_SECONDS = 6  # from the server's start to the first episode

@@ -56,10 +56,10 @@ def description(agents: int) -> str:
 def measure(agents: int) -> dict[str, Any]:
     """Start a swarm and return the figures."""
     from hitab_bringup.bringing_up import temporary_swarm
-    from hitab_bringup.ros_link import RosLink
     from hitab_bringup.supervision import process_states
-    from hitab_bringup.swarm_client import SwarmClient
     from hitab_bringup.swarm_file import parse_swarm
+    from hitab_client.ros_link import RosLink
+    from hitab_client.swarm_client import SwarmClient
 
     began = time.monotonic()
     with temporary_swarm(parse_swarm(description(agents), Path("startup.yaml"))) as running:

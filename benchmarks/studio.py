@@ -31,7 +31,7 @@ def publish(agents: int, rate: float) -> None:
     """Be the world and all agents, until told to end."""
     from hitab_msgs.msg import AgentStatus, Entity, WorldState, WorldStatus
 
-    from hitab_bringup.ros_link import RosLink
+    from hitab_client.ros_link import RosLink
     from hitab_ros import qos
 
     draw = random.Random(1)
@@ -168,7 +168,7 @@ def main() -> None:
     if given.publish:
         publish(given.agents, given.rate)
         return
-    from hitab_bringup.domain_ids import reserved
+    from hitab_client.domain_ids import reserved
 
     with reserved() as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)

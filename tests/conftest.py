@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.keepaway.evaluation import trained_keepers
-from hitab_bringup.lesson_file import read_lesson
-from hitab_bringup.lesson_player import LessonPlayer, LessonReport
 from hitab_bringup.libraries import copy_library
 from hitab_bringup.shipped import find_file
+from hitab_client.lessons.lesson_file import read_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer, LessonReport
+from keepaway_world.verbs.evaluation import trained_keepers
 
 LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 PARAMETERS = {"taker_speed": 0.25}

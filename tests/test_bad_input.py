@@ -3,9 +3,9 @@
 import pytest
 from hitab_msgs.msg import Command
 
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.swarm_client import SwarmClient
-from hitab_bringup.world_client import WorldClient
+from hitab_client.errors import SwarmError
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
 from hitab_ros import qos
 
 AGENT = "keeper_1"

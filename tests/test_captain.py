@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.command_view import CommandView
-from hitab_bringup.lesson_file import read_lesson
-from hitab_bringup.lesson_player import LessonPlayer
 from hitab_bringup.opened_library import open_library
 from hitab_bringup.shipped import find_file, shipped
 from hitab_bringup.swarm_file import read_swarm
+from hitab_client.command_view import CommandView
+from hitab_client.lessons.lesson_file import read_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer
 
 KEEPERS = {"keeper_1": (-7.0, 6.0), "keeper_2": (-3.0, 7.0), "keeper_3": (-5.0, 3.0)}
 SECONDS = 60.0

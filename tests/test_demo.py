@@ -10,7 +10,7 @@ import time
 import psutil
 import pytest
 
-from hitab_bringup.run_folder import MARK
+from hitab_client.run_folder import MARK
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,9 @@ import signal
 import pytest
 from hitab_msgs.msg import Example
 
-from hitab_bringup.errors import SwarmError
 from hitab_bringup.supervision import process_states
-from hitab_bringup.world_client import by_name
+from hitab_client.errors import SwarmError
+from hitab_client.world_client import by_name
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 

@@ -12,9 +12,11 @@ from pathlib import Path
 import psutil
 import pytest
 
-from hitab_bringup import domain_ids
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.dds_profile import (
+from hitab_bringup.supervision import process_states
+from hitab_bringup.swarm_file import parse_swarm
+from hitab_client import domain_ids
+from hitab_client.dds_profile import (
     LOOPBACK,
     NETWORK,
     RANGE,
@@ -22,8 +24,6 @@ from hitab_bringup.dds_profile import (
     choose_profile,
     profile_for,
 )
-from hitab_bringup.supervision import process_states
-from hitab_bringup.swarm_file import parse_swarm
 
 ROOT = Path(__file__).parents[1]
 CHATTER = Path(__file__).with_name("chatter.py")

@@ -19,7 +19,7 @@ MODULES = sorted(
 GUARDS = {"hitab_ros/guarded_node.py"}  # where the guarded node is made of a bare one
 SPINS = {
     "hitab_ros/spinning.py",  # the guarded spin
-    "hitab_bringup/ros_link.py",  # its own: what a subscriber raises is for the command to see
+    "hitab_client/ros_link.py",  # its own: what a subscriber raises is for the command to see
 }
 
 

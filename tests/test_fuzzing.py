@@ -14,11 +14,11 @@ import pytest
 from fuzzing import Fuzzer
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.ros_link import RosLink
 from hitab_bringup.supervision import process_states
-from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.swarm_file import parse_swarm
-from hitab_bringup.world_client import WorldClient
+from hitab_client.ros_link import RosLink
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
 
 SECONDS = 60.0
 LOG_MAX = 300_000  # bytes of one process

@@ -2,12 +2,12 @@
 
 import pytest
 
-from hitab_bringup.errors import LessonError
-from hitab_bringup.keepaway.paper import TABLE_1
-from hitab_bringup.lesson_file import parse_lesson
-from hitab_bringup.lesson_player import LessonPlayer
+from hitab_client.errors import LessonError
+from hitab_client.lessons.lesson_file import parse_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
+from keepaway_world.verbs.paper import TABLE_1
 
 STOP = """\
 lesson: Stand

@@ -13,11 +13,11 @@ from hitab_msgs.srv import Control
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.command_view import CommandView
 from hitab_bringup.shipped import find_file, shipped
 from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
+from hitab_client.command_view import CommandView
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind_reader import FILE_NAME, read_kind

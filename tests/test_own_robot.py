@@ -18,10 +18,10 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-from hitab_bringup.domain_ids import reserved
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.ros_link import RosLink
-from hitab_bringup.swarm_client import SwarmClient
+from hitab_client.domain_ids import reserved
+from hitab_client.errors import SwarmError
+from hitab_client.ros_link import RosLink
+from hitab_client.swarm_client import SwarmClient
 from hitab_core.domain import Domain, load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_ros import qos

@@ -11,9 +11,9 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from hitab_bringup import domain_ids
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.ros_link import RosLink
+from hitab_client import domain_ids
+from hitab_client.errors import SwarmError
+from hitab_client.ros_link import RosLink
 from hitab_ros.answering import answering
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.keepaway.evaluation import trained_keepers
 from hitab_bringup.supervision import process_states
+from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
 AGENT = "keeper_1"

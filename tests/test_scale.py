@@ -10,8 +10,8 @@ import pytest
 from hitab_msgs import msg
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.errors import SwarmError
 from hitab_bringup.swarm_file import parse_swarm
+from hitab_client.errors import SwarmError
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 AGENTS = 60

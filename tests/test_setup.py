@@ -315,7 +315,7 @@ def test_nodes_stay_on_this_machine_unless_the_user_says_otherwise(checkout, sai
 )
 def test_a_prepared_shell_has_a_profile_that_binds_to_this_machine(checkout, said, counts, bound):
     """SYSTEM_DEFAULT is safe with that profile only."""
-    profile = "ros2_ws/src/hitab_bringup/hitab_bringup/dds_loopback.xml"
+    profile = "ros2_ws/src/hitab_client/hitab_client/dds_loopback.xml"
     (checkout.root / profile).parent.mkdir(parents=True)
     shutil.copy(ROOT / profile, checkout.root / profile)
     installed = checkout.root / "jazzy"

@@ -13,8 +13,8 @@ import pytest
 from browsing import Person, browser, chromium, studio
 
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.keepaway.evaluation import trained_keepers
-from hitab_bringup.world_client import by_name
+from hitab_client.world_client import by_name
+from keepaway_world.verbs.evaluation import trained_keepers
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 

@@ -15,15 +15,16 @@ import pytest
 from hitab_msgs.msg import CommanderStatus, HostRoster
 from waiting import within
 
-from hitab_bringup import domain_ids, supervision
+from hitab_bringup import supervision
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.ros_link import RosLink
-from hitab_bringup.run_folder import RunFolder, running_swarms
-from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
-from hitab_bringup.world_client import WorldClient
+from hitab_client import domain_ids
+from hitab_client.errors import SwarmError
+from hitab_client.ros_link import RosLink
+from hitab_client.run_folder import RunFolder, running_swarms
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
 from hitab_ros import qos
 from hitab_ros.exit_codes import FINAL
 

@@ -5,7 +5,7 @@ import math
 import pytest
 from hitab_msgs.srv import GetBehavior, ReadFeatures
 
-from hitab_bringup.errors import SwarmError
+from hitab_client.errors import SwarmError
 
 ONE = "keeper_1"
 

@@ -6,11 +6,11 @@ from collections.abc import Callable
 import pytest
 from hitab_msgs.msg import WorldStatus
 
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.lesson_file import parse_lesson
-from hitab_bringup.lesson_player import LessonPlayer
-from hitab_bringup.world_as_it_was import as_it_was
-from hitab_bringup.world_client import WorldClient
+from hitab_client.errors import SwarmError
+from hitab_client.lessons.lesson_file import parse_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_client.world_as_it_was import as_it_was
+from hitab_client.world_client import WorldClient
 from hitab_ros import qos
 
 LESSON = "lesson: Stand\nagent: keeper_1\nsteps:\n  - begin: Stand\n    features: [Done]\n"

@@ -22,7 +22,7 @@ setup(
     name=NAME,
     version="0.1.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed", "*.xml"]},
+    package_data={NAME: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
@@ -45,6 +45,5 @@ setup(
     python_requires=">=3.11",
     entry_points={
         "console_scripts": ["hitab = hitab_bringup.main:main"],
-        "hitab.commands": ["keepaway = hitab_bringup.keepaway.commands:app"],
     },
 )

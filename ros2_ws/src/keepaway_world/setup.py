@@ -29,6 +29,8 @@ setup(
             "keepaway = keepaway_world.domain:DOMAIN",
             "keepaway_predictive = keepaway_world.predictive.domain:DOMAIN",
         ],
+        "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],
+        "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],
         "hitab.worlds": ["rcssserver = keepaway_world.rcss.rcss_main"],
     },
 )

@@ -10,15 +10,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from hitab_bringup import domain_ids, supervision
-from hitab_bringup.command_view import CommandView
-from hitab_bringup.errors import NamesTakenError, SwarmError
-from hitab_bringup.ros_link import RosLink
-from hitab_bringup.run_folder import RunFolder, RunRecord, registry_held, running_swarms
+from hitab_bringup import supervision
 from hitab_bringup.shared_memory import remove_stale
-from hitab_bringup.swarm_client import SwarmClient
 from hitab_bringup.swarm_description import SwarmDescription
-from hitab_bringup.world_client import WorldClient
+from hitab_client import domain_ids
+from hitab_client.command_view import CommandView
+from hitab_client.errors import NamesTakenError, SwarmError
+from hitab_client.ros_link import RosLink
+from hitab_client.run_folder import RunFolder, RunRecord, registry_held, running_swarms
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # more, for each agent

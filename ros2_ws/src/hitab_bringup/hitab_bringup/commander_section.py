@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
-from hitab_bringup.yaml_fields import Fields
+from hitab_client.suggest import did_you_mean
+from hitab_client.yaml_fields import Fields
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind, OrderMap
 from hitab_commander.kind_reader import Complain, parse_kind, read_kind

@@ -1,7 +1,7 @@
 """The `hitab` command: verbs for training robots, teams and swarms while they run.
 
 Every verb works through the public topics and services alone; anything it does, another ROS 2
-tool can do too. Verbs are declared here and in `hitab_bringup.verbs`; other packages add verbs
+tool can do too. Verbs are declared in `hitab_bringup.verbs`; other packages add verbs
 under the entry-point group ``hitab.verbs`` (a module with ``register(app)``), and groups of verbs
 under ``hitab.commands`` (a typer app).
 """
@@ -17,8 +17,6 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from hitab_bringup import console
-from hitab_bringup.keepaway.commands import demo
 from hitab_bringup.verbs import (
     commanding,
     hierarchy,
@@ -28,6 +26,7 @@ from hitab_bringup.verbs import (
     training,
     world,
 )
+from hitab_client import console
 from hitab_core.errors import HitabError
 
 VERBS = "hitab.verbs"
@@ -66,14 +65,13 @@ def make_app() -> typer.Typer:
         add_completion=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    app.command(rich_help_panel="Begin here")(demo)
+    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
+        point.load().register(app)
     for verbs in (swarm, commanding, hierarchy, training):
         verbs.register(app)
     app.add_typer(world.app, name="world")
     app.add_typer(lesson.app, name="lesson")
     app.add_typer(library.app, name="library")
-    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
-        point.load().register(app)
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
         app.add_typer(point.load(), name=point.name)
     return app

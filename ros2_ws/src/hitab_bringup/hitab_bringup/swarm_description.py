@@ -30,7 +30,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.errors import DescriptionError
+from hitab_client.errors import DescriptionError
 from hitab_commander.kind import CommanderKind
 
 PACES = ("lockstep", "realtime")

@@ -11,9 +11,6 @@ from typing import Any
 
 from hitab_bringup.command_tree import in_hosts, with_positions_asked, with_superiors
 from hitab_bringup.commander_section import CommanderSection, Line, read_kinds
-from hitab_bringup.errors import DescriptionError
-from hitab_bringup.names import WORLD
-from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.swarm_description import (
     PACES,
     AgentDescription,
@@ -22,7 +19,10 @@ from hitab_bringup.swarm_description import (
     WorldDescription,
 )
 from hitab_bringup.swarm_words import Words
-from hitab_bringup.yaml_fields import Fields
+from hitab_client.errors import DescriptionError
+from hitab_client.names import WORLD
+from hitab_client.suggest import did_you_mean
+from hitab_client.yaml_fields import Fields
 from hitab_commander.kind import CommanderKind
 from hitab_core.errors import has
 from hitab_core.library.yaml_places import Complaints, read_yaml

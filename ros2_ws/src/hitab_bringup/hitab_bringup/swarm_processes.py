@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.names import WORLD
 from hitab_bringup.swarm_description import (
     AgentDescription,
     CommanderDescription,
     SwarmDescription,
     WorldDescription,
 )
+from hitab_client.names import WORLD
 
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
-from hitab_bringup.yaml_fields import Fields
+from hitab_client.suggest import did_you_mean
+from hitab_client.yaml_fields import Fields
 from hitab_core.domain import ENTRY_POINT_GROUP, load_domain
 from hitab_core.errors import HitabError, has
 from hitab_core.library.behavior_library import BehaviorLibrary

@@ -138,21 +138,21 @@ def test_a_bad_lesson_is_told_by_file_and_line(tmp_path):
 
 
 def test_what_was_meant_is_guessed_from_what_there_is(capsys):
-    from hitab_bringup import console
+    from hitab_client import console
 
     console.error('keeper_1: unknown behavior "GoFats" (has: GetOpen, GoFast, Stop)')
     assert in_one_line(capsys.readouterr().err).strip().endswith('Did you mean "GoFast"?')
 
 
 def test_an_error_is_printed_as_it_is(capsys):
-    from hitab_bringup import console
+    from hitab_client import console
 
     console.error("a:x:0: [bold]no[/bold] such thing")
     assert capsys.readouterr().err == "error: a:x:0: [bold]no[/bold] such thing\n"
 
 
 def test_json_goes_where_it_is_asked_to(tmp_path, capsys):
-    from hitab_bringup import console
+    from hitab_client import console
     from hitab_core.errors import HitabError
 
     console.write_json(str(tmp_path / "a.json"), {"a": 1})

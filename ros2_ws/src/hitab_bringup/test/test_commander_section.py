@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.command_view import tree_of
-from hitab_bringup.errors import DescriptionError
 from hitab_bringup.libraries import prepare
 from hitab_bringup.opened_library import open_library
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
+from hitab_client.command_view import tree_of
+from hitab_client.errors import DescriptionError
 
 HERE = Path("/somewhere/team.yaml")
 HEAD = """\

@@ -7,9 +7,9 @@ import pytest
 from hitab_msgs import msg, srv
 from rclpy.clock import Clock, ClockType
 
-from hitab_bringup import domain_ids
-from hitab_bringup.ros_link import RosLink
-from hitab_bringup.swarm_client import SwarmClient
+from hitab_client import domain_ids
+from hitab_client.ros_link import RosLink
+from hitab_client.swarm_client import SwarmClient
 from hitab_ros import names, qos
 
 PUPILS = [f"pupil_{number}" for number in range(4)]

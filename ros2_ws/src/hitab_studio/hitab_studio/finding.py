@@ -6,10 +6,10 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from hitab_bringup.domain_ids import chosen_by_user
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.run_folder import RunFolder, RunRecord, running_swarms
-from hitab_bringup.swarm_choice import find_meant, meant
+from hitab_client.domain_ids import chosen_by_user
+from hitab_client.errors import SwarmError
+from hitab_client.run_folder import RunFolder, RunRecord, running_swarms
+from hitab_client.swarm_choice import find_meant, meant
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.ros_link import RosLink
-from hitab_bringup.swarm_client import SwarmClient
-from hitab_bringup.world_client import WorldClient
+from hitab_client.errors import SwarmError
+from hitab_client.ros_link import RosLink
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
 from hitab_core.errors import HitabError
 
 STUBBORN = 100

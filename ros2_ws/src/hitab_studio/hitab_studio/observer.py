@@ -10,9 +10,9 @@ from typing import Any, Protocol
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_bringup import names
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.identity import is_own
+from hitab_client import names
+from hitab_client.errors import SwarmError
+from hitab_client.identity import is_own
 from hitab_ros import qos
 from hitab_studio.jobs import Connected
 from hitab_studio.known import Known

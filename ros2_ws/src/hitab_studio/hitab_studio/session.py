@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from hitab_bringup.errors import SwarmError
+from hitab_client.errors import SwarmError
 from hitab_core.use import Use
 from hitab_studio.jobs import Connected
 from hitab_studio.learned import Learned

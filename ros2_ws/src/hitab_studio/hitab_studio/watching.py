@@ -16,8 +16,8 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, TransitionEvent
 from hitab_msgs.srv import GetBehavior, GetVocabulary, ReadFeatures
 
-from hitab_bringup import names
-from hitab_bringup.ros_link import RosLink
+from hitab_client import names
+from hitab_client.ros_link import RosLink
 from hitab_core.automaton import FLAGS, START
 from hitab_core.use import Use
 from hitab_ros import qos

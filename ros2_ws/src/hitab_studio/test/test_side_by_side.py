@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hitab_bringup.errors import SwarmError
+from hitab_client.errors import SwarmError
 from hitab_studio import recording
 from hitab_studio.actions import Wishes
 from hitab_studio.actions.registry import ACTIONS

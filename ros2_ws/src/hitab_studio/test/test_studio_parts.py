@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from visualization_msgs.msg import MarkerArray
 
-from hitab_bringup.errors import SwarmError
+from hitab_client.errors import SwarmError
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree

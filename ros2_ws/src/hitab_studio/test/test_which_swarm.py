@@ -5,8 +5,8 @@ import contextlib
 
 import pytest
 
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.run_folder import RunFolder, RunRecord
+from hitab_client.errors import SwarmError
+from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import finding
 from hitab_studio.finding import Target, find_target
 from hitab_studio.swarm_link import SwarmLink

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from hitab_bringup import console
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.options import AgentName, JsonPath, SwarmName
+from hitab_client import console
+from hitab_client.command_options import AgentName, JsonPath, SwarmName
 
 Behavior = Annotated[str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")]
 Targets = Annotated[

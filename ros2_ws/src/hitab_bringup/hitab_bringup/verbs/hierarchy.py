@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hitab_bringup import console
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.options import JsonPath, SwarmName
+from hitab_client import console
+from hitab_client.command_options import JsonPath, SwarmName
 
 if TYPE_CHECKING:
     from rich.tree import Tree
 
-    from hitab_bringup.command_view import Branch, CommandView
+    from hitab_client.command_view import Branch, CommandView
 
 PANEL = "Command"
 WAIT_SECONDS = 8.0
@@ -46,7 +46,7 @@ def tree(
 
       hitab tree --watch --commanders
     """
-    from hitab_bringup.command_view import CommandView
+    from hitab_client.command_view import CommandView
 
     with connection(swarm) as swarm_up:
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
@@ -64,8 +64,8 @@ def tree(
 
 
 def _nobody(swarm_up: Connection, view: CommandView) -> Exception:
-    from hitab_bringup.errors import SwarmError
-    from hitab_bringup.identity import other_swarm
+    from hitab_client.errors import SwarmError
+    from hitab_client.identity import other_swarm
 
     for name, swarm in view.strangers.items():
         return SwarmError(other_swarm(name, swarm, swarm_up.agents.identity))
@@ -172,8 +172,8 @@ def order(
 
       hitab order captain Captain
     """
-    from hitab_bringup.command_view import CommandView
-    from hitab_bringup.errors import SwarmError
+    from hitab_client.command_view import CommandView
+    from hitab_client.errors import SwarmError
     from hitab_core.errors import has
     from hitab_core.use import Use
 

@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from hitab_bringup import console
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.options import JsonPath, SwarmName
+from hitab_client import console
+from hitab_client.command_options import JsonPath, SwarmName
 
 app = typer.Typer(
     help="Play lessons: files that teach as a person would, over the same topics.",
@@ -39,9 +39,9 @@ def run(
 
       hitab lesson run approach_ball goto_ball control_ball keepaway --json lessons.json
     """
-    from hitab_bringup.lesson_file import read_lesson
-    from hitab_bringup.lesson_player import LessonPlayer
     from hitab_bringup.shipped import find_file
+    from hitab_client.lessons.lesson_file import read_lesson
+    from hitab_client.lessons.lesson_player import LessonPlayer
 
     read = [read_lesson(find_file(name, "lessons", "lesson")) for name in lessons]
     reports = []
@@ -66,8 +66,8 @@ def run(
 @app.command("list")
 def list_lessons() -> None:
     """List the lessons that are shipped."""
-    from hitab_bringup.lesson_file import read_lesson
     from hitab_bringup.shipped import shipped
+    from hitab_client.lessons.lesson_file import read_lesson
 
     folder = shipped("lessons")
     for path in sorted(folder.rglob("*.yaml")):
@@ -83,9 +83,9 @@ def list_lessons() -> None:
 @app.command()
 def check(lessons: Files) -> None:
     """Check lesson files without playing them."""
-    from hitab_bringup.errors import LessonError
-    from hitab_bringup.lesson_file import read_lesson
     from hitab_bringup.shipped import find_file
+    from hitab_client.errors import LessonError
+    from hitab_client.lessons.lesson_file import read_lesson
 
     wrong = []
     for name in lessons:

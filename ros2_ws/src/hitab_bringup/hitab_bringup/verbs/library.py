@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup import console
-from hitab_bringup.verbs.options import JsonPath, SwarmName
+from hitab_client import console
+from hitab_client.command_options import JsonPath, SwarmName
 
 app = typer.Typer(help="Look into libraries of trained behaviors.", no_args_is_help=True)
 
@@ -36,13 +36,13 @@ def _open(library: Path | None, agent: str | None, swarm: str | None = None) -> 
 
 
 def _folder(library: Path | None, agent: str | None, swarm: str | None) -> Path:
-    from hitab_bringup.domain_ids import chosen_by_user
-    from hitab_bringup.errors import SwarmError
     from hitab_bringup.shipped import shipped
-    from hitab_bringup.suggest import did_you_mean
-    from hitab_bringup.swarm_choice import find_meant
     from hitab_bringup.swarm_file import read_swarm
     from hitab_bringup.swarm_processes import library_of
+    from hitab_client.domain_ids import chosen_by_user
+    from hitab_client.errors import SwarmError
+    from hitab_client.suggest import did_you_mean
+    from hitab_client.swarm_choice import find_meant
     from hitab_core.errors import has
 
     if library is not None:
@@ -154,7 +154,7 @@ def show(
 
 
 def _known(name: str, loaded: Any) -> str:
-    from hitab_bringup.suggest import did_you_mean
+    from hitab_client.suggest import did_you_mean
     from hitab_core.errors import LibraryError, has
 
     if name not in loaded:

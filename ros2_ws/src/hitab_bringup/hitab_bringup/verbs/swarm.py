@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hitab_bringup import console
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.options import JsonPath, SwarmName
+from hitab_client import console
+from hitab_client.command_options import JsonPath, SwarmName
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -48,10 +48,10 @@ def up(
       hitab up my_swarm.yaml --pace lockstep --paused
     """
     from hitab_bringup.bringing_up import bring_up
-    from hitab_bringup.run_folder import RunFolder
     from hitab_bringup.shipped import find_file
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
+    from hitab_client.run_folder import RunFolder
 
     description = read_swarm(find_file(swarm, "swarms", "swarm"))
     if pace and pace not in PACES:
@@ -89,9 +89,9 @@ def down(
 
       hitab down --run-dir my_run
     """
-    from hitab_bringup.run_folder import RunFolder, registry_held
     from hitab_bringup.supervision import stop
-    from hitab_bringup.swarm_choice import to_take_down
+    from hitab_client.run_folder import RunFolder, registry_held
+    from hitab_client.swarm_choice import to_take_down
 
     if run_dir is not None:
         folder = RunFolder(run_dir)

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from hitab_bringup import console
-from hitab_bringup.suggest import did_you_mean
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.options import AgentName, JsonPath, SwarmName
+from hitab_client import console
+from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_client.suggest import did_you_mean
 
 PANEL = "Train"
 

@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from hitab_bringup import console
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.options import SwarmName
+from hitab_client import console
+from hitab_client.command_options import SwarmName
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.", no_args_is_help=True)
 

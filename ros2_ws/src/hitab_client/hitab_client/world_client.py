@@ -8,10 +8,10 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_bringup import names
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.identity import is_own, other_swarm
-from hitab_bringup.ros_link import RosLink
+from hitab_client import names
+from hitab_client.errors import SwarmError
+from hitab_client.identity import is_own, other_swarm
+from hitab_client.ros_link import RosLink
 from hitab_ros import qos
 
 NO_WORLD = "no world answers; is the swarm up, and has it one? `hitab up SWARM.yaml` starts it"

@@ -14,9 +14,9 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control, EditExamples
 
-from hitab_bringup.conditions import Condition
-from hitab_bringup.errors import LessonError
-from hitab_bringup.lesson import (
+from hitab_client.errors import LessonError
+from hitab_client.lessons.conditions import Condition
+from hitab_client.lessons.lesson import (
     Begin,
     Check,
     Command,
@@ -34,11 +34,11 @@ from hitab_bringup.lesson import (
     Undo,
     Until,
 )
-from hitab_bringup.path_tracker import PathTracker
-from hitab_bringup.swarm_client import SwarmClient
-from hitab_bringup.world_as_it_was import as_it_was
-from hitab_bringup.world_client import WorldClient
-from hitab_bringup.world_view import WorldView, speakers
+from hitab_client.path_tracker import PathTracker
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_as_it_was import as_it_was
+from hitab_client.world_client import WorldClient
+from hitab_client.world_view import WorldView, speakers
 from hitab_core.errors import HitabError
 
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.run_folder import RunFolder, RunRecord, state_home
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
-from hitab_bringup.swarm_choice import find_running
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
+from hitab_client.errors import SwarmError
+from hitab_client.run_folder import RunFolder, RunRecord, state_home
+from hitab_client.swarm_choice import find_running
 
 
 @pytest.fixture(autouse=True)

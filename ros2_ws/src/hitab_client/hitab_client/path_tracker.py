@@ -12,8 +12,8 @@ from typing import Self
 
 from hitab_msgs.msg import TransitionEvent
 
-from hitab_bringup import names
-from hitab_bringup.ros_link import RosLink
+from hitab_client import names
+from hitab_client.ros_link import RosLink
 from hitab_ros import qos
 
 

@@ -12,8 +12,8 @@ from typing import Any
 from hitab_msgs.msg import WorldState, WorldStatus
 from hitab_msgs.srv import Control
 
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.world_client import WorldClient
+from hitab_client.errors import SwarmError
+from hitab_client.world_client import WorldClient
 
 
 @contextlib.contextmanager

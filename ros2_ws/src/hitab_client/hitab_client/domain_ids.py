@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Iterator
 
-from hitab_bringup.run_folder import running_swarms
+from hitab_client.run_folder import running_swarms
 
 
 def chosen_by_user() -> int | None:

@@ -23,7 +23,7 @@ from hitab_bringup.swarm_file import world_module
 from hitab_core.errors import HitabError, LibraryError, has
 
 if TYPE_CHECKING:
-    from hitab_bringup.console import Advance
+    from hitab_client.console import Advance
     from hitab_world.inprocess import Player
     from hitab_world.world import World
 

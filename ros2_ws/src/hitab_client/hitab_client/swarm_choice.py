@@ -6,8 +6,8 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.run_folder import (
+from hitab_client.errors import SwarmError
+from hitab_client.run_folder import (
     Found,
     RunFolder,
     RunRecord,

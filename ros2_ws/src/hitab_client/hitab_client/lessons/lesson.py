@@ -1,4 +1,4 @@
-"""A lesson: who is taught what, step by step, as `hitab_bringup.lesson_file` reads it from YAML.
+"""A lesson: who is taught what, step by step, as a YAML file has it.
 
     lesson: GotoBall
     agent: keeper_1               # the one that is taught
@@ -16,7 +16,7 @@
         within: 8
       - save: true
 
-Positions are in m, angles in degrees, times in simulated seconds. `hitab_bringup.conditions` lists
+Positions are in m, angles in degrees, times in simulated seconds. `conditions` lists
 what can stand after `until`, `check` and `never`; every class below is a kind of step.
 """
 
@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
-from hitab_bringup.conditions import Condition
+from hitab_client.lessons.conditions import Condition
 from hitab_core.use import Use
 
 WITHIN = 20.0

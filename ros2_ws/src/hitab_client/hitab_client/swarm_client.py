@@ -21,11 +21,11 @@ from hitab_msgs.srv import (
     SetMode,
 )
 
-from hitab_bringup import names
-from hitab_bringup.errors import SwarmError
-from hitab_bringup.identity import is_own, other_swarm
-from hitab_bringup.ros_link import RosLink
-from hitab_bringup.suggest import did_you_mean
+from hitab_client import names
+from hitab_client.errors import SwarmError
+from hitab_client.identity import is_own, other_swarm
+from hitab_client.ros_link import RosLink
+from hitab_client.suggest import did_you_mean
 from hitab_core.errors import has
 from hitab_ros import qos
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from hitab_bringup.conditions import Active, Combination, Comparison, Ended, Passed, Said
-from hitab_bringup.errors import LessonError
-from hitab_bringup.world_view import WorldView, speakers
+from hitab_client.errors import LessonError
+from hitab_client.lessons.conditions import Active, Combination, Comparison, Ended, Passed, Said
+from hitab_client.world_view import WorldView, speakers
 
 
 @dataclass

@@ -1,13 +1,13 @@
 """Where a running swarm keeps its files, and how the other verbs find it.
 
-~/.local/state/hitab/            or $XDG_STATE_HOME/hitab, or $HITAB_HOME
-keepaway/                      the run folder of swarm "keepaway"
-run.json                     there while the swarm is up
+~/.local/state/hitab/               or $XDG_STATE_HOME/hitab, or $HITAB_HOME
+keepaway/                         the run folder of swarm "keepaway"
+run.json                        there while the swarm is up
 supervisord.conf  supervisord.log  logs/keeper_1.log ...
-libraries/keeper_1/          kept from run to run
-state/keeper_1/              journals of trainings
+libraries/keeper_1/             kept from run to run
+state/keeper_1/                 journals of trainings
 running/keepaway-3f9a2c1e -> ../keepaway
-running.lock                 held while a swarm is being added or taken away
+running.lock                      held while a swarm is being added or taken away
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
-from hitab_bringup.errors import SwarmError
+from hitab_client.errors import SwarmError
 
 MARK = "HITAB_RUN_FOLDER"
 """Environment variable by which the processes of a run folder are recognized."""

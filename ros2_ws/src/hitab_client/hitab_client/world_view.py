@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from hitab_bringup.errors import LessonError
-from hitab_bringup.suggest import did_you_mean
+from hitab_client.errors import LessonError
+from hitab_client.suggest import did_you_mean
 from hitab_core.errors import has
 
 CLOSEST = "closest "

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup import console
-from hitab_bringup.verbs.options import JsonPath, SwarmName
+from hitab_client import console
+from hitab_client.command_options import JsonPath, SwarmName
 
 app = typer.Typer(help="Keepaway soccer: evaluate keepers, draw the field.", no_args_is_help=True)
 
@@ -17,6 +17,11 @@ Seed = Annotated[
     int, typer.Option(help="Of the run: the same one gives the same episodes.", min=0)
 ]
 TakerSpeed = Annotated[float, typer.Option(help="Of full speed; the paper: a quarter.", min=0.0)]
+
+
+def register(app: typer.Typer) -> None:
+    """Add `hitab demo`."""
+    app.command(rich_help_panel="Begin here")(demo)
 
 
 @app.command()
@@ -87,7 +92,8 @@ def evaluate(
 
       hitab keepaway evaluate --keepers hand --taker-speed 1.0 --set kick_noise=0
     """
-    from hitab_bringup.keepaway.evaluation import (
+    from hitab_bringup.shipped import shipped
+    from keepaway_world.verbs.evaluation import (
         KEEPERS,
         PACES,
         RCSSSERVER,
@@ -95,8 +101,7 @@ def evaluate(
         WORLDS,
         evaluate_reference,
     )
-    from hitab_bringup.keepaway.evaluation import evaluate as play
-    from hitab_bringup.shipped import shipped
+    from keepaway_world.verbs.evaluation import evaluate as play
 
     if keepers not in KEEPERS:
         raise typer.BadParameter(f'keepers "{keepers}" are not one of {", ".join(KEEPERS)}')
@@ -139,7 +144,7 @@ def evaluate(
     if json != "-":
         console.say(summary(figures))
     if plot is not None:
-        from hitab_bringup.keepaway.figures import draw_episode_lengths
+        from keepaway_world.verbs.figures import draw_episode_lengths
 
         draw_episode_lengths(evaluation, plot)
         console.note(f"plot in {plot}")
@@ -221,7 +226,7 @@ def demo(
 
       hitab demo --studio
     """
-    from hitab_bringup.keepaway.demo import run_demo
+    from keepaway_world.verbs.demo import run_demo
 
     figures = run_demo(out, episodes, seed, port if studio else None, browser=browser)
     console.write_json(json, figures)

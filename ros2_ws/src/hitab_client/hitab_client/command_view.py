@@ -8,9 +8,9 @@ from typing import Any
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_bringup import names
-from hitab_bringup.identity import is_own
-from hitab_bringup.ros_link import RosLink
+from hitab_client import names
+from hitab_client.identity import is_own
+from hitab_client.ros_link import RosLink
 from hitab_ros import qos
 from hitab_ros.names import GROUP
 

@@ -5,11 +5,20 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.conditions import Active, Comparison, Passed
-from hitab_bringup.errors import LessonError
-from hitab_bringup.lesson import Begin, Command, Distribute, Perform, Place, Save, Test, Until
-from hitab_bringup.lesson_file import parse_lesson, read_lesson
 from hitab_bringup.shipped import find_file
+from hitab_client.errors import LessonError
+from hitab_client.lessons.conditions import Active, Comparison, Passed
+from hitab_client.lessons.lesson import (
+    Begin,
+    Command,
+    Distribute,
+    Perform,
+    Place,
+    Save,
+    Test,
+    Until,
+)
+from hitab_client.lessons.lesson_file import parse_lesson, read_lesson
 from hitab_core.use import Use
 
 HERE = Path("lessons/dance.yaml")

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_bringup.suggest import did_you_mean
+from hitab_client.suggest import did_you_mean
 from hitab_core.errors import HitabError
 from hitab_core.library.durable_files import write_durably
 

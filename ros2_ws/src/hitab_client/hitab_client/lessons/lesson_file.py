@@ -1,4 +1,4 @@
-"""Reads lessons from their YAML files; see `hitab_bringup.lesson` for what they look like."""
+"""Reads lessons from their YAML files; `lesson` shows what they look like."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.conditions import Passed, parse_condition
-from hitab_bringup.errors import LessonError
-from hitab_bringup.lesson import (
+from hitab_client.errors import LessonError
+from hitab_client.lessons.conditions import Passed, parse_condition
+from hitab_client.lessons.lesson import (
     WITHIN,
     Begin,
     Check,
@@ -28,8 +28,8 @@ from hitab_bringup.lesson import (
     Undo,
     Until,
 )
-from hitab_bringup.suggest import did_you_mean
-from hitab_bringup.yaml_fields import Fields
+from hitab_client.suggest import did_you_mean
+from hitab_client.yaml_fields import Fields
 from hitab_core.errors import HitabError, has
 from hitab_core.library.yaml_places import Complaints, read_yaml
 from hitab_core.use import Use

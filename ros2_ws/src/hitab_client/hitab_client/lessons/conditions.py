@@ -18,8 +18,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from hitab_bringup.world_view import WorldView
-from hitab_bringup.yaml_fields import Fields
+from hitab_client.world_view import WorldView
+from hitab_client.yaml_fields import Fields
 
 
 class Condition(Protocol):

@@ -9,23 +9,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup import console
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.field_picture import draw_field
-from hitab_bringup.keepaway import paper
-from hitab_bringup.keepaway.demo_studio import play_on, studio_beside
-from hitab_bringup.keepaway.evaluation import (
+from hitab_bringup.libraries import copy_library
+from hitab_bringup.opened_library import open_library
+from hitab_bringup.shipped import find_file
+from hitab_client import console
+from hitab_client.lessons.lesson_file import read_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer, LessonReport
+from hitab_core.errors import HitabError
+from keepaway_world.verbs import paper
+from keepaway_world.verbs.demo_studio import play_on, studio_beside
+from keepaway_world.verbs.evaluation import (
     Evaluation,
     play_lockstep,
     trained_keepers,
 )
-from hitab_bringup.keepaway.figures import draw_episode_lengths
-from hitab_bringup.lesson_file import read_lesson
-from hitab_bringup.lesson_player import LessonPlayer, LessonReport
-from hitab_bringup.libraries import copy_library
-from hitab_bringup.opened_library import open_library
-from hitab_bringup.shipped import find_file
-from hitab_core.errors import HitabError
+from keepaway_world.verbs.figures import draw_episode_lengths
 
 LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 TEACHER = "keeper_1"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from hitab_bringup.suggest import did_you_mean
+from hitab_client.suggest import did_you_mean
 from hitab_core.errors import has
 from hitab_core.library.yaml_places import Complaints, Document, Path
 

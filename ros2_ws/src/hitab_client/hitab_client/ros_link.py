@@ -14,8 +14,8 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile
 
-from hitab_bringup.dds_profile import choose_profile
-from hitab_bringup.errors import SwarmError
+from hitab_client.dds_profile import choose_profile
+from hitab_client.errors import SwarmError
 from hitab_ros.guarded_node import GuardedNode
 
 CALL_SECONDS = 15.0

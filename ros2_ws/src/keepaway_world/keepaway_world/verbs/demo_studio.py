@@ -8,9 +8,9 @@ import sys
 import time
 from collections.abc import Iterator
 
-from hitab_bringup import console
 from hitab_bringup.bringing_up import RunningSwarm
-from hitab_bringup.errors import SwarmError
+from hitab_client import console
+from hitab_client.errors import SwarmError
 
 START_SECONDS = 20.0
 

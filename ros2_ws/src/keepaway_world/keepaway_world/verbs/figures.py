@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from statistics import fmean
 
-from hitab_bringup.keepaway import paper
-from hitab_bringup.keepaway.evaluation import Evaluation
 from hitab_bringup.plots import figure, save
+from keepaway_world.verbs import paper
+from keepaway_world.verbs.evaluation import Evaluation
 
 
 def draw_episode_lengths(evaluation: Evaluation, path: Path) -> None:

@@ -1,1 +1,0 @@
-"""Keepaway soccer as a job: train three keepers, evaluate them, compare with the paper."""

@@ -1,0 +1,1 @@
+"""Lessons: what to have an agent demonstrate, and when, as a file."""

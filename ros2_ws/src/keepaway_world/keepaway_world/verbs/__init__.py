@@ -1,0 +1,1 @@
+"""The verbs of keepaway: `hitab demo` and those under `hitab keepaway`."""
