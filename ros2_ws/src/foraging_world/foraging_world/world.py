@@ -11,7 +11,7 @@ import numpy as np
 from foraging_world import action
 from foraging_world.field import Field, Floats
 from foraging_world.parameters import ForagingParameters
-from foraging_world.percept import perceive_all
+from foraging_world.perceiving import perceive_all
 from hitab_core.seeding import world_seed
 from hitab_world import snapshots
 from hitab_world.world import (
