@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import logging
 import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from hitab_client.errors import SwarmError
 from hitab_core.use import Use
+from hitab_ros.answering import what_went_wrong
 from hitab_studio.jobs import Connected
+from hitab_studio.known import natural
 from hitab_studio.learned import Learned
-from hitab_studio.locks import Holder
+from hitab_studio.locks import Holder, Locks
+from hitab_studio.present import Present
 from hitab_studio.replay import Player
+from hitab_studio.scene import frame, roster, said_message
+from hitab_studio.store import Store
+from hitab_studio.swarm_link import SwarmLink
 from hitab_studio.watching import Watched
-
-if TYPE_CHECKING:
-    from hitab_studio.studio import Studio
 
 T = TypeVar("T")
 
@@ -58,10 +63,33 @@ class Table:
     marked: set[int] = field(default_factory=set)
 
 
+class Shared:
+    """What all pages share, each other included.
+
+    Attributes:
+        link: to the swarm.
+        store: what is known.
+        locks: who holds which agent.
+        present: the field as it is now.
+        sessions: the pages that are open, by their ids.
+        chosen_states: for each agent the automaton that was begun here, and what may be commanded
+            in it; nothing: everything.
+    """
+
+    def __init__(self, link: SwarmLink) -> None:
+        self.link = link
+        self.store = Store()
+        self.locks = Locks()
+        self.present = Present(self.store.palette)
+        self.sessions: dict[str, Session] = {}
+        self.chosen_states: dict[str, tuple[str, tuple[str, ...]]] = {}
+
+
 class Session:
     """One page in one browser.
 
     Attributes:
+        shared: what it has in common with the other pages.
         chosen: names of the things that are chosen in the field.
         agent: the one among them, or in the list, that is looked at and commanded.
         level: the automaton that is looked at, if not the outermost one.
@@ -72,8 +100,8 @@ class Session:
         sent: the frame that the browser has.
     """
 
-    def __init__(self, studio: Studio, number: int, key: str) -> None:
-        self.studio = studio
+    def __init__(self, shared: Shared, number: int, key: str) -> None:
+        self.shared = shared
         self.id = key
         self.holder = Holder(key, f"demonstrator {number}")
         self.chosen: list[str] = []
@@ -104,12 +132,19 @@ class Session:
         """The last status of the agent; in a replay, of that moment."""
         if self.player is not None:
             return self.player.recording.statuses(self.player.at).get(self.agent)
-        return self.studio.store.known.statuses.get(self.agent)
+        return self.shared.store.known.statuses.get(self.agent)
 
     @property
     def watched(self) -> Watched:
         """What else is known of the agent."""
-        return self.studio.store.known.watched.get(self.agent, NOTHING)
+        return self.shared.store.known.watched.get(self.agent, NOTHING)
+
+    @property
+    def agents(self) -> list[str]:
+        """The agents that it shows: of the swarm, or of a recording."""
+        if self.player is not None:
+            return sorted(self.player.recording.statuses(self.player.at), key=natural)
+        return self.shared.store.known.agents
 
     @property
     def is_training(self) -> bool:
@@ -124,7 +159,7 @@ class Session:
             self.asked = None
             self.compare = None
             self.table = Table()
-        self.studio.link.focus(self.id, [agent] if agent else [])
+        self.shared.link.focus(self.id, [agent] if agent else [])
         self.touch()
 
     def choose(self, names: list[str]) -> None:
@@ -132,6 +167,46 @@ class Session:
         self.chosen = names
         self.send({"t": "chosen", "names": names})
         self.touch()
+
+    # -- what the field shows ---------------------------------------------------------------
+
+    def frame(self) -> bytes:
+        """Return the frame that the page is to show now."""
+        if self.player is None:
+            return self.shared.present.frame
+        recording, at = self.player.recording, self.player.at
+        return frame(recording.scene(at), recording.doing(at), self.shared.store.palette)
+
+    def show_again(self) -> None:
+        """Show the present moment: of the recording that is open, else of the swarm.
+
+        The page gets it even if it was sent before: it may show something else by now.
+        """
+        self.sent = b""
+        if self.player is not None:
+            self.show_moment()
+        elif self.shared.present.roster:
+            self.outgoing.append(self.shared.present.roster)
+        self.news.set()
+
+    def show_moment(self) -> None:
+        """Show the moment of the recording at which the page is."""
+        player = self.player
+        if player is None:
+            return
+        scene = player.recording.scene(player.at)
+        self.outgoing.append(roster(scene, self.shared.store.palette))
+        if scene.said:
+            self.outgoing.append(said_message(scene))
+        self.news.set()
+        self.touch()
+
+    def stop_replay(self, error: Exception) -> None:
+        """Close a recording that cannot be shown, and say why."""
+        logging.getLogger(__name__).error("a recording", exc_info=error)
+        self.player = None
+        self.tell(f"This recording cannot be shown further: {what_went_wrong(error)}", "bad")
+        self.show_again()
 
     # -- doing ------------------------------------------------------------------------------
 
@@ -150,7 +225,7 @@ class Session:
         self.busy += 1
         try:
             lines = [f"page {self.id}", *([f"agent {agent}"] if agent else [])]
-            return await self.studio.link.do(job, lines)
+            return await self.shared.link.do(job, lines)
         finally:
             self.busy -= 1
             self.touch()
@@ -164,11 +239,11 @@ class Session:
         agent = self.agent
         if not agent:
             raise SwarmError("Choose an agent first, in the list or in the field.")
-        if not self.studio.store.known.answers(agent):
+        if not self.shared.store.known.answers(agent):
             raise SwarmError(f"{agent} does not answer at the moment.")
-        self.studio.locks.claim(agent, self.holder)
+        self.shared.locks.claim(agent, self.holder)
         answer = await self.ask(lambda swarm: job(swarm, agent), agent)
-        self.studio.link.refresh(agent)
+        self.shared.link.refresh(agent)
         return answer
 
     # -- telling ----------------------------------------------------------------------------
@@ -186,6 +261,11 @@ class Session:
         self.toasts.append(Toast(self._toasts, kind, text, until))
         self.touch()
 
+    def tell_other(self, session: str, text: str) -> None:
+        """Show a message on another page, if it is still open."""
+        if (other := self.shared.sessions.get(session)) is not None:
+            other.tell(text, "bad")
+
     def drop_old_toasts(self) -> None:
         """Take away messages that have been there long enough."""
         now = time.monotonic()
@@ -195,7 +275,7 @@ class Session:
 
     def send(self, message: dict[str, Any]) -> None:
         """Send a message to the field."""
-        self.outgoing.append(self.studio.json(message))
+        self.outgoing.append(json.dumps(message))
         self.news.set()
 
 

@@ -22,9 +22,9 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         return
     session.connected = True
     studio.store.touch()
-    studio.show_again(session)
+    session.show_again()
     session.send({"t": "chosen", "names": session.chosen})
-    sending = asyncio.create_task(_send(studio, socket, session))
+    sending = asyncio.create_task(_send(socket, session))
     try:
         while True:
             await socket.receive_text()  # ends with the connection
@@ -36,7 +36,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         sending.cancel()
 
 
-async def _send(studio: Studio, socket: WebSocket, session: Session) -> None:
+async def _send(socket: WebSocket, session: Session) -> None:
     session.sent = b""
     with suppress(WebSocketDisconnect):
         while True:
@@ -45,9 +45,9 @@ async def _send(studio: Studio, socket: WebSocket, session: Session) -> None:
             while session.outgoing:
                 await socket.send_text(session.outgoing.popleft())
             try:
-                newest = studio.frame_for(session)
+                newest = session.frame()
             except Exception as error:
-                studio.stop_replay(session, error)
+                session.stop_replay(error)
                 continue
             if newest and newest is not session.sent:
                 session.sent = newest

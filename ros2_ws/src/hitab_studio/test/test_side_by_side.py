@@ -37,7 +37,7 @@ def in_the_server(find: Callable[[], Any], use: Callable[[Studio], Awaitable[Non
         studio = Studio(find)
         await studio.start()
         try:
-            await until(lambda: studio.frame, "the field is shown")
+            await until(lambda: studio.present.frame, "the field is shown")
             await use(studio)
         finally:
             await studio.stop()
@@ -65,8 +65,8 @@ def test_while_the_job_of_one_page_waits_the_field_moves_and_others_get_their_jo
         one, two, released = studio.open(), studio.open(), threading.Event()
         waits = asyncio.create_task(one.ask(waiting(released)))
         await until(lambda: one.busy, "it has begun")
-        before = studio.frames
-        await until(lambda: studio.frames > before + 10, "the field stands still")
+        before = studio.present.frames
+        await until(lambda: studio.present.frames > before + 10, "the field stands still")
         answer = await asyncio.wait_for(two.ask(lambda swarm: "at once"), SECONDS)
         assert answer == "at once"
         assert not waits.done()
@@ -131,8 +131,8 @@ def test_whatever_a_job_raises_reaches_its_page_and_ends_nothing(stand_in, error
 
         with pytest.raises(Exception, match="a mistake"):
             await asyncio.wait_for(page.ask(job), SECONDS)
-        before = studio.frames
-        await until(lambda: studio.frames > before, "the field stands still")
+        before = studio.present.frames
+        await until(lambda: studio.present.frames > before, "the field stands still")
         assert await asyncio.wait_for(other.ask(lambda swarm: "goes on"), SECONDS) == "goes on"
 
     in_the_server(lambda: stand_in.target, use)
@@ -151,8 +151,8 @@ def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
         page = studio.open()
         failing.set()
         await until(lambda: any("run folder" in toast.text for toast in page.toasts), "not told")
-        before = studio.frames
-        await until(lambda: studio.frames > before, "the field stands still")
+        before = studio.present.frames
+        await until(lambda: studio.present.frames > before, "the field stands still")
 
     in_the_server(find, use)
 
@@ -170,8 +170,8 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         await until(lambda: looks.toasts, "it was not told")
         assert "The answer of keeper_2 to get_vocabulary cannot be read" in looks.toasts[0].text
         assert not other.toasts
-        before = studio.frames
-        await until(lambda: studio.frames > before, "the field stands still")
+        before = studio.present.frames
+        await until(lambda: studio.present.frames > before, "the field stands still")
 
     in_the_server(lambda: stand_in.target, use)
 
@@ -196,8 +196,8 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
         assert "run.mcap ends here: No space left" in page.toasts[0].text
         await until(lambda: not studio.store.known.recording, "it has ended")
         assert not other.toasts
-        before = studio.frames
-        await until(lambda: studio.frames > before, "the field stands still")
+        before = studio.present.frames
+        await until(lambda: studio.present.frames > before, "the field stands still")
 
     in_the_server(lambda: stand_in.target, use)
 
@@ -279,7 +279,7 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
     begun, released, done = asyncio.Event(), asyncio.Event(), []
 
     async def first(session: Any, data: Any) -> None:
-        session.studio.locks.claim("keeper_1", session.holder)
+        session.shared.locks.claim("keeper_1", session.holder)
         begun.set()
         await released.wait()
         done.append("first")

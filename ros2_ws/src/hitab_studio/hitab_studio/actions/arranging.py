@@ -15,7 +15,7 @@ MOST_UNDO = 100
 @action("pause")
 async def pause(session: Session, data: Data) -> None:
     """Pause the world, or let it go on."""
-    world = session.studio.store.known.world
+    world = session.shared.store.known.world
     wanted = "resume" if world is not None and world.mode == "paused" else "pause"
     await session.ask(lambda swarm: swarm.world.control(wanted))
 
@@ -49,7 +49,7 @@ async def pace(session: Session, data: Data) -> None:
 
 def _remember(session: Session) -> None:
     """Remember where everything is, to be able to go back."""
-    store = session.studio.store
+    store = session.shared.store
     if store.known.scene is not None:
         store.placements.append(store.known.scene.everything())
         del store.placements[:-MOST_UNDO]
@@ -66,8 +66,8 @@ async def place(session: Session, data: Data) -> None:
     try:
         await session.ask(lambda swarm: _placed(swarm, things))
     except SwarmError:
-        session.studio.store.placements.pop()
-        session.studio.show_again(session)
+        session.shared.store.placements.pop()
+        session.show_again()
         raise
 
 
@@ -83,7 +83,7 @@ def _placed(swarm: Connected, things: Any) -> None:
 @action("unplace", repeats=True)
 async def unplace(session: Session, data: Data) -> None:
     """Undo the last placement."""
-    placements = session.studio.store.placements
+    placements = session.shared.store.placements
     if not placements:
         raise SwarmError("Nothing was placed that could be undone.")
     things = placements.pop()
@@ -126,7 +126,7 @@ async def snapshot_delete(session: Session, data: Data) -> None:
 
 async def _snapshot(session: Session, what: str, name: str = "") -> None:
     answer = await session.ask(lambda swarm: swarm.world.snapshot(what, name))
-    session.studio.store.snapshots = tuple(answer.names)
+    session.shared.store.snapshots = tuple(answer.names)
 
 
 async def go_there(session: Session, things: Any) -> None:

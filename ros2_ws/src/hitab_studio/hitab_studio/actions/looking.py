@@ -26,7 +26,7 @@ async def choose(session: Session, data: Data) -> None:
         session.choose(names)
     else:
         session.choose([name])
-    if name in session.studio.agents(session):
+    if name in session.agents:
         session.look_at(name)
 
 
@@ -41,7 +41,7 @@ async def agent(session: Session, data: Data) -> None:
 @action("neighbor", repeats=True)
 async def neighbor(session: Session, data: Data) -> None:
     """Look at the next agent of the list, or the one before."""
-    agents = session.studio.agents(session)
+    agents = session.agents
     if agents:
         step = int(data["step"])
         here = agents.index(session.agent) if session.agent in agents else (-1 if step > 0 else 0)
@@ -102,6 +102,6 @@ async def escape(session: Session, data: Data) -> None:
         session.asked = None
     elif session.player is not None:
         session.player = None
-        session.studio.show_again(session)
+        session.show_again()
     else:
         session.table.marked.clear()

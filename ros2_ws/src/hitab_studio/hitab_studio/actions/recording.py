@@ -14,7 +14,7 @@ from hitab_studio.session import Session
 @action("record")
 async def record(session: Session, data: Data) -> None:
     """Record the run, or stop recording."""
-    link, store = session.studio.link, session.studio.store
+    link, store = session.shared.link, session.shared.store
     if store.known.recording:
         path = await session.ask(lambda _: link.stop_recording())
         session.tell(f"recorded to {path}")
@@ -37,7 +37,7 @@ async def replay(session: Session, data: Data) -> None:
         session.player = Player(await asyncio.to_thread(Recording, path))
     finally:
         session.busy -= 1
-    session.studio.show_again(session)
+    session.show_again()
 
 
 @action("replay-play")
@@ -53,7 +53,7 @@ async def replay_play(session: Session, data: Data) -> None:
 async def replay_seek(session: Session, data: Data) -> None:
     """Go to a moment."""
     _player(session).seek(float(data["value"]))
-    session.studio.show_moment(session)
+    session.show_moment()
 
 
 @action("replay-speed", repeats=True)
@@ -66,7 +66,7 @@ async def replay_speed(session: Session, data: Data) -> None:
 async def replay_close(session: Session, data: Data) -> None:
     """Go back to the swarm."""
     session.player = None
-    session.studio.show_again(session)
+    session.show_again()
 
 
 def _player(session: Session) -> Player:

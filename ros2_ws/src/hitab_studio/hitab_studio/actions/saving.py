@@ -79,7 +79,7 @@ async def save(session: Session, data: Data) -> None:
     session.dialog = {}
     session.tab = "library"
     session.behavior = str(values.get("name", "")).strip()
-    session.studio.link.want(session.agent, session.behavior)
+    session.shared.link.want(session.agent, session.behavior)
     session.tell(f"{answer.message}{left_out}")
 
 
@@ -88,7 +88,7 @@ async def library(session: Session, data: Data) -> None:
     """Look at a behavior of the library."""
     session.behavior = str(data["name"]) if session.behavior != data["name"] else ""
     session.compare = None
-    session.studio.link.want(session.agent, str(data["name"]))
+    session.shared.link.want(session.agent, str(data["name"]))
 
 
 @action("versions")
@@ -117,7 +117,7 @@ async def distribute_dialog(session: Session, data: Data) -> None:
         "kind": "distribute",
         "agent": session.agent,
         "behavior": str(data["name"]),
-        "receivers": [a for a in session.studio.agents(session) if a != session.agent],
+        "receivers": [a for a in session.agents if a != session.agent],
         "report": None,
     }
 
@@ -153,7 +153,7 @@ async def round_dialog(session: Session, data: Data) -> None:
     training = session.watched.training
     if training is None:
         raise SwarmError("A round begins with a training: train the first version.")
-    others = [a for a in session.studio.agents(session) if a != session.agent]
+    others = [a for a in session.agents if a != session.agent]
     session.dialog = {
         "kind": "round",
         "agent": session.agent,

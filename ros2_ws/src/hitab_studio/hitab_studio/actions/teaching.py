@@ -43,7 +43,7 @@ def targets_meant(session: Session, name: str) -> list[str]:
     targets = session.watched.vocabulary.targets
     if name in targets:
         return [name]
-    scene = session.studio.store.known.scene
+    scene = session.shared.store.known.scene
     kinds = dict(zip(scene.names, scene.kinds, strict=True)) if scene is not None else {}
     words = set(kinds.get(name, "").split("_")) - {""}
     return [t for t in targets if words & set(t.split("_"))]
@@ -105,18 +105,18 @@ async def perform_behavior(session: Session, data: Data) -> None:
 @action("take")
 async def take(session: Session, data: Data) -> None:
     """Take an agent from another demonstrator, who is told."""
-    before = session.studio.locks.take(session.agent, session.holder)
+    before = session.shared.locks.take(session.agent, session.holder)
     if before is not None:
-        session.studio.tell(before.session, f"{session.holder.name} has taken {session.agent}")
+        session.tell_other(before.session, f"{session.holder.name} has taken {session.agent}")
     session.tell(f"{session.agent} is yours")
-    session.studio.store.touch()
+    session.shared.store.touch()
 
 
 @action("release")
 async def release(session: Session, data: Data) -> None:
     """Let go of an agent."""
-    session.studio.locks.release(session.agent, session.id)
-    session.studio.store.touch()
+    session.shared.locks.release(session.agent, session.id)
+    session.shared.store.touch()
 
 
 @action("new")
@@ -160,7 +160,7 @@ async def begin(session: Session, data: Data) -> None:
     answer = await session.ask_agent(
         lambda swarm, agent: swarm.agents.begin(agent, name, **fields)
     )
-    session.studio.chosen_states[session.agent] = (name, tuple(fields["states"]))
+    session.shared.chosen_states[session.agent] = (name, tuple(fields["states"]))
     session.dialog = {}
     session.tab = "teach"
     session.level = session.state = ""

@@ -64,4 +64,4 @@ _environment.filters |= {"number": number, "curve": curve, "clock": clock}
 def render(panel: str, session: Session) -> str:
     """Return the HTML of a panel."""
     template = _environment.get_template(f"{panel}.html")
-    return template.render(session=session, store=session.studio.store, **PANELS[panel](session))
+    return template.render(session=session, store=session.shared.store, **PANELS[panel](session))

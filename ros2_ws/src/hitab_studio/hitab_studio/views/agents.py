@@ -35,7 +35,7 @@ def context(session: Session) -> dict[str, Any]:
     statuses = (
         session.player.recording.statuses(session.player.at)
         if session.player is not None
-        else session.studio.store.known.statuses
+        else session.shared.store.known.statuses
     )
     ordered = list(_ordered(session))
     wanted = session.filter.lower()
@@ -56,8 +56,8 @@ def context(session: Session) -> dict[str, Any]:
 
 def _ordered(session: Session) -> Iterator[tuple[str, int]]:
     """Yield agents with their depth in the tree of commanders."""
-    groups = session.studio.store.known.groups
-    agents = session.studio.agents(session)
+    groups = session.shared.store.known.groups
+    agents = session.agents
     below = {sub for group in groups.values() for sub in group.subordinates}
 
     def under(name: str, depth: int) -> Iterator[tuple[str, int]]:
@@ -72,9 +72,9 @@ def _ordered(session: Session) -> Iterator[tuple[str, int]]:
 
 
 def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
-    store = session.studio.store
+    store = session.shared.store
     status = statuses.get(name)
-    holder = session.studio.locks.holder(name)
+    holder = session.shared.locks.holder(name)
     state = state_shown(status.active_path) if status is not None else ""
     index = store.palette.index(state)
     group = store.known.groups.get(name)

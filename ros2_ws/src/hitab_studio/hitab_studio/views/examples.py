@@ -59,7 +59,7 @@ def _arguments(behavior: str) -> tuple[str, ...]:
 
 def _lines(session: Session, training: Learned) -> list[Line]:
     against = is_contradicted(training.examples)
-    moments = session.studio.store.known.moments
+    moments = session.shared.store.known.moments
     lines = []
     for example in training.examples:
         decided = most_probable(training.decides(example.state, example.features))

@@ -36,8 +36,8 @@ class Button:
 def context(session: Session) -> dict[str, Any]:
     """Return what lies over the field."""
     status = session.status
-    holder = session.studio.locks.holder(session.agent) if session.agent else None
-    store = session.studio.store
+    holder = session.shared.locks.holder(session.agent) if session.agent else None
+    store = session.shared.store
     mode = status.mode if status is not None else ""
     return {
         "agent": session.agent,
@@ -60,10 +60,10 @@ def context(session: Session) -> dict[str, Any]:
 
 def _legend(session: Session) -> list[tuple[str, str]]:
     """Return the states that are active at the moment, with their colors."""
-    palette = session.studio.store.palette
+    palette = session.shared.store.palette
     player = session.player
     doing = (
-        session.studio.store.known.doing() if player is None else player.recording.doing(player.at)
+        session.shared.store.known.doing() if player is None else player.recording.doing(player.at)
     )
     active = {state for _, state in doing.values() if state}
     return [(s, STATE_COLORS[palette.index(s)]) for s in palette.states if s in active][:8]
@@ -71,7 +71,7 @@ def _legend(session: Session) -> list[tuple[str, str]]:
 
 def _empty(session: Session) -> tuple[str, str, str]:
     """Return a title, what it means and what to type, where there is no field to be seen."""
-    store = session.studio.store
+    store = session.shared.store
     if session.player is not None or store.known.scene is not None:
         return ("", "", "")
     target = store.known.target
@@ -98,7 +98,7 @@ def _buttons(session: Session) -> list[Button]:
     names.sort(key=lambda b: (Use.parse(b).name in vocabulary.trained, b))
     if session.is_training and training is not None:
         # Always in the same order, whatever was commanded: hands learn where a key is.
-        automaton, chosen = session.studio.chosen_states.get(session.agent, ("", ()))
+        automaton, chosen = session.shared.chosen_states.get(session.agent, ("", ()))
         if automaton == training.name and chosen:
             names = [s for s in chosen if s not in FLAGS]
         else:

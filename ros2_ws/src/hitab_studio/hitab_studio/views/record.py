@@ -13,7 +13,7 @@ MOST = 30
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
-    store = session.studio.store
+    store = session.shared.store
     found = []
     for path in recordings_folder().glob("*.mcap"):
         try:

@@ -27,7 +27,7 @@ class Group:
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
-    store = session.studio.store
+    store = session.shared.store
     states = Counter(
         state_shown(s.active_path) or s.behavior or "nothing"
         for s in store.known.statuses.values()

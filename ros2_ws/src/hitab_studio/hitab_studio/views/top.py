@@ -11,7 +11,7 @@ SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the bar shows."""
-    store = session.studio.store
+    store = session.shared.store
     world, scene = store.known.world, store.known.scene
     pace = ""
     if world is not None:
@@ -25,7 +25,7 @@ def context(session: Session) -> dict[str, Any]:
         "pace": pace,
         "speeds": SPEEDS,
         "missing": list(world.missing) if world is not None else [],
-        "pages": sum(other.connected for other in session.studio.sessions.values()),
+        "pages": sum(other.connected for other in session.shared.sessions.values()),
         "undoable": len(store.placements),
         "replaying": session.player is not None,
     }

@@ -1,0 +1,42 @@
+"""The field as it is now, made ready once for all pages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from hitab_studio.scene import Palette, Scene, frame, roster
+
+
+class Present:
+    """The last moment of the swarm, as the pages get it.
+
+    Attributes:
+        frame: the moment as a binary frame.
+        frames: how many there were.
+        roster: the message that names what frames show; empty until there is a moment.
+    """
+
+    def __init__(self, palette: Palette) -> None:
+        self.frame = b""
+        self.frames = 0
+        self.roster = ""
+        self._palette = palette
+        self._roster_key: tuple[Any, ...] = ()
+
+    def draw(self, scene: Scene, doing: Mapping[str, tuple[str, str]]) -> bool:
+        """Make the frame of a moment; return whether the roster has changed.
+
+        Args:
+            scene: the moment.
+            doing: mode and active state of each agent, by name.
+        """
+        palette = self._palette
+        self.frame = frame(scene, doing, palette)
+        self.frames += 1
+        key = (scene.names, scene.size, len(palette.states))
+        if key == self._roster_key:
+            return False
+        self._roster_key = key
+        self.roster = roster(scene, palette)
+        return True
