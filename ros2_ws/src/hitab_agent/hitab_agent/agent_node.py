@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,17 +19,13 @@ from hitab_agent.shared import Shared
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
-from hitab_core.agent import Agent, Mode
-from hitab_core.automaton import RESERVED
-from hitab_core.domain import Domain
-from hitab_core.errors import HitabError
-from hitab_ros import names, qos
+from hitab_core import RESERVED, Agent, Domain, HitabError, Mode
+from hitab_core.commanding import Subordinate
+from hitab_ros import GuardedNode, RecentRequests, names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
-from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.plain_text import plain
-from hitab_ros.recent_requests import RecentRequests
 
 _NO_ACTION: tuple[Sequence[float], str] = ((), "")
 
@@ -146,7 +142,13 @@ class AgentNode(GuardedNode):
         self._commands = self.create_subscription(
             msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
         )
-        self._distributor = Distributor(self, self.shared.distributions)
+        self._distributor = Distributor(
+            self,
+            self.agent,
+            self.shared.distributions,
+            answered=self.report_error,
+            taken_in=self._taken_in,
+        )
         if self.settings.services_on_demand:
             self.shared.offer_on_demand(self, 1)
         if self.shared.on_demand is None:
@@ -159,12 +161,24 @@ class AgentNode(GuardedNode):
                 link = _link_class(self.agent.domain)
                 self._link = link(self, self.settings.world, self._on_percept)
             else:
-                self._link = WorldLink(self, self.settings.world)
+                self._link = WorldLink(
+                    self,
+                    self.settings.world,
+                    self.shared.orders,
+                    take_in=self.take_in,
+                    answer=self.answer,
+                    awaited_orders=self.awaited_orders,
+                )
         else:
             shared_link.add(self)
         if self.settings.commander:
             self.superior = SuperiorLink(
-                self, self.settings.commander, self.settings.role, self.outbox
+                self,
+                Subordinate(self.agent, self.settings.role),
+                self.settings.commander,
+                self.outbox,
+                self.shared.orders,
+                self.ordered,
             )
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if self.agent.session is not None:
@@ -177,8 +191,8 @@ class AgentNode(GuardedNode):
             self.report_error(self._start_error)
 
     def _offer_services(self) -> None:
-        self._agent_services = AgentServices(self)
-        self._telling = InspectionServices(self)
+        AgentServices(self, self.agent, self.shared.library, self._answered)
+        InspectionServices(self, self.agent)
         self._distributor.offer()
 
     def destroy_node(self) -> None:
@@ -264,6 +278,10 @@ class AgentNode(GuardedNode):
 
     # -- orders of a commander ----------------------------------------------------------------
 
+    def awaited_orders(self) -> Collection[str]:
+        """Return the topics of the orders that it waits for in a round of lockstep."""
+        return () if self.superior is None else (self.superior.orders,)
+
     def ordered(self) -> None:
         """Do what has to be done when an order was heard: it has been taken up, or waits."""
         if self._refusal:
@@ -315,8 +333,15 @@ class AgentNode(GuardedNode):
         self._error = text
         self.publish_status()
 
-    def report_distribution(self, sequence: int, error: str) -> None:
-        """Publish that a distribution was taken in or refused."""
+    def _answered(self, error: str) -> None:
+        """Go on after a request; the status shows what went wrong to whoever watches, too."""
+        self.settle()
+        self.report_error(error)
+
+    def _taken_in(self, sequence: int, digest: str, error: str) -> None:
+        """Publish that a distribution was taken in or, without a digest, refused."""
+        if digest:
+            self.settle()
         self._status.distribution = sequence
         self.report_error(error)
 

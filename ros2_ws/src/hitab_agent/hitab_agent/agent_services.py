@@ -3,31 +3,51 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core.agent import Mode
-from hitab_core.domain import BasicBehavior
-from hitab_core.errors import LibraryError, TrainingError, has
-from hitab_core.library.behavior_schema import SUFFIX
-from hitab_core.training.training_session import Curriculum
-from hitab_core.use import Use
-from hitab_ros import names
+from hitab_core import (
+    Agent,
+    BasicBehavior,
+    BehaviorLibrary,
+    Domain,
+    LibraryError,
+    Mode,
+    TrainingError,
+    Use,
+    has,
+)
+from hitab_core.library import SUFFIX
+from hitab_core.training import Curriculum
+from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_ros.conversions import example_message, use_of
-
-if TYPE_CHECKING:
-    from hitab_agent.agent_node import AgentNode
 
 
 class AgentServices:
     """Offers an agent's services; a refusal is a reply with ``success`` false and the reason."""
 
-    def __init__(self, node: AgentNode) -> None:
-        self._node = node
-        self._agent = node.agent
+    def __init__(
+        self,
+        node: GuardedNode,
+        agent: Agent,
+        library: Callable[[Path, Domain], BehaviorLibrary],
+        answered: Callable[[str], None],
+    ) -> None:
+        """Offer them.
+
+        Args:
+            node: to offer them on.
+            agent: whose they are.
+            library: returns the library in a folder, for a domain.
+            answered: called before the reply to what may have changed the agent, with why it was
+                refused, or "".
+        """
+        self._agent = agent
+        self._library = library
         offered: list[tuple[Any, str, Serve]] = [
             (srv.BeginTraining, names.BEGIN, self._begin),
             (srv.SetMode, names.SET_MODE, self._set_mode),
@@ -38,13 +58,8 @@ class AgentServices:
             (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, answering(serve, self._answered))
+            node.create_service(kind, name, answering(serve, answered))
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
-
-    def _answered(self, error: str) -> None:
-        self._node.settle()
-        # InspectionServices the status too, so that whoever watches sees what went wrong.
-        self._node.report_error(error)
 
     def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:
         curriculum = Curriculum(
@@ -152,7 +167,7 @@ class AgentServices:
                     f"{folder} has no behaviors (*{SUFFIX}) but other files; give it the path of "
                     "a library, or of an empty folder for a new one"
                 )
-            library = self._node.shared.library(folder, self._agent.domain)
+            library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.library_digest
         return f"{len(response.behaviors)} trained behaviors"

@@ -8,22 +8,17 @@ and answers on another topic. The agents of a process verify and read it once, s
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from hitab_msgs import msg, srv
 
 from hitab_agent.intake import Intake
 from hitab_agent.slices import Slices
-from hitab_core.errors import VocabularyError
-from hitab_core.library.bundle import Bundle, make_bundle
-from hitab_core.use import Use
-from hitab_ros import names, qos
+from hitab_core import Agent, Use, VocabularyError
+from hitab_core.library import Bundle, make_bundle
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import answering
 from hitab_ros.conversions import use_of
-from hitab_ros.guarded_node import GuardedNode
-
-if TYPE_CHECKING:
-    from hitab_agent.agent_node import AgentNode
 
 
 class DistributionReceiver:
@@ -65,9 +60,30 @@ class DistributionReceiver:
 class Distributor:
     """Sends and receives behaviors for one agent."""
 
-    def __init__(self, node: AgentNode, desk: DistributionReceiver) -> None:
+    def __init__(
+        self,
+        node: GuardedNode,
+        agent: Agent,
+        desk: DistributionReceiver,
+        *,
+        answered: Callable[[str], None],
+        taken_in: Callable[[int, str, str], None],
+    ) -> None:
+        """Receive from now on.
+
+        Args:
+            node: of the agent.
+            agent: the agent.
+            desk: the topics.
+            answered: called before the reply to who has it distribute, with why it was refused,
+                or "".
+            taken_in: called with what came of a distribution, see `has_taken_in`, before it is
+                acknowledged.
+        """
         self._node = node
-        self.agent = node.agent
+        self.agent = agent
+        self._answered = answered
+        self._taken_in = taken_in
         self._outgoing = desk.outgoing
         self._acknowledge = desk.acknowledge
         desk.add(self)
@@ -75,7 +91,7 @@ class Distributor:
     def offer(self) -> None:
         """Offer the service that distributes."""
         self._node.create_service(
-            srv.Distribute, names.DISTRIBUTE, answering(self._distribute, self._node.report_error)
+            srv.Distribute, names.DISTRIBUTE, answering(self._distribute, self._answered)
         )
 
     def _distribute(
@@ -117,10 +133,8 @@ class Distributor:
         self._node.guard.run("distribution", self._publish, sequence, digest, error)
 
     def _publish(self, sequence: int, digest: str, error: str) -> None:
-        if digest:
-            self._node.settle()
         # The status first: who has all acknowledgements may look at everybody's digest.
-        self._node.report_distribution(sequence, error)
+        self._taken_in(sequence, digest, error)
         self._acknowledge.publish(
             msg.DistributionAck(
                 sequence=sequence,

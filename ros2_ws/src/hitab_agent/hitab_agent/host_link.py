@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from array import array
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -16,12 +16,9 @@ from hitab_agent.agent_batches import AgentBatches
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.round_gate import RoundGate
-from hitab_agent.superior_link import SuperiorLink
-from hitab_core.agent import Agent
-from hitab_ros import names, qos
+from hitab_core import Agent
+from hitab_ros import Guard, GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
-from hitab_ros.guard import Guard
-from hitab_ros.guarded_node import GuardedNode
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers the last percepts, not those that have gone by."""
@@ -36,7 +33,6 @@ class Perceiver(Protocol):
 
     agent_name: str
     agent: Agent
-    superior: SuperiorLink | None
     guard: Guard
 
     def take_in(self, percept: msg.Percept | PerceptOfBatch) -> bool:
@@ -48,24 +44,22 @@ class Perceiver(Protocol):
     def answer(self, percept: msg.Percept | PerceptOfBatch) -> tuple[Sequence[float], str]:
         """Act on what was perceived, unless the percept is only to be looked at."""
 
+    def awaited_orders(self) -> Collection[str]:
+        """Return the topics of the orders that it waits for in a round of lockstep."""
+
 
 class _Guarded:
     """A perceiver that never raises: what goes wrong with one agent touches no other."""
 
-    __slots__ = ("_perceiver", "agent", "agent_name", "answer", "take_in")
+    __slots__ = ("agent", "agent_name", "answer", "awaited_orders", "take_in")
 
     def __init__(self, perceiver: Perceiver) -> None:
         guard = perceiver.guard
-        self._perceiver = perceiver
         self.agent = perceiver.agent
         self.agent_name = perceiver.agent_name
         self.take_in = guard.wrap("perceiving", perceiver.take_in, otherwise=False)
         self.answer = guard.wrap("acting", perceiver.answer, otherwise=((), ""))
-
-    @property
-    def superior(self) -> SuperiorLink | None:
-        """How it is joined to its commander, once it has joined the swarm; None: it has none."""
-        return self._perceiver.superior
+        self.awaited_orders = perceiver.awaited_orders
 
 
 class PerceptOfBatch:
@@ -133,7 +127,7 @@ class HostLink:
         self._perceivers.append(_Guarded(perceiver))
 
     def announce(self) -> None:
-        """Tell the world who is here, and listen."""
+        """Announce to the world who is here, and listen."""
         self._host.create_subscription(
             msg.PerceptBatch,
             names.in_swarm(self._host, self._name, names.PERCEPTS),
@@ -191,13 +185,13 @@ class HostLink:
                     perceived.append(place)
         commanders: set[str] = set()
         if batch.lockstep:
-            commanders = {p.superior.orders for p in acting if p.superior is not None}
+            commanders.update(*(perceiver.awaited_orders() for perceiver in acting))
         self._gate.begin(
             batch.sequence, commanders, lambda: self._answer(batch, acting, perceived)
         )
 
     def _answer(
-        self, batch: msg.PerceptBatch, acting: Sequence[Perceiver], perceived: Sequence[int]
+        self, batch: msg.PerceptBatch, acting: Sequence[_Guarded], perceived: Sequence[int]
     ) -> None:
         """Have all act that have taken in a percept of a batch, and answer it."""
         answers, percept = self._answers, self._percept

@@ -1,22 +1,15 @@
-"""The services of an agent that tell and change nothing: its behaviors, and what it perceives."""
+"""The services of an agent that change nothing: they show its behaviors and what it perceives."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.domain import BasicBehavior, Domain
-from hitab_core.errors import TrainingError
-from hitab_core.library.behavior_file import scale_of
-from hitab_core.library.differences import difference
-from hitab_core.use import Use
-from hitab_ros import names
+from hitab_core import FLAGS, Agent, Automaton, BasicBehavior, Domain, TrainingError, Use
+from hitab_core.library import difference, scale_of
+from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import example_message
-
-if TYPE_CHECKING:
-    from hitab_agent.agent_node import AgentNode
 
 Told: Any = srv.GetBehavior.Response
 
@@ -24,8 +17,8 @@ Told: Any = srv.GetBehavior.Response
 class InspectionServices:
     """Offers the services; what they raise is answered by the node's guard."""
 
-    def __init__(self, node: AgentNode) -> None:
-        self._agent = node.agent
+    def __init__(self, node: GuardedNode, agent: Agent) -> None:
+        self._agent = agent
         node.create_service(srv.GetBehavior, names.GET_BEHAVIOR, self._get_behavior)
         node.create_service(srv.ReadFeatures, names.READ_FEATURES, self._read_features)
 

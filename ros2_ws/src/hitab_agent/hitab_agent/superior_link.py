@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from hitab_msgs import msg
 
+from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox, reports_topic
-from hitab_core.order import Order, Report
-from hitab_core.subordinate import Subordinate
-from hitab_ros import names
-
-if TYPE_CHECKING:
-    from hitab_agent.agent_node import AgentNode
+from hitab_core.commanding import Order, Report, Subordinate
+from hitab_ros import GuardedNode, names
 
 HEARTBEAT_S = 0.5
 
@@ -25,28 +22,46 @@ class SuperiorLink:
         orders: the topic of the commander's orders.
     """
 
-    def __init__(self, node: AgentNode, commander: str, role: str, outbox: ReportOutbox) -> None:
-        self.subordinate = Subordinate(node.agent, role)
+    def __init__(
+        self,
+        node: GuardedNode,
+        subordinate: Subordinate,
+        commander: str,
+        outbox: ReportOutbox,
+        subscriptions: OrderSubscriptions,
+        ordered: Callable[[], None],
+    ) -> None:
+        """Obey from now on.
+
+        Args:
+            node: of the agent.
+            subordinate: the agent as it obeys and reports.
+            commander: its name.
+            outbox: sends reports.
+            subscriptions: hear orders.
+            ordered: called when an order was heard, or one that waited was taken up.
+        """
+        self.subordinate = subordinate
         self.commander = commander
-        self._node = node
+        self._ordered = ordered
         self._outbox = outbox
         self._topic = reports_topic(node, commander)
         self.orders = names.in_swarm(node, commander, names.ORDER)
         self._seconds = 0.0
         outbox.open(self._topic)
-        node.shared.orders.listen(node, self.orders, self._on_order)
+        subscriptions.listen(node, self.orders, self._on_order)
 
     def _on_order(self, order: Order) -> None:
         with self._outbox.held():
             subordinate = self.subordinate
             if subordinate.take(order):
-                self._node.ordered()
+                self._ordered()
                 self.tell()
 
     def settle(self) -> None:
         """Take up a waiting order, if the demonstrator is done, and report what has changed."""
         if self.subordinate.settle():
-            self._node.ordered()
+            self._ordered()
         self.tell()
 
     def perceived(self, percept: msg.Percept, seconds: float, *, changed: bool = True) -> None:
@@ -61,7 +76,7 @@ class SuperiorLink:
         changed |= subordinate.rounds_end()
         changed |= self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
-            self._node.ordered()  # what was in the way may have been that it saw nothing yet
+            self._ordered()  # what was in the way may have been that it saw nothing yet
             changed = True
         if percept.look:
             # Whoever arranges a paused world wants the commander to see it, too.
@@ -74,7 +89,7 @@ class SuperiorLink:
         subordinate = self.subordinate
         self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
-            self._node.ordered()
+            self._ordered()
         self._send(
             subordinate.round_begins(percept.sequence, look=percept.look, restart=percept.restart)
         )

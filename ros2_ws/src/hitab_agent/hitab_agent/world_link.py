@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Collection, Sequence
 
 from hitab_msgs import msg
 
+from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.round_gate import RoundGate
-from hitab_ros import names, qos
-
-if TYPE_CHECKING:
-    from hitab_agent.agent_node import AgentNode
+from hitab_ros import GuardedNode, names, qos
 
 
 class WorldLink:
@@ -20,11 +18,33 @@ class WorldLink:
     round. A robot's own link is described in `hitab_agent.robot_link`.
     """
 
-    def __init__(self, node: AgentNode, world: str) -> None:
-        self._node = node
-        self._gate = RoundGate(node.shared.orders)
+    def __init__(
+        self,
+        node: GuardedNode,
+        world: str,
+        orders: OrderSubscriptions,
+        *,
+        take_in: Callable[[msg.Percept], bool],
+        answer: Callable[[msg.Percept], tuple[Sequence[float], str]],
+        awaited_orders: Callable[[], Collection[str]],
+    ) -> None:
+        """Listen from now on.
+
+        Args:
+            node: of the agent.
+            world: name of the world.
+            orders: hear those of commanders.
+            take_in: has the agent perceive.
+            answer: has it act on what it perceived; returns what it does and says.
+            awaited_orders: returns the topics of the orders that it waits for in a round of
+                lockstep.
+        """
+        self._gate = RoundGate(orders)
+        self._take_in = take_in
+        self._answer = answer
+        self._awaited_orders = awaited_orders
         # One message is used again for all answers: publishing copies it.
-        self._action = msg.Action(agent=node.agent_name)
+        self._action = msg.Action(agent=names.own_name(node))
         self._actions = node.create_publisher(
             msg.Action, names.in_swarm(node, world, names.ACTIONS), qos.CYCLE
         )
@@ -33,17 +53,16 @@ class WorldLink:
         )
 
     def _on_percept(self, percept: msg.Percept) -> None:
-        node = self._node
-        node.take_in(percept)
-        if percept.lockstep and node.superior is not None:
-            commanders = (node.superior.orders,)
-            self._gate.begin(percept.sequence, commanders, lambda: self._answer(percept))
+        self._take_in(percept)
+        awaited = self._awaited_orders() if percept.lockstep else ()
+        if awaited:
+            self._gate.begin(percept.sequence, awaited, lambda: self._act(percept))
         else:
-            self._answer(percept)
+            self._act(percept)
 
-    def _answer(self, percept: msg.Percept) -> None:
+    def _act(self, percept: msg.Percept) -> None:
         action = self._action
-        action.values, action.say = self._node.answer(percept)
+        action.values, action.say = self._answer(percept)
         action.sequence = percept.sequence
         self._actions.publish(action)
 
