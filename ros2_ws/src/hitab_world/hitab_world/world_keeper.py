@@ -3,32 +3,23 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from hitab_ros import names
-from hitab_world.settings import check_factor, check_pace
+from hitab_world.control import Control
+from hitab_world.course import Course
+from hitab_world.settings import WorldSettings
 from hitab_world.world import LiveWorld
 from hitab_world.world_memory import WorldMemory
-
-if TYPE_CHECKING:
-    from hitab_world.world_node import WorldNode
 
 LEISURE = 50
 """Times as long as a snapshot took until the next one is taken, at least."""
 
-_CONTROL: dict[str, type] = {
-    "pace": str,
-    "factor": float,
-    "paused": bool,
-    "steps_left": int,
-    "episodes_left": int,
-}
-
 
 class WorldKeeper:
-    """The memory of a world's node.
+    """The memory of a world's course.
 
     A world that is part of no swarm, or that goes on by itself, such as a server elsewhere, has
     none. So the state is kept by a swarm's identity; see `WorldMemory`.
@@ -37,18 +28,28 @@ class WorldKeeper:
         named: snapshots that were saved, by name.
     """
 
-    def __init__(self, node: WorldNode) -> None:
-        self._node = node
+    def __init__(
+        self, name: str, course: Course, settings: WorldSettings, warn: Callable[[str], None]
+    ) -> None:
+        """Find the files of the process before this one, if there are any.
+
+        Args:
+            name: of the world, of which its folder is named.
+            course: what is kept.
+            settings: where, how often, and for which swarm.
+            warn: writes to the log what cannot be kept or brought back.
+        """
+        self._course = course
+        self._warn = warn
+        self._period = settings.snapshot_period
         self.named: dict[str, dict[str, Any]] = {}
         self._memory: WorldMemory | None = None
         self._kept: tuple[Any, ...] = ()
-        self._touched = False
         self._next_s = self._earliest_s = 0.0
-        settings = node.settings
         wanted = settings.swarm and settings.state_dir and settings.snapshot_period
-        if wanted and not isinstance(node.world, LiveWorld):
-            folder = Path(settings.state_dir).expanduser() / names.own_name(node)
-            self._memory = WorldMemory(folder, settings.swarm, node.get_logger().warning)
+        if wanted and not isinstance(course.world, LiveWorld):
+            folder = Path(settings.state_dir).expanduser() / name
+            self._memory = WorldMemory(folder, settings.swarm, warn)
 
     def restore(self) -> bool:
         """Go on where the process before this one ended; return whether there was one."""
@@ -58,45 +59,40 @@ class WorldKeeper:
         latest = self._memory.latest()
         if latest is None:
             return False
-        node = self._node
+        course = self._course
         try:
-            control = dict(_control(latest["control"]))
-            node.world.restore(latest["world"])
+            control = Control.read(latest["control"])
+            course.world.restore(latest["world"])
         except Exception as error:  # a world's restore is anybody's code
-            node.get_logger().warning(
+            self._warn(
                 f"the world begins anew, since its latest state cannot be restored: {error!r}"
             )
             return False
-        for name, value in control.items():
-            setattr(node, name, value)
+        course.control.take_over(control)
         return True
-
-    def touch(self) -> None:
-        """Keep the state soon, since it was changed from outside."""
-        self._touched = True
 
     def attend(self) -> None:
         """Keep the state if it is time to and it has changed; called between cycles."""
         if self._memory is None:
             return
         now = time.monotonic()
-        if now >= self._earliest_s and (self._touched or now >= self._next_s):
+        if now >= self._earliest_s and (self._course.touched or now >= self._next_s):
             self._keep(now)
 
     def _keep(self, now: float) -> None:
         assert self._memory is not None
-        node = self._node
-        control = {name: getattr(node, name) for name in _CONTROL}
-        state = (node.world.cycle, *control.values())
-        self._next_s = now + node.settings.snapshot_period
-        if state == self._kept and not self._touched:
+        course = self._course
+        control = asdict(course.control)
+        state = (course.world.cycle, *control.values())
+        self._next_s = now + self._period
+        if state == self._kept and not course.touched:
             return
-        self._kept, self._touched = state, False
+        self._kept, course.touched = state, False
         try:
-            self._memory.keep({"control": control, "world": node.world.snapshot()})
+            self._memory.keep({"control": control, "world": course.world.snapshot()})
         except Exception as error:  # a world's snapshot is anybody's code
             self._memory = None
-            node.get_logger().warning(
+            self._warn(
                 f"a restart of the world would begin anew, since its state cannot be kept: "
                 f"{error!r}"
             )
@@ -128,20 +124,3 @@ class WorldKeeper:
             self._keep(time.monotonic())
         if self._memory is not None:
             self._memory.close()
-
-
-def _control(values: Any) -> Iterator[tuple[str, Any]]:
-    """Yield how the world was run, if it can be run so.
-
-    Raises:
-        HitabError, LookupError, TypeError, ValueError: if it cannot.
-    """
-    for name, kind in _CONTROL.items():
-        value = values[name]
-        if type(value) is not kind:
-            raise TypeError(f"{name} is {value!r}")
-        if isinstance(value, int) and value < 0:
-            raise ValueError(f"{name} is {value!r}")
-        yield name, value
-    check_pace(values["pace"])
-    check_factor(values["factor"])

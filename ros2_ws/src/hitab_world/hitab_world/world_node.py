@@ -8,22 +8,23 @@ from collections.abc import Callable, Sequence
 
 from hitab_msgs import msg
 from rclpy.node import Node
-from rosgraph_msgs.msg import Clock as ClockMessage
 
 from hitab_core.errors import HitabError
-from hitab_ros import names, qos
+from hitab_ros import names
 from hitab_ros.conversions import time_of
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.name_guard import refuse_second_of_name
 from hitab_ros.spinning import Loop, Spinner
 from hitab_world.attendance import Attendance
 from hitab_world.audience import Audience
+from hitab_world.control import Control
+from hitab_world.course import Course
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
 from hitab_world.world_keeper import WorldKeeper
 from hitab_world.world_services import WorldServices
+from hitab_world.world_topics import NANOSECONDS, WorldTopics
 
-NANOSECONDS = 1_000_000_000
 STATUS_PERIOD_NS = NANOSECONDS
 FAULTS_PERIOD_NS = NANOSECONDS // 20  # until a fault that has come or gone is published
 LOOK_FOR_VIEWERS_EVERY = 50  # cycles
@@ -55,39 +56,27 @@ class WorldNode(GuardedNode):
         self.settings = settings = WorldSettings.declare(self)
         self.world = make_world(self, settings.seed)
         self._live_world = self.world if isinstance(self.world, LiveWorld) else None
-        self.pace = settings.pace
-        self.factor = settings.factor
-        self.paused = settings.paused
-        self.steps_left = 0
-        self.episodes_left = 0
-        self.disturbed = True
-        self._in_real_time = False
+        self.control = Control(settings.pace, settings.factor, settings.paused)
         # The time of day, so that the rounds of a world that is started again are new ones.
         self._sequence = time.time_ns()
-        self._restart = True
-        self._note = ""
-        self._error = ""
         self._next_cycle_ns = 0
-        self._next_state_ns = 0
         self._next_status_ns = 0
-        self._viewed = self._clocked = False
         self._audience = Audience(self, tuple(self.world.agents))
         self.attendance = Attendance(self.world.agents, self._audience.has)
-        self.keeper = WorldKeeper(self)
-        self._state = self.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
-        self._status = self.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
-        self._episodes = self.create_publisher(msg.Episode, names.EPISODES, qos.EVENTS)
-        self._clock_publisher = self.create_publisher(ClockMessage, names.CLOCK, qos.STREAM)
+        self.course = Course(self.world, self.control, self.attendance)
+        warn = self.get_logger().warning
+        self.keeper = WorldKeeper(names.own_name(self), self.course, settings, warn)
+        self._topics = WorldTopics(self, self.course, settings)
 
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
         self._audience.join(self.attendance.take)
         self._restored = self.keeper.restore()
         if self._restored:
-            # Agents that live on do not begin anew, and what came after the snapshot comes again.
-            self._restart = False
-            self._in_real_time = True
-        self._world_services = WorldServices(self)
+            self.course.go_on()
+        self._world_services = WorldServices(
+            self, self.course, self.keeper, self._topics, self.look_who_is_there
+        )
 
     def destroy_node(self) -> None:
         """Keep the world's state, then take the node down."""
@@ -103,9 +92,9 @@ class WorldNode(GuardedNode):
 
     def run(self, spinning: Spinner) -> int:
         """Run the world until the spinner is stopped; return the exit code."""
-        if self._restored and self.episodes_left:
+        if self._restored and self.control.episodes_left:
             # Who has asked for them still listens, and has to find this process first.
-            spinning.spin_until(lambda: self._episodes.get_subscription_count() > 0, LISTENER_S)
+            spinning.spin_until(lambda: self._topics.episodes_are_heard, LISTENER_S)
         while not spinning.stopped:
             if not self.guard.run(TURN, self._turn, spinning):
                 self._pause(TURN)
@@ -118,33 +107,32 @@ class WorldNode(GuardedNode):
         self.keeper.attend()
         if not self._live():
             spinning.spin_once(timeout_sec=0.01)
-        elif self.paused and not self.steps_left:
-            if self.disturbed:
+        elif self.control.at_rest:
+            if self.course.disturbed:
                 self._show(spinning)
             spinning.spin_once(timeout_sec=0.1)
-        elif self.pace == msg.WorldStatus.LOCKSTEP and not self.attendance.present:
+        elif self.control.lockstep and not self.attendance.present:
             spinning.spin_once(timeout_sec=0.1)  # nobody to play with yet
         else:
             self._cycle(spinning)
 
     def _pause(self, fault: str) -> None:
         """Stand still after an error in the world itself, until a person resumes it."""
-        self.paused = True
-        self.steps_left = 0
-        self.report_error(f"paused: {self.guard.faults.text(fault)}")
+        self.control.pause()
+        self._topics.report_error(f"paused: {self.guard.faults.text(fault)}")
 
     def _live(self) -> bool:
         """Keep a world that goes on by itself company; return whether it can be stepped."""
         world = self._live_world
         if world is None:
             return True
-        alone = self.pace == msg.WorldStatus.LOCKSTEP and not self.attendance.present
-        if world.waiting or alone or (self.paused and not self.steps_left):
+        alone = self.control.lockstep and not self.attendance.present
+        if world.waiting or alone or self.control.at_rest:
             happened = world.idle()
             if happened == RESTART:
-                self.mark_restart()
+                self.course.mark_restart()
             elif happened == LOOK:
-                self.disturbed = True
+                self.course.disturbed = True
         if world.waiting:
             self.guard.log(world.waiting)
         self.guard.faults.set(WAITING, world.waiting)
@@ -155,36 +143,37 @@ class WorldNode(GuardedNode):
         if now >= self._next_status_ns:
             self._next_status_ns = now + STATUS_PERIOD_NS
             changed = self.look_who_is_there()
-            if changed or (self.attendance.silent and self.paused):
-                self.disturbed = True  # shown again, so that who was late may answer
-            self.publish_status()
+            if changed or (self.attendance.silent and self.control.paused):
+                self.course.disturbed = True  # shown again, so that who was late may answer
+            self._topics.publish_status()
 
     def _show(self, spinning: Spinner) -> None:
         """Have the agents perceive the world as it stands, without acting."""
-        self.disturbed = False
+        self.course.disturbed = False
         self._send_percepts(look=True)
         self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
         self.attendance.give_up_on_late()
-        if self.disturbed:
+        if self.course.disturbed:
             return
-        self._publish_state()
-        self.publish_status()
+        self._topics.publish_state()
+        self._topics.publish_status()
 
     def _cycle(self, spinning: Spinner) -> None:
-        self.disturbed = False
-        lockstep = self.pace == msg.WorldStatus.LOCKSTEP
-        self._in_real_time |= not lockstep
+        course = self.course
+        course.disturbed = False
+        lockstep = self.control.lockstep
+        course.in_real_time |= not lockstep
         self._send_percepts(look=False)
         now = time.monotonic_ns()
         if lockstep:
             deadline = now + int(self.settings.deadline * NANOSECONDS)
         else:
-            period = int(self.world.cycle_seconds / self.factor * NANOSECONDS)
+            period = int(self.world.cycle_seconds / self.control.factor * NANOSECONDS)
             # After a pause or a hold-up the world goes on from now instead of catching up.
             behind = now - self._next_cycle_ns > 5 * period
             deadline = self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
         self._wait(spinning, deadline, whole=not lockstep)
-        if self.disturbed or spinning.stopped:
+        if course.disturbed or spinning.stopped:
             return  # what they answered was about another situation
         late = ""
         if not self.attendance.complete:
@@ -197,9 +186,9 @@ class WorldNode(GuardedNode):
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
         """Handle events until all have answered, or, with ``whole``, until the deadline."""
-        attendance = self.attendance
+        attendance, course = self.attendance, self.course
         spin_once = spinning.spin_once
-        while not self.disturbed and not spinning.stopped:
+        while not course.disturbed and not spinning.stopped:
             if not whole and attendance.complete:
                 return
             left = deadline_ns - time.monotonic_ns()
@@ -209,7 +198,7 @@ class WorldNode(GuardedNode):
 
         # Where this process itself was held up, answers that came in time are still unread.
         for _ in range(UNREAD_MAX):
-            if attendance.complete or self.disturbed or spinning.stopped:
+            if attendance.complete or course.disturbed or spinning.stopped:
                 return
             spin_once(timeout_sec=0.0)
 
@@ -224,11 +213,11 @@ class WorldNode(GuardedNode):
             "episode": world.episode,
             "seed": world.seed,
             "look": look,
-            "lockstep": self.pace == msg.WorldStatus.LOCKSTEP,
-            "restart": self._restart,
+            "lockstep": self.control.lockstep,
+            "restart": self.course.restart,
         }
         self._audience.send(common, self._percept)
-        self._restart = False
+        self.course.restart = False
 
     def _percept(self, agent: str) -> tuple[Sequence[float], Sequence[str]] | None:
         """Return what an agent perceives; None if the world cannot say it, which is a fault."""
@@ -257,142 +246,24 @@ class WorldNode(GuardedNode):
         if refused:
             self.guard.log(refused)
         self.guard.faults.set(REFUSED, refused)
-        if self._clocked:
-            self._clock_publisher.publish(
-                ClockMessage(clock=time_of(world.cycle * world.cycle_seconds))
-            )
-        if self.steps_left:
-            self.steps_left -= 1
+        control, topics = self.control, self._topics
+        if topics.clocked:
+            topics.publish_clock()
+        if control.steps_left:
+            control.steps_left -= 1
         if ended is not None:
-            self._end_episode(ended)
+            topics.publish_episode(ended)
+            self.course.end_episode()
         if world.cycle % LOOK_FOR_VIEWERS_EVERY == 0:
-            self._look_for_viewers()
-        if self.paused and not self.steps_left:
-            self.disturbed = True  # to be shown
-        elif self._viewed:
-            now = time.monotonic_ns()
-            if now >= self._next_state_ns or ended is not None:
-                self._next_state_ns = now + int(NANOSECONDS / self.settings.state_rate)
-                self._publish_state()
-
-    def _look_for_viewers(self) -> None:
-        self._viewed = self._state.get_subscription_count() > 0
-        self._clocked = self._clock_publisher.get_subscription_count() > 0
-
-    # -- episodes ---------------------------------------------------------------------------
-
-    def begin_run(self, seed: int) -> None:
-        """Begin the first episode of a run, and to count what would make it another one."""
-        self.attendance.missed_deadlines = 0
-        self._in_real_time = False
-        self.begin_episode(0, seed)
-
-    @property
-    def reproducible(self) -> bool:
-        """Whether the same seed gives this run again: nobody was late, and no clock took part."""
-        return not (self._in_real_time or self.attendance.missed_deadlines)
-
-    def _end_episode(self, ended: str) -> None:
-        result = self.world.result()
-        self._episodes.publish(
-            msg.Episode(
-                number=result.number,
-                seed=result.seed,
-                cycles=result.cycles,
-                seconds=result.seconds,
-                ended=result.ended,
-                reproducible=self.reproducible,
-                measure_names=list(result.measures),
-                measures=[float(value) for value in result.measures.values()],
-            )
-        )
-        self._note = ended
-        if self.episodes_left:
-            self.episodes_left -= 1
-            if not self.episodes_left:
-                self.paused = True
-                self.steps_left = 0
-        self.begin_episode()
-
-    def begin_episode(self, number: int | None = None, seed: int | None = None) -> None:
-        """Begin the next episode, or the given one; agents begin at Start."""
-        self.world.reset(number, seed)
-        self.mark_restart()
-        self.keeper.touch()
-
-    def mark_restart(self) -> None:
-        """Have the agents begin at Start with the next percept."""
-        self._restart = True
-        self.disturbed = True
-
-    # -- telling ----------------------------------------------------------------------------
-
-    def report_error(self, text: str) -> None:
-        """Publish the status with what was refused last, at most once for the same text."""
-        if text != self._error:
-            self._error = text
-            if text:
-                self.guard.log(text)
-            self.publish_status()
+            topics.look_for_viewers()
+        if control.at_rest:
+            self.course.disturbed = True  # to be shown
+        elif topics.viewed:
+            topics.publish_state_if_due(at_once=ended is not None)
 
     def faults_changed(self) -> None:
         """Publish the status soon, at the next turn."""
         self._next_status_ns = min(self._next_status_ns, time.monotonic_ns() + FAULTS_PERIOD_NS)
-
-    def publish_status(self) -> None:
-        """Publish how the world runs."""
-        world = self.world
-        faults = self.guard.faults.texts()
-        self._status.publish(
-            msg.WorldStatus(
-                stamp=time_of(world.cycle * world.cycle_seconds),
-                world=world.name,
-                mode=self._mode(),
-                pace=self.pace,
-                factor=self.factor,
-                cycle=world.cycle,
-                episode=world.episode,
-                seed=world.seed,
-                missed_deadlines=self.attendance.missed_deadlines,
-                reproducible=self.reproducible,
-                agents=list(world.agents),
-                missing=self.attendance.missing,
-                episodes_left=self.episodes_left,
-                last_error=self._error or (faults[0] if faults else ""),
-                faults=faults,
-                swarm=self.settings.swarm,
-            )
-        )
-
-    def _mode(self) -> str:
-        paused = self.paused and not self.steps_left
-        return msg.WorldState.PAUSED if paused else msg.WorldState.RUNNING
-
-    def _publish_state(self) -> None:
-        world = self.world
-        entities = self.guard.wrap("the state for viewers", self._entities, otherwise=[])()
-        self._state.publish(
-            msg.WorldState(
-                stamp=time_of(world.cycle * world.cycle_seconds),
-                world=world.name,
-                mode=self._mode(),
-                cycle=world.cycle,
-                episode=world.episode,
-                episode_cycle=world.episode_cycle,
-                width=float(world.size[0]),
-                height=float(world.size[1]),
-                entities=entities,
-                note=self._note,
-            )
-        )
-        self._note = ""
-
-    def _entities(self) -> list[msg.Entity]:
-        fields = ("name", "kind", "x", "y", "heading", "vx", "vy", "radius", "say")
-        return [
-            msg.Entity(**{field: getattr(entity, field) for field in fields})
-            for entity in self.world.entities()
-        ]
 
 
 def _some(agents: list[str], between: str = ", ") -> str:

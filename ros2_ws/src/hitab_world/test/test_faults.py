@@ -62,7 +62,7 @@ class Running:
         self.world = Broken()
         self.spinning = spinning
         self.node = WorldNode(lambda node, seed: self.world)
-        self.node.pace = "lockstep"
+        self.node.control.pace = "lockstep"
         self.peer = GuardedNode("peer")
         self.status = msg.WorldStatus()
         spinning.executor.add_node(self.node)

@@ -1,0 +1,85 @@
+"""How a world is run at the moment: what its services change and a restart must not lose."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from hitab_msgs.msg import WorldStatus
+
+from hitab_world.settings import check_factor, check_pace
+
+_KINDS: dict[str, type] = {
+    "pace": str,
+    "factor": float,
+    "paused": bool,
+    "steps_left": int,
+    "episodes_left": int,
+}
+
+
+@dataclass
+class Control:
+    """How a world is run; its fields are kept in files under these names.
+
+    Attributes:
+        pace: whether the world waits for its agents; see `WorldSettings`.
+        factor: speed in real-time pace, as a factor of real time.
+        paused: whether it stands still, but for the cycles of ``steps_left``.
+        steps_left: cycles to play although it is paused.
+        episodes_left: episodes to play until it pauses; 0: it does not.
+    """
+
+    pace: str
+    factor: float
+    paused: bool
+    steps_left: int = 0
+    episodes_left: int = 0
+
+    @property
+    def lockstep(self) -> bool:
+        """Whether the next cycle begins when every agent has answered."""
+        return self.pace == WorldStatus.LOCKSTEP
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether no cycle is to be played now."""
+        return self.paused and not self.steps_left
+
+    def pause(self) -> None:
+        """Stand still."""
+        self.paused = True
+        self.steps_left = 0
+
+    def resume(self) -> None:
+        """Go on until something pauses the world."""
+        self.paused = False
+        self.steps_left = 0
+
+    def step(self, cycles: int) -> None:
+        """Play some cycles, then stand still."""
+        self.paused = True
+        self.steps_left = cycles
+
+    def take_over(self, other: Control) -> None:
+        """Run the world as another process did."""
+        for field in fields(self):
+            setattr(self, field.name, getattr(other, field.name))
+
+    @classmethod
+    def read(cls, values: Mapping[str, Any]) -> Control:
+        """Return what ``dataclasses.asdict`` made of one, if a world can be run so.
+
+        Raises:
+            HitabError, LookupError, TypeError, ValueError: if it cannot.
+        """
+        for name, kind in _KINDS.items():
+            value = values[name]
+            if type(value) is not kind:
+                raise TypeError(f"{name} is {value!r}")
+            if isinstance(value, int) and value < 0:
+                raise ValueError(f"{name} is {value!r}")
+        check_pace(values["pace"])
+        check_factor(values["factor"])
+        return cls(**{name: values[name] for name in _KINDS})

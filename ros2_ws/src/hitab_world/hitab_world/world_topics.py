@@ -1,0 +1,148 @@
+"""What a world publishes: its state, how it is run, its episodes and its clock."""
+
+from __future__ import annotations
+
+import time
+
+from hitab_msgs import msg
+from rosgraph_msgs.msg import Clock
+
+from hitab_ros import names, qos
+from hitab_ros.conversions import time_of
+from hitab_ros.guarded_node import GuardedNode
+from hitab_world.course import Course
+from hitab_world.settings import WorldSettings
+
+NANOSECONDS = 1_000_000_000
+
+
+class WorldTopics:
+    """Publishes a world's course; what nobody looks at all the time only if somebody does.
+
+    Attributes:
+        viewed: whether somebody looks at the state.
+        clocked: whether somebody goes by the world's clock.
+    """
+
+    def __init__(self, node: GuardedNode, course: Course, settings: WorldSettings) -> None:
+        self.viewed = self.clocked = False
+        self._guard = node.guard
+        self._course = course
+        self._world = course.world
+        self._settings = settings
+        self._note = ""
+        self._error = ""
+        self._next_state_ns = 0
+        self._state = node.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
+        self._status = node.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
+        self._episodes = node.create_publisher(msg.Episode, names.EPISODES, qos.EVENTS)
+        self._clock = node.create_publisher(Clock, names.CLOCK, qos.STREAM)
+
+    def look_for_viewers(self) -> None:
+        """Find out whether somebody looks at the state and at the clock."""
+        self.viewed = self._state.get_subscription_count() > 0
+        self.clocked = self._clock.get_subscription_count() > 0
+
+    @property
+    def episodes_are_heard(self) -> bool:
+        """Whether somebody listens to the episodes."""
+        return self._episodes.get_subscription_count() > 0
+
+    def publish_clock(self) -> None:
+        """Publish the world's time."""
+        world = self._world
+        self._clock.publish(Clock(clock=time_of(world.cycle * world.cycle_seconds)))
+
+    # -- how it is run ----------------------------------------------------------------------
+
+    def report_error(self, text: str) -> None:
+        """Publish the status with what was refused last, at most once for the same text."""
+        if text != self._error:
+            self._error = text
+            if text:
+                self._guard.log(text)
+            self.publish_status()
+
+    def publish_status(self) -> None:
+        """Publish how the world runs."""
+        world, control, attendance = self._world, self._course.control, self._course.attendance
+        faults = self._guard.faults.texts()
+        self._status.publish(
+            msg.WorldStatus(
+                stamp=time_of(world.cycle * world.cycle_seconds),
+                world=world.name,
+                mode=self._mode(),
+                pace=control.pace,
+                factor=control.factor,
+                cycle=world.cycle,
+                episode=world.episode,
+                seed=world.seed,
+                missed_deadlines=attendance.missed_deadlines,
+                reproducible=self._course.reproducible,
+                agents=list(world.agents),
+                missing=attendance.missing,
+                episodes_left=control.episodes_left,
+                last_error=self._error or (faults[0] if faults else ""),
+                faults=faults,
+                swarm=self._settings.swarm,
+            )
+        )
+
+    def _mode(self) -> str:
+        at_rest = self._course.control.at_rest
+        return msg.WorldState.PAUSED if at_rest else msg.WorldState.RUNNING
+
+    # -- episodes ---------------------------------------------------------------------------
+
+    def publish_episode(self, ended: str) -> None:
+        """Publish how the episode went, and with the next state why it has ended."""
+        result = self._world.result()
+        self._episodes.publish(
+            msg.Episode(
+                number=result.number,
+                seed=result.seed,
+                cycles=result.cycles,
+                seconds=result.seconds,
+                ended=result.ended,
+                reproducible=self._course.reproducible,
+                measure_names=list(result.measures),
+                measures=[float(value) for value in result.measures.values()],
+            )
+        )
+        self._note = ended
+
+    # -- the state --------------------------------------------------------------------------
+
+    def publish_state_if_due(self, *, at_once: bool) -> None:
+        """Publish the truth as often as the settings want it, or at once."""
+        now = time.monotonic_ns()
+        if now >= self._next_state_ns or at_once:
+            self._next_state_ns = now + int(NANOSECONDS / self._settings.state_rate)
+            self.publish_state()
+
+    def publish_state(self) -> None:
+        """Publish the truth about the world, for viewers."""
+        world = self._world
+        entities = self._guard.wrap("the state for viewers", self._entities, otherwise=[])()
+        self._state.publish(
+            msg.WorldState(
+                stamp=time_of(world.cycle * world.cycle_seconds),
+                world=world.name,
+                mode=self._mode(),
+                cycle=world.cycle,
+                episode=world.episode,
+                episode_cycle=world.episode_cycle,
+                width=float(world.size[0]),
+                height=float(world.size[1]),
+                entities=entities,
+                note=self._note,
+            )
+        )
+        self._note = ""
+
+    def _entities(self) -> list[msg.Entity]:
+        fields = ("name", "kind", "x", "y", "heading", "vx", "vy", "radius", "say")
+        return [
+            msg.Entity(**{field: getattr(entity, field) for field in fields})
+            for entity in self._world.entities()
+        ]
