@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Collection, Sequence
-from importlib import import_module
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from hitab_msgs import msg
 
 from hitab_agent.agent_services import AgentServices
+from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.distribution import Distributor
+from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.performance_memory import PerformanceMemory
+from hitab_agent.robot_link import link_class
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
+from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
@@ -24,20 +26,9 @@ from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
 from hitab_core.errors import HitabError
 from hitab_core.subordinate import Subordinate
-from hitab_ros import names, qos
-from hitab_ros.answering import what_went_wrong
-from hitab_ros.checks import check
+from hitab_ros import names
 from hitab_ros.conversions import use_of
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.plain_text import plain
-from hitab_ros.recent_requests import RecentRequests
-
-_NO_ACTION: tuple[Sequence[float], str] = ((), "")
-
-DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name that are kept
-
-TICK = "tick"
-"""The fault of an agent that does nothing, since it cannot perceive, decide or act."""
 
 
 class AgentNode(GuardedNode):
@@ -81,17 +72,15 @@ class AgentNode(GuardedNode):
             most_probable=settings.most_probable,
             observe=self.guard.wrap("publishing a transition", self.transition_log.observe),
         )
-        self._tick_error = ""
-        self._failed_in = ("", "")
-        self._error = ""
-        self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
-        self._last_path: list[str] = []
-        self._percept_stamp = msg.AgentStatus().stamp
-        self._status = msg.AgentStatus(
-            agent=self.agent_name, domain=domain.name, swarm=settings.swarm
+        self._tick = GuardedTick(self.agent, self.guard)
+        self.status = StatusPublisher(
+            self,
+            self.agent,
+            settings.swarm,
+            self.shared,
+            self.transition_log,
+            self._prepare_status,
         )
-        self._status_publisher = self.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
-        self._status_is_due = False
         self._sensed = False
         self._unsettled = True
         self._link: Any = None
@@ -143,15 +132,13 @@ class AgentNode(GuardedNode):
     def join(self) -> None:
         """Begin to listen and to answer, once it is certain that the name is free."""
         self._joined = True
-        self.shared.members.append(self._publish_status_soon)
-        self._commands = self.create_subscription(
-            msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
-        )
+        self.shared.members.append(self.status.publish_soon)
+        CommandReceiver(self, self.agent, self.status, self.settle)
         self._distributor = Distributor(
             self,
             self.agent,
             self.shared.distributions,
-            answered=self.report_error,
+            answered=self.status.report_error,
             taken_in=self._taken_in,
         )
         if self.settings.services_on_demand:
@@ -163,7 +150,7 @@ class AgentNode(GuardedNode):
         shared_link = None if self.agent.domain.link else self.shared.link(self.settings.world)
         if shared_link is None:
             if self.agent.domain.link:
-                link = _link_class(self.agent.domain)
+                link = link_class(self.agent.domain)
                 self._link = link(self, self.settings.world, self._on_percept)
             else:
                 self._link = WorldLink(
@@ -177,7 +164,7 @@ class AgentNode(GuardedNode):
         else:
             shared_link.add(self)
         if self.settings.commander:
-            self.superior = SuperiorLink(
+            self.superior = self.status.superior = SuperiorLink(
                 self,
                 Subordinate(self.agent, self.settings.role),
                 self.settings.commander,
@@ -188,12 +175,12 @@ class AgentNode(GuardedNode):
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if self.agent.session is not None:
             training = self.agent.session
-            self.report_error(
+            self.status.report_error(
                 f'took up the interrupted training of "{training.curriculum.name}" '
                 f"with {len(training.log)} examples"
             )
         else:
-            self.report_error(self._start_error)
+            self.status.report_error(self._start_error)
 
     def _offer_services(self) -> None:
         AgentServices(self, self.agent, self.shared.library, self._answered)
@@ -209,7 +196,7 @@ class AgentNode(GuardedNode):
 
     # -- percepts ---------------------------------------------------------------------------
 
-    def _on_percept(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+    def _on_percept(self, percept: msg.Percept) -> Action:
         self.take_in(percept)
         return self.answer(percept)
 
@@ -217,7 +204,7 @@ class AgentNode(GuardedNode):
         """Perceive; return whether that went well."""
         log, agent = self.transition_log, self.agent
         log.cycle = percept.cycle
-        log.stamp = self._percept_stamp = percept.stamp
+        log.stamp = percept.stamp
         self._sensed = False
         try:
             agent.sense(percept.values, percept.heard, percept.cycle)
@@ -225,14 +212,20 @@ class AgentNode(GuardedNode):
                 agent.restart(percept.seed, percept.episode)
             self._sensed = True
         except Exception as error:
-            self._tick_failed(error)
+            self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
             self.superior.round_begins(percept, self.seconds_of(percept))
         return self._sensed
 
-    def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
+    def answer(self, percept: msg.Percept) -> Action:
         """Act on the percept that was taken in, unless it is only to be looked at."""
-        action = self._act(percept) if self._sensed else _NO_ACTION
+        action = NO_ACTION
+        if not self._sensed:
+            pass
+        elif not percept.look:
+            action = self._tick.act()
+        elif percept.restart or self.agent.active_path != self.status.path:
+            self.status.publish()
         log = self.transition_log
         if self._unsettled or log.changed:
             path = self.agent.active_path
@@ -240,8 +233,8 @@ class AgentNode(GuardedNode):
             self._unsettled = bool(path) and path[-1] in RESERVED
             log.changed = False
             changed = True
-            if path != self._last_path and not percept.look:
-                self._publish_status_soon()
+            if path != self.status.path and not percept.look:
+                self.status.publish_soon()
         else:
             changed = percept.restart
         if self.superior is not None and not percept.lockstep:
@@ -252,35 +245,6 @@ class AgentNode(GuardedNode):
         """Return the agent's own time, s, by which it reports; that of the world or the robot."""
         return float(percept.stamp.sec + percept.stamp.nanosec * 1e-9)
 
-    def _act(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
-        agent = self.agent
-        if percept.look:
-            if agent.active_path != self._last_path or percept.restart:
-                self.publish_status()
-            return _NO_ACTION
-        try:
-            agent.tick()
-            action = _action(*agent.act())
-        except Exception as error:
-            self._tick_failed(error)
-            return _NO_ACTION
-        if self._tick_error:
-            self._tick_succeeded()
-        return action
-
-    def _tick_failed(self, error: Exception) -> None:
-        why = what_went_wrong(error)
-        self._failed_in = (self.agent.mode.value, self.agent.behavior)
-        if why != self._tick_error:
-            self._tick_error = why
-            text = f"{self.agent_name} did nothing in cycle {self.agent.cycle}: {why}"
-            self.guard.log(text, ("tick", why))
-            self.guard.faults.set(TICK, text)
-
-    def _tick_succeeded(self) -> None:
-        self._tick_error = ""
-        self.guard.faults.clear(TICK)
-
     # -- orders of a commander ----------------------------------------------------------------
 
     def awaited_orders(self) -> Collection[str]:
@@ -289,144 +253,42 @@ class AgentNode(GuardedNode):
 
     def ordered(self) -> None:
         """Do what has to be done when an order was heard: it has been taken up, or waits."""
-        if self._refusal:
-            self.guard.log(self._refusal)
-            self._error = ""
-            self.publish_status()
+        refusal = self.status.refusal
+        if refusal:
+            self.guard.log(refusal)
+            self.status.report_error("")
         else:
-            self._publish_status_soon()
-
-    @property
-    def _refusal(self) -> str:
-        """Why an order waits that cannot be obeyed; empty if there is none."""
-        return "" if self.superior is None else self.superior.subordinate.refusal
+            self.status.publish_soon()
 
     def settle(self) -> None:
         """Take up an order that waits, now that a demonstrator has changed something."""
         if self.superior is not None:
             self.superior.settle()
 
-    # -- commands ---------------------------------------------------------------------------
-
-    def _on_command(self, command: msg.Command) -> None:
-        status = self._status
-        status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX)
-        # One that is sent again, since our acknowledgement was late, is acknowledged again.
-        refusal = self._recent.came_of(status.demonstrator, command.sequence)
-        try:
-            if refusal is None:
-                refusal = ""
-                check(command)  # here, so that its sender sees in the status what is wrong
-                self.agent.command(use_of(command.behavior, command.targets))
-        except Exception as error:
-            refusal = what_went_wrong(error)
-        finally:
-            self._recent.keep(status.demonstrator, command.sequence, refusal or "")
-            if refusal:
-                status.last_refused_sequence = command.sequence
-            else:
-                status.last_command_sequence = command.sequence
-            self.report_error(refusal or "")
-            self.settle()
-
     # -- status -----------------------------------------------------------------------------
-
-    def report_error(self, text: str) -> None:
-        """Publish the status with what was refused or, if nothing was, what is wrong and lasts."""
-        if text:
-            self.guard.log(text)
-        self._error = text
-        self.publish_status()
 
     def _answered(self, error: str) -> None:
         """Go on after a request; the status shows what went wrong to whoever watches, too."""
         self.settle()
-        self.report_error(error)
+        self.status.report_error(error)
 
     def _taken_in(self, sequence: int, digest: str, error: str) -> None:
         """Publish that a distribution was taken in or, without a digest, refused."""
         if digest:
             self.settle()
-        self._status.distribution = sequence
-        self.report_error(error)
+        self.status.message.distribution = sequence
+        self.status.report_error(error)
 
     @property
     def faults(self) -> list[str]:
         """What is wrong and lasts, each until its cause ends."""
-        refusal = self._refusal
-        waits = [refusal] if refusal else []
-        return [*waits, *self.guard.faults.texts(), *self.shared.faults]
+        return self.status.faults
 
     def faults_changed(self) -> None:
-        """Publish a status soon, once all is there that it tells."""
+        """Publish a status soon, once all is there that goes into it."""
         if self._joined:
-            self._publish_status_soon()
+            self.status.publish_soon()
 
-    def publish_status(self) -> None:
-        """Publish what the agent does now."""
-        agent, status = self.agent, self._status
+    def _prepare_status(self) -> None:
         self.remember()
-        session = agent.session
-        if self._tick_error and self._failed_in != (agent.mode.value, agent.behavior):
-            self._tick_succeeded()  # what failed is not performed any more
-        self._last_path = agent.active_path
-        status.stamp = self._percept_stamp
-        status.mode = agent.mode.value
-        status.behavior = agent.behavior
-        status.active_path = self._last_path
-        status.examples = len(session.log) if session else 0
-        status.default_examples = session.log.defaults if session else 0
-        status.cycle = agent.cycle
-        status.library_digest = agent.library_digest
-        faults = self.faults
-        status.faults = faults
-        status.last_error = self._error or (faults[0] if faults else "")
-        if self.superior is not None:
-            subordinate = self.superior.subordinate
-            status.superior = self.superior.commander
-            status.ordered = subordinate.ordered or ""
-            status.order_waits = subordinate.waits
-        self._status_publisher.publish(status)
-
-    def _publish_status_soon(self) -> None:
-        if not self._status_is_due:
-            self._status_is_due = True
-            self.shared.statuses.call(self._status_due)
-
-    def _status_due(self) -> None:
-        self._status_is_due = False
-        self.transition_log.look()
-        self.publish_status()
-
-
-def _action(values: Sequence[float], say: str) -> tuple[Sequence[float], str]:
-    """Return what a body does and says, as messages need it.
-
-    Raises:
-        HitabError: if it is something else than numbers and a text.
-    """
-    try:
-        if isinstance(say, str):
-            return array("d", values), say
-    except TypeError:
-        pass
-    raise HitabError(
-        f"act() of its body returned {(values, say)!r}; "
-        "it must return numbers, and a text to say, empty for nothing"
-    )
-
-
-def _link_class(domain: Domain) -> Any:
-    """Return the class that joins an agent of this domain to its robot.
-
-    Raises:
-        HitabError: if it cannot be imported.
-    """
-    module, _, name = domain.link.partition(":")
-    try:
-        return getattr(import_module(module), name)
-    except (ImportError, AttributeError) as error:
-        raise HitabError(
-            f'domain "{domain.name}": its link "{domain.link}" cannot be imported: {error}; '
-            'it must read "module:Class"'
-        ) from error
+        self._tick.clear_if_past()

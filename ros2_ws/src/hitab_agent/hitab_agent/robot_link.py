@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from importlib import import_module
+from typing import Any, Protocol
 
 from hitab_msgs import msg
 from rclpy.node import Node
+
+from hitab_core.domain import Domain
+from hitab_core.errors import HitabError
 
 OnPercept = Callable[[msg.Percept], tuple[Sequence[float], str]]
 
@@ -27,3 +31,19 @@ class RobotLink(Protocol):
 
     def close(self) -> None:
         """Leave the robot at rest: the agent ends."""
+
+
+def link_class(domain: Domain) -> Any:
+    """Return the class that joins an agent of this domain to its robot.
+
+    Raises:
+        HitabError: if it cannot be imported.
+    """
+    module, _, name = domain.link.partition(":")
+    try:
+        return getattr(import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise HitabError(
+            f'domain "{domain.name}": its link "{domain.link}" cannot be imported: {error}; '
+            'it must read "module:Class"'
+        ) from error

@@ -141,11 +141,11 @@ def test_what_is_not_performed_any_more_is_no_fault_any_more(one):
 
 
 def test_a_callback_that_fails_is_a_fault_until_it_succeeds(one):
-    settled = one.node.settle
-    one.node.settle = lambda: 1 / 0
+    status = one.node.status
+    report, status.report_error = status.report_error, lambda text: 1 / 0
     one.command("Go")
     one.process.until(lambda: one.status.faults)
     assert "topic command failed: ZeroDivisionError" in one.status.faults[0]
-    one.node.settle = settled
+    status.report_error = report
     one.command("Go")
     one.process.until(lambda: not one.status.faults)

@@ -266,13 +266,13 @@ def test_who_fails_outside_its_body_fails_alone_and_says_so(swarm):
     told, others = hear_faults(swarm, 3), hear_faults(swarm, 4)
     node = swarm.nodes[3]
     swarm.act([1.0] * SIZE)
-    of_time, node._publish_status_soon = node._publish_status_soon, lambda: 1 / 0
+    of_time, node.status.publish_soon = node.status.publish_soon, lambda: 1 / 0
     node._unsettled = True
     done = swarm.act([-1.0] * SIZE)
     assert done[:3] + done[4:] == [[1.0]] * (SIZE - 1)
     assert done[3] == []
-    node._publish_status_soon = of_time
-    node.publish_status()
+    node.status.publish_soon = of_time
+    node.status.publish()
     swarm._process.until(lambda: any("ZeroDivisionError" in f for told_ in told for f in told_))
     swarm.act([1.0] * SIZE)
     swarm._process.until(lambda: told[-1] == [])

@@ -217,8 +217,8 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
     low = taught(tmp_path / "teacher", "Low", "Left", "Right")
     statuses = []
     for node in host.nodes:
-        publish = node._status_publisher.publish
-        node._status_publisher.publish = lambda s, publish=publish: (
+        publish = node.status._publisher.publish
+        node.status._publisher.publish = lambda s, publish=publish: (
             statuses.append((s.agent, s.distribution, s.library_digest)),
             publish(s),
         )

@@ -1,0 +1,68 @@
+"""Obeying the commands of demonstrators."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hitab_msgs import msg
+
+from hitab_agent.status_publisher import StatusPublisher
+from hitab_core.agent import Agent
+from hitab_ros import names, qos
+from hitab_ros.answering import what_went_wrong
+from hitab_ros.checks import check
+from hitab_ros.conversions import use_of
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.plain_text import plain
+from hitab_ros.recent_requests import RecentRequests
+
+DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name that are kept
+
+
+class CommandReceiver:
+    """Has an agent do what demonstrators command; its status acknowledges each command."""
+
+    def __init__(
+        self,
+        node: GuardedNode,
+        agent: Agent,
+        status: StatusPublisher,
+        settle: Callable[[], None],
+    ) -> None:
+        """Listen from now on.
+
+        Args:
+            node: of the agent.
+            agent: the agent.
+            status: its status.
+            settle: called after each command.
+        """
+        self._agent = agent
+        self._status = status
+        self._settle = settle
+        self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
+        # Checked below, so that its sender sees in the status what is wrong.
+        node.create_subscription(
+            msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
+        )
+
+    def _on_command(self, command: msg.Command) -> None:
+        status = self._status.message
+        status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX)
+        # One that is sent again, since our acknowledgement was late, is acknowledged again.
+        refusal = self._recent.came_of(status.demonstrator, command.sequence)
+        try:
+            if refusal is None:
+                refusal = ""
+                check(command)
+                self._agent.command(use_of(command.behavior, command.targets))
+        except Exception as error:
+            refusal = what_went_wrong(error)
+        finally:
+            self._recent.keep(status.demonstrator, command.sequence, refusal or "")
+            if refusal:
+                status.last_refused_sequence = command.sequence
+            else:
+                status.last_command_sequence = command.sequence
+            self._status.report_error(refusal or "")
+            self._settle()

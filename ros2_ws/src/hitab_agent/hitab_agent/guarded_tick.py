@@ -1,0 +1,90 @@
+"""Acting on what was perceived; an agent that cannot do so does nothing, and shows why."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+
+from hitab_core.agent import Agent
+from hitab_core.errors import HitabError
+from hitab_ros.answering import what_went_wrong
+from hitab_ros.guard import Guard
+
+Action = tuple[Sequence[float], str]
+"""What a body does, and what it says."""
+
+NO_ACTION: Action = ((), "")
+
+TICK = "tick"
+"""The fault of an agent that does nothing, since it cannot perceive, decide or act."""
+
+
+class GuardedTick:
+    """Ticks an agent; never raises.
+
+    Attributes:
+        fault: why the agent does nothing; empty if nothing is wrong.
+    """
+
+    def __init__(self, agent: Agent, guard: Guard) -> None:
+        """Make ready.
+
+        Args:
+            agent: to tick.
+            guard: of its node, among whose faults this one is shown.
+        """
+        self.fault = ""
+        self._failed_in = ("", "")
+        self._agent = agent
+        self._guard = guard
+
+    def act(self) -> Action:
+        """Have the agent decide and act; return what it does and says, nothing if it cannot."""
+        agent = self._agent
+        try:
+            agent.tick()
+            action = _action(*agent.act())
+        except Exception as error:
+            self.fail(error)
+            return NO_ACTION
+        if self.fault:
+            self._clear()
+        return action
+
+    def fail(self, error: Exception) -> None:
+        """Show what has kept the agent from perceiving, deciding or acting."""
+        agent = self._agent
+        why = what_went_wrong(error)
+        self._failed_in = (agent.mode.value, agent.behavior)
+        if why != self.fault:
+            self.fault = why
+            text = f"{agent.name} did nothing in cycle {agent.cycle}: {why}"
+            self._guard.log(text, ("tick", why))
+            self._guard.faults.set(TICK, text)
+
+    def clear_if_past(self) -> None:
+        """Show the fault no longer if the agent does not perform any more what has failed."""
+        agent = self._agent
+        if self.fault and self._failed_in != (agent.mode.value, agent.behavior):
+            self._clear()
+
+    def _clear(self) -> None:
+        self.fault = ""
+        self._guard.faults.clear(TICK)
+
+
+def _action(values: Sequence[float], say: str) -> Action:
+    """Return what a body does and says, as messages need it.
+
+    Raises:
+        HitabError: if it is something else than numbers and a text.
+    """
+    try:
+        if isinstance(say, str):
+            return array("d", values), say
+    except TypeError:
+        pass
+    raise HitabError(
+        f"act() of its body returned {(values, say)!r}; "
+        "it must return numbers, and a text to say, empty for nothing"
+    )

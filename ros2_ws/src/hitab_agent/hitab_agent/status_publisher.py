@@ -1,0 +1,109 @@
+"""The status of an agent: what it does now, and what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hitab_msgs import msg
+
+from hitab_agent.shared import Shared
+from hitab_agent.superior_link import SuperiorLink
+from hitab_agent.transition_log import TransitionLog
+from hitab_core.agent import Agent
+from hitab_ros import names, qos
+from hitab_ros.guarded_node import GuardedNode
+
+
+class StatusPublisher:
+    """Publishes an agent's status, at once or a little later.
+
+    Attributes:
+        message: the status; whoever handles a request notes in it what came of that.
+        path: the path of active states that was published last.
+        superior: how the agent is joined to its commander; None: it has none.
+    """
+
+    def __init__(
+        self,
+        node: GuardedNode,
+        agent: Agent,
+        swarm: str,
+        shared: Shared,
+        transitions: TransitionLog,
+        prepare: Callable[[], None],
+    ) -> None:
+        """Make ready; nothing is published yet.
+
+        Args:
+            node: of the agent.
+            agent: the agent.
+            swarm: identity of the swarm that it is part of; empty: none.
+            shared: what the agents of its process have in common.
+            transitions: its changes of state.
+            prepare: called before each status.
+        """
+        self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name, swarm=swarm)
+        self.path: list[str] = []
+        self.superior: SuperiorLink | None = None
+        self._guard = node.guard
+        self._agent = agent
+        self._shared = shared
+        self._transitions = transitions
+        self._prepare = prepare
+        self._error = ""
+        self._is_due = False
+        self._publisher = node.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
+
+    @property
+    def refusal(self) -> str:
+        """Why an order waits that cannot be obeyed; empty if there is none."""
+        return "" if self.superior is None else self.superior.subordinate.refusal
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong and lasts, each until its cause ends."""
+        refusal = self.refusal
+        waits = [refusal] if refusal else []
+        return [*waits, *self._guard.faults.texts(), *self._shared.faults]
+
+    def report_error(self, text: str) -> None:
+        """Publish what was refused or, if nothing was, what is wrong and lasts."""
+        if text:
+            self._guard.log(text)
+        self._error = text
+        self.publish()
+
+    def publish(self) -> None:
+        """Publish what the agent does now."""
+        self._prepare()
+        agent, status = self._agent, self.message
+        session = agent.session
+        self.path = agent.active_path
+        status.stamp = self._transitions.stamp
+        status.mode = agent.mode.value
+        status.behavior = agent.behavior
+        status.active_path = self.path
+        status.examples = len(session.log) if session else 0
+        status.default_examples = session.log.defaults if session else 0
+        status.cycle = agent.cycle
+        status.library_digest = agent.library_digest
+        faults = self.faults
+        status.faults = faults
+        status.last_error = self._error or (faults[0] if faults else "")
+        if self.superior is not None:
+            subordinate = self.superior.subordinate
+            status.superior = self.superior.commander
+            status.ordered = subordinate.ordered or ""
+            status.order_waits = subordinate.waits
+        self._publisher.publish(status)
+
+    def publish_soon(self) -> None:
+        """Publish it a little later, once for all changes until then."""
+        if not self._is_due:
+            self._is_due = True
+            self._shared.statuses.call(self._due)
+
+    def _due(self) -> None:
+        self._is_due = False
+        self._transitions.look()
+        self.publish()
