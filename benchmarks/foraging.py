@@ -29,7 +29,7 @@ from hitab_bringup.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind import CommanderKind
-from hitab_commander.kind_reader import FILE_NAME, read_kind
+from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
 
@@ -54,7 +54,7 @@ BEHAVIOR = "Forage"
 def trained(name: str) -> tuple[CommanderKind, BehaviorLibrary]:
     """Return a kind of commander and what such commanders have learned."""
     folder = shipped("libraries") / name
-    kind = read_kind(folder / FILE_NAME)
+    kind = read_kind(folder / KIND_FILE)
     return kind, BehaviorLibrary(folder, commander_domain(kind))
 
 

@@ -15,7 +15,7 @@ from hitab_client.lessons.lesson_file import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_client.world_client import WorldClient
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.kind_reader import FILE_NAME, read_kind
+from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_ros import qos
@@ -122,7 +122,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, taught_commander):
     name = taught_commander
     folder = shipped("libraries") / name
-    domain = commander_domain(read_kind(folder / FILE_NAME))
+    domain = commander_domain(read_kind(folder / KIND_FILE))
     described = read_swarm(find_file(f"{name}_school", "swarms", "swarm"))
     with temporary_swarm(described, tmp_path) as running:
         read = read_lesson(find_file(name, "lessons", "lesson"))

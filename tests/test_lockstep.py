@@ -20,7 +20,7 @@ from hitab_bringup.swarm_file import read_swarm
 from hitab_client.command_view import CommandView
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
-from hitab_commander.kind_reader import FILE_NAME, read_kind
+from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
@@ -116,11 +116,11 @@ def foragers(folder: Path, where: str) -> SwarmDescription:
 
 def trained(library: str) -> BehaviorLibrary:
     folder = shipped("libraries") / library
-    return BehaviorLibrary(folder, commander_domain(read_kind(folder / FILE_NAME)))
+    return BehaviorLibrary(folder, commander_domain(read_kind(folder / KIND_FILE)))
 
 
 def commander(name: str, library: str, behavior: str, subordinates) -> Commander:
-    kind = read_kind(shipped("libraries") / library / FILE_NAME)
+    kind = read_kind(shipped("libraries") / library / KIND_FILE)
     return Commander(name, kind, trained(library), behavior, tuple(subordinates))
 
 

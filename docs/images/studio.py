@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.keepaway.evaluation import trained_keepers
+from keepaway_world.verbs.evaluation import trained_keepers
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]

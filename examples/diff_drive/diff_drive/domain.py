@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
+from hitab_core import BasicBehavior, Domain, Feature, FeatureKind, Target
 
 SPEED = 0.5  # m/s
 TURN_RATE = 1.0  # rad/s

@@ -14,7 +14,7 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 
-from hitab_agent.robot_link import OnPercept
+from hitab_agent import OnPercept
 
 AHEAD = math.radians(15.0)  # to either side; wide enough for the hull at half a metre
 SILENT = [math.nan] * 3

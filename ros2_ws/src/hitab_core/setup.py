@@ -12,12 +12,12 @@ setup(
     maintainer_email="hitab@example.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test", "test.*"]),
-    package_data={"": ["py.typed", "**/*.json", "**/*.yaml"]},
+    package_data={"": ["py.typed", "**/*.pyi", "**/*.json", "**/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "jsonschema", "numpy", "PyYAML"],
+    install_requires=["setuptools", "lazy_loader", "jsonschema", "numpy", "PyYAML"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
 )

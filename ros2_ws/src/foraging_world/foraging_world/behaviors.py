@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from foraging_world.body import ForagerBody
-from hitab_core.domain import BasicBehavior
+from hitab_core import BasicBehavior
 
 STEP_TURN = 0.1
 """rad in a cycle: half of what a forager can turn by default."""

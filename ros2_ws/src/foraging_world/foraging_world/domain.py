@@ -5,7 +5,7 @@ from __future__ import annotations
 from foraging_world.behaviors import BEHAVIORS
 from foraging_world.body import ForagerBody
 from foraging_world.features import FEATURES, TARGETS
-from hitab_core.domain import Domain
+from hitab_core import Domain
 
 DOMAIN = Domain.of(
     "foraging",

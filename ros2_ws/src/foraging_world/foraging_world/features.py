@@ -5,7 +5,7 @@ from __future__ import annotations
 from foraging_world import percept
 from foraging_world.body import ForagerBody
 from foraging_world.percept import LARGE
-from hitab_core.domain import Feature, FeatureKind, Target
+from hitab_core import Feature, FeatureKind, Target
 
 
 def distance_to(body: ForagerBody, place: int) -> float:

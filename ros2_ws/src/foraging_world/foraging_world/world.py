@@ -12,16 +12,8 @@ from foraging_world import action
 from foraging_world.field import Field, Floats
 from foraging_world.parameters import ForagingParameters
 from foraging_world.perceiving import perceive_all
-from hitab_core.seeding import world_seed
-from hitab_world import snapshots
-from hitab_world.world import (
-    Action,
-    Entity,
-    EpisodeResult,
-    Placement,
-    Sensed,
-    WorldError,
-)
+from hitab_core import world_seed
+from hitab_world import Action, Entity, EpisodeResult, Placement, Sensed, WorldError, snapshots
 
 SNAPSHOT_VERSION = 1
 TIME, CLEARED = "time", "cleared"

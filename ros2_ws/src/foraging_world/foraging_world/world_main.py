@@ -15,10 +15,10 @@ from rclpy.node import Node
 
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_core.errors import HitabError
-from hitab_ros.spinning import run
+from hitab_core import HitabError
+from hitab_ros import run
+from hitab_world import run_world
 from hitab_world.figures import declare_figures
-from hitab_world.world_node import run_world
 
 
 def make_world(node: Node, seed: int) -> ForagingWorld:

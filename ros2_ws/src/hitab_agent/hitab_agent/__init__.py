@@ -1,1 +1,5 @@
 """The agent node, and the host that runs many of them in one process."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core.agent import Agent
-from hitab_core.domain import BatchPercepts
-from hitab_core.running.agent_batch import AgentBatch, BatchMember
-from hitab_core.running.running_automaton import Running, RunningAutomaton
+from hitab_core import Agent, BatchPercepts
+from hitab_core.running import AgentBatch, BatchMember, Running, RunningAutomaton
 
 WORTH_IT = 8
 """Fewer agents than these are ticked as fast one by one."""

@@ -13,8 +13,7 @@ from collections.abc import Callable
 from hitab_msgs.msg import AgentStatus
 
 from hitab_agent.agent_node import AgentNode
-from hitab_ros.name_guard import refuse_second_of_name
-from hitab_ros.spinning import Spinner, run
+from hitab_ros import Spinner, refuse_second_of_name, run
 
 
 def run_agent(make: Callable[[], AgentNode]) -> int:

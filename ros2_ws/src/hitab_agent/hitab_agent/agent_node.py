@@ -21,14 +21,10 @@ from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
-from hitab_core.agent import Agent, Mode
-from hitab_core.automaton import RESERVED
-from hitab_core.domain import Domain
-from hitab_core.errors import HitabError
-from hitab_core.subordinate import Subordinate
-from hitab_ros import names
+from hitab_core import RESERVED, Agent, Domain, HitabError, Mode
+from hitab_core.commanding import Subordinate
+from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import use_of
-from hitab_ros.guarded_node import GuardedNode
 
 
 class AgentNode(GuardedNode):

@@ -9,17 +9,22 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core.agent import Agent, Mode
-from hitab_core.domain import BasicBehavior, Domain
-from hitab_core.errors import LibraryError, TrainingError, has
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.behavior_schema import SUFFIX
-from hitab_core.training.training_session import Curriculum
-from hitab_core.use import Use
-from hitab_ros import names
+from hitab_core import (
+    Agent,
+    BasicBehavior,
+    BehaviorLibrary,
+    Domain,
+    LibraryError,
+    Mode,
+    TrainingError,
+    Use,
+    has,
+)
+from hitab_core.library import SUFFIX
+from hitab_core.training import Curriculum
+from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_ros.conversions import example_message, use_of
-from hitab_ros.guarded_node import GuardedNode
 
 
 class AgentServices:

@@ -7,8 +7,7 @@ from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType
 
-from hitab_ros.guard import Guard
-from hitab_ros.guarded_node import GuardedNode, name_of
+from hitab_ros import Guard, GuardedNode, name_of
 
 
 class Deferred:

@@ -14,14 +14,11 @@ from hitab_msgs import msg, srv
 
 from hitab_agent.intake import Intake
 from hitab_agent.slices import Slices
-from hitab_core.agent import Agent
-from hitab_core.errors import VocabularyError
-from hitab_core.library.bundle import Bundle, make_bundle
-from hitab_core.use import Use
-from hitab_ros import names, qos
+from hitab_core import Agent, Use, VocabularyError
+from hitab_core.library import Bundle, make_bundle
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import answering
 from hitab_ros.conversions import use_of
-from hitab_ros.guarded_node import GuardedNode
 
 
 class DistributionReceiver:

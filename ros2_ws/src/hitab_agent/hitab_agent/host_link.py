@@ -16,11 +16,9 @@ from hitab_agent.agent_batches import AgentBatches
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.round_gate import RoundGate
-from hitab_core.agent import Agent
-from hitab_ros import names, qos
+from hitab_core import Agent
+from hitab_ros import Guard, GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
-from hitab_ros.guard import Guard
-from hitab_ros.guarded_node import GuardedNode
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers the last percepts, not those that have gone by."""

@@ -25,9 +25,8 @@ from rclpy.parameter import Parameter
 
 from hitab_agent.roster import read_roster
 from hitab_agent.shared import Shared
-from hitab_core.errors import HitabError
-from hitab_ros.name_guard import refuse_second_of_name
-from hitab_ros.spinning import Spinner, make_node, run
+from hitab_core import HitabError
+from hitab_ros import Spinner, make_node, refuse_second_of_name, run
 
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
 """A service that every node has, and nobody uses."""

@@ -6,16 +6,10 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core.agent import Agent
-from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.domain import BasicBehavior, Domain
-from hitab_core.errors import TrainingError
-from hitab_core.library.behavior_file import scale_of
-from hitab_core.library.differences import difference
-from hitab_core.use import Use
-from hitab_ros import names
+from hitab_core import FLAGS, Agent, Automaton, BasicBehavior, Domain, TrainingError, Use
+from hitab_core.library import difference, scale_of
+from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import example_message
-from hitab_ros.guarded_node import GuardedNode
 
 Told: Any = srv.GetBehavior.Response
 

@@ -21,14 +21,10 @@ from pathlib import Path
 from typing import Protocol
 
 from hitab_agent.slices import Background, Job
-from hitab_core.agent import Agent
-from hitab_core.errors import FolderInUseError, HitabError
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
+from hitab_core import Agent, BehaviorLibrary, FolderInUseError, HitabError, Use
+from hitab_core.library import Bundle, Edition, Editions, digest_in, plan_bundle, read_bundle
 from hitab_core.library.commit import carry_out, forget, withdraw
 from hitab_core.library.durable_files import PATIENCE, file_errors, sync_trees
-from hitab_core.library.edition import Edition, Editions
-from hitab_core.use import Use
 from hitab_ros.answering import what_went_wrong
 
 _RETRY_S = 0.01

@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 from hitab_msgs import msg
 
-from hitab_core.order import Order
-from hitab_ros import qos
+from hitab_core.commanding import Order
+from hitab_ros import GuardedNode, qos
 from hitab_ros.conversions import order_of
-from hitab_ros.guarded_node import GuardedNode
 
 Take = Callable[[Order], None]
 Follow = Callable[[str, Order], None]

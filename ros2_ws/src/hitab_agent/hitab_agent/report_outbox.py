@@ -9,10 +9,9 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_agent.deferred import Deferred
-from hitab_core.order import Report
-from hitab_ros import names, qos
+from hitab_core.commanding import Report
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import report_message
-from hitab_ros.guarded_node import GuardedNode
 
 
 class ReportOutbox:

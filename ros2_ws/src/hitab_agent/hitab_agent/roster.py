@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.settings import AgentSettings
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 
 
 @dataclass(frozen=True)

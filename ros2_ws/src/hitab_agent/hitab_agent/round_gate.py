@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 
 from hitab_agent.order_subscriptions import OrderSubscriptions
-from hitab_core.order import Order
+from hitab_core.commanding import Order
 
 Act = Callable[[], None]
 

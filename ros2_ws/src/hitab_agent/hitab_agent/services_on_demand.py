@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros import GuardedNode
 
 LOOK_PERIOD_S = 0.25
 LOOK_AT_PER_S = 500.0  # agents: looking takes the longer the more there are

@@ -17,11 +17,9 @@ from hitab_agent.services_on_demand import (
     ServicesOnDemand,
 )
 from hitab_agent.ticker import Ticker
-from hitab_core.domain import Domain, load_domain
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.edition import Editions
-from hitab_ros import names
-from hitab_ros.guarded_node import GuardedNode
+from hitab_core import BehaviorLibrary, Domain, load_domain
+from hitab_core.library import Editions
+from hitab_ros import GuardedNode, names
 
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published no more often than this."""

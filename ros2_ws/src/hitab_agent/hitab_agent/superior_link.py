@@ -8,10 +8,8 @@ from hitab_msgs import msg
 
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox, reports_topic
-from hitab_core.order import Order, Report
-from hitab_core.subordinate import Subordinate
-from hitab_ros import names
-from hitab_ros.guarded_node import GuardedNode
+from hitab_core.commanding import Order, Report, Subordinate
+from hitab_ros import GuardedNode, names
 
 HEARTBEAT_S = 0.5
 

@@ -6,7 +6,7 @@ from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.node import Node
 
-from hitab_core.running.observing import Change
+from hitab_core.running import Change
 from hitab_ros import names, qos
 
 _LOOK_EVERY = 64  # changes of state between two looks whether anyone listens

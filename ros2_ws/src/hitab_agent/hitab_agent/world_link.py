@@ -8,8 +8,7 @@ from hitab_msgs import msg
 
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.round_gate import RoundGate
-from hitab_ros import names, qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros import GuardedNode, names, qos
 
 
 class WorldLink:

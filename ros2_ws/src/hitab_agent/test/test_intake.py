@@ -310,7 +310,7 @@ def test_what_changed_on_its_way_is_refused_by_all_and_nothing_is_written(host, 
     host.send(Bundle(tuple((n, t + "\n") for n, t in low.files), low.digest))
     for ack in host.answers().values():
         assert not ack.success
-        assert "changed on its way" in ack.message
+        assert "corrupted in transit" in ack.message
     assert not list((tmp_path / "swarm").rglob("*.hfa.yaml"))
 
 

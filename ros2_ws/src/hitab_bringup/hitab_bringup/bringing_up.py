@@ -13,13 +13,18 @@ from pathlib import Path
 from hitab_bringup import supervision
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_description import SwarmDescription
-from hitab_client import domain_ids
-from hitab_client.command_view import CommandView
-from hitab_client.errors import NamesTakenError, SwarmError
-from hitab_client.ros_link import RosLink
-from hitab_client.run_folder import RunFolder, RunRecord, registry_held, running_swarms
-from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_client import WorldClient
+from hitab_client import (
+    CommandView,
+    NamesTakenError,
+    RosLink,
+    RunFolder,
+    RunRecord,
+    SwarmClient,
+    SwarmError,
+    WorldClient,
+    domain_ids,
+)
+from hitab_client.run_folder import registry_held, running_swarms
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # more, for each agent

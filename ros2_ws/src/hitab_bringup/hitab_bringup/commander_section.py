@@ -20,12 +20,10 @@ from typing import Any, Protocol
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_client.suggest import did_you_mean
 from hitab_client.yaml_fields import Fields
+from hitab_commander import CommanderKind, Complain, OrderMap, parse_kind, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.kind import CommanderKind, OrderMap
-from hitab_commander.kind_reader import Complain, parse_kind, read_kind
-from hitab_core.errors import HitabError, has
-from hitab_core.order import OTHERS
-from hitab_core.use import Use
+from hitab_core import HitabError, Use, has
+from hitab_core.commanding import OTHERS
 
 
 class Repertoires(Protocol):

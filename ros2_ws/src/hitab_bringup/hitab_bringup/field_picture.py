@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hitab_bringup.plots import figure, save
-from hitab_client.world_view import Thing
+from hitab_client import Thing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

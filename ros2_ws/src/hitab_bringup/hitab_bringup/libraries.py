@@ -8,9 +8,7 @@ from pathlib import Path
 
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
-from hitab_commander.kind_reader import FILE_NAME as KIND_FILE
-from hitab_commander.kind_writer import kind_text
-from hitab_commander.order_memory import FILE_NAME as ORDERS_FILE
+from hitab_commander import KIND_FILE, ORDERS_FILE, kind_text
 
 
 def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:

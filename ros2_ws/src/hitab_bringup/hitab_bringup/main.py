@@ -27,7 +27,7 @@ from hitab_bringup.verbs import (
     world,
 )
 from hitab_client import console
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 
 VERBS = "hitab.verbs"
 COMMANDS = "hitab.commands"

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.kind_reader import FILE_NAME as KIND_FILE
-from hitab_commander.kind_reader import read_kind
-from hitab_core.domain import load_domain
-from hitab_core.errors import HitabError, LibraryError
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.behavior_schema import SUFFIX
+from hitab_core import BehaviorLibrary, HitabError, LibraryError, load_domain
+from hitab_core.library import SUFFIX
 from hitab_core.library.yaml_places import read_yaml
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

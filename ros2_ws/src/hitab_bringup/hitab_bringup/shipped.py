@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from hitab_core.errors import HitabError, has
+from hitab_core import HitabError, has
 
 PACKAGE = "hitab_bringup"
 

@@ -26,10 +26,10 @@ from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import processes
+from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.dds_profile import RANGE, choose_profile, profile_for
-from hitab_client.errors import SwarmError
 from hitab_client.identity import new_identity
-from hitab_client.run_folder import MARK, RunFolder, RunRecord
+from hitab_client.run_folder import MARK
 from hitab_ros.exit_codes import FINAL
 
 STOP_SECONDS = 10.0

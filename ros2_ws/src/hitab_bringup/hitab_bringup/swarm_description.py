@@ -30,8 +30,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from hitab_client.errors import DescriptionError
-from hitab_commander.kind import CommanderKind
+from hitab_client import DescriptionError
+from hitab_commander import CommanderKind
 
 PACES = ("lockstep", "realtime")
 

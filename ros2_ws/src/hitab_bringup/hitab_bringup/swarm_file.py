@@ -19,14 +19,13 @@ from hitab_bringup.swarm_description import (
     WorldDescription,
 )
 from hitab_bringup.swarm_words import Words
-from hitab_client.errors import DescriptionError
+from hitab_client import DescriptionError
 from hitab_client.names import WORLD
 from hitab_client.suggest import did_you_mean
 from hitab_client.yaml_fields import Fields
-from hitab_commander.kind import CommanderKind
-from hitab_core.errors import has
+from hitab_commander import CommanderKind
+from hitab_core import NAME, has
 from hitab_core.library.yaml_places import Complaints, read_yaml
-from hitab_core.use import NAME
 
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"

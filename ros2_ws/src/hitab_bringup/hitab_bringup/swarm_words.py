@@ -9,11 +9,8 @@ from pathlib import Path
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_client.suggest import did_you_mean
 from hitab_client.yaml_fields import Fields
-from hitab_core.domain import ENTRY_POINT_GROUP, load_domain
-from hitab_core.errors import HitabError, has
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.behavior_schema import SUFFIX
-from hitab_core.use import Use
+from hitab_core import ENTRY_POINT_GROUP, BehaviorLibrary, HitabError, Use, has, load_domain
+from hitab_core.library import SUFFIX
 
 
 class Words:

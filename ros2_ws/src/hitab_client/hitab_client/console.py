@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hitab_client.suggest import did_you_mean
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """Errors of this package that a user has to mend."""
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 
 
 class DescriptionError(HitabError):

@@ -16,7 +16,7 @@ from rclpy.qos import QoSProfile
 
 from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros import GuardedNode
 
 CALL_SECONDS = 15.0
 """How long to wait for the answer of a service that is there."""

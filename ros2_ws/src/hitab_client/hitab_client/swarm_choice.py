@@ -15,7 +15,7 @@ from hitab_client.run_folder import (
     running_swarms,
     state_home,
 )
-from hitab_core.errors import has
+from hitab_core import has
 
 
 def only(found: Sequence[Found], where: str = "") -> Found | None:

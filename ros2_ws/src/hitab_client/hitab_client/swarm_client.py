@@ -26,7 +26,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.suggest import did_you_mean
-from hitab_core.errors import has
+from hitab_core import has
 from hitab_ros import qos
 
 DISCOVERY_SECONDS = 8.0

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from hitab_client.errors import LessonError
 from hitab_client.suggest import did_you_mean
-from hitab_core.errors import has
+from hitab_core import has
 
 CLOSEST = "closest "
 

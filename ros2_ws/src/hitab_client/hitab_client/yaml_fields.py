@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from hitab_client.suggest import did_you_mean
-from hitab_core.errors import has
+from hitab_core import has
 from hitab_core.library.yaml_places import Complaints, Document, Path
 
 REQUIRED: Any = object()

@@ -4,3 +4,7 @@ What a kind of commander can order and perceive is a `CommanderKind`, read from 
 (`kind_reader`). `commander_domain` makes a domain of it, whose body (`commander_body`) is a group
 of subordinates. `commander_node` puts it on topics.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

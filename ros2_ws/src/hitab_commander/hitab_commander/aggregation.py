@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from hitab_commander.kind import Observation, Over
-from hitab_core.order import Number, Report
+from hitab_core.commanding import Number, Report
 
 NAN = math.nan
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from hitab_commander.aggregation import mean_position, observed, summed_up
 from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
 from hitab_commander.roll_call import RollCall
-from hitab_core.order import OTHERS, Number, Order, Report
+from hitab_core.commanding import OTHERS, Number, Order, Report
 
 NAN = math.nan
 

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hitab_msgs import msg
-from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.parameter import Parameter
 
-from hitab_agent.round_gate import RoundGate
+from hitab_agent import RoundGate
+from hitab_agent.shared import Shared
 from hitab_commander.commander_body import CommanderBody
+from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.lockstep import Lockstep, Round
 from hitab_commander.order_memory import OrderMemory, Remembered
-from hitab_core.agent import Mode
-from hitab_core.errors import HitabError
-from hitab_core.order import Number, Order, Report
-from hitab_core.use import Use
-from hitab_ros import names, qos
+from hitab_core import Agent, HitabError, Mode, Use
+from hitab_core.commanding import Number, Order, Report
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import order_message, time_of
-
-if TYPE_CHECKING:
-    from hitab_commander.commander_node import CommanderNode
 
 EPISODES_KNOWN = 8
 """So many episodes back a late report does not pass for that of a new one."""
@@ -40,14 +35,48 @@ class CommanderLink:
     in turn; see `hitab_commander.lockstep`.
     """
 
-    def __init__(self, node: CommanderNode, world: str, on_percept: Callable[..., Any]) -> None:
+    def __init__(
+        self,
+        node: GuardedNode,
+        agent: Agent,
+        shared: Shared,
+        settings: GroupSettings,
+        memory: OrderMemory,
+        group: GroupStatus,
+        *,
+        take_in: Callable[[msg.Percept], Any],
+        answer: Callable[[msg.Percept], Any],
+        tell: Callable[[], None],
+        awaited_orders: Callable[[], Collection[str]],
+    ) -> None:
+        """Hear reports and give orders from now on.
+
+        Args:
+            node: of the commander.
+            agent: the commander, whose body is the group.
+            shared: what it has in common with the other agents of its process.
+            settings: who is in the group.
+            memory: what the process before this one had in force.
+            group: publishes what becomes of the orders.
+            take_in: has the commander perceive.
+            answer: has it act on what it perceived.
+            tell: has it report to its own commander, if it has one.
+            awaited_orders: returns the topics of the orders that it waits for in a round of
+                lockstep.
+        """
         self._node = node
-        self._agent = node.agent
-        self._on_percept = on_percept
-        self.body: CommanderBody = node.agent.body
+        self._agent = agent
+        self._ticker = shared.ticker
+        self._outbox = shared.outbox
+        self._take_in = take_in
+        self._answer = answer
+        self._tell = tell
+        self._awaited_orders = awaited_orders
+        self.body: CommanderBody = agent.body
+        self.group = group
         self._lockstep = Lockstep(self.body)
-        self._gate = RoundGate(node.shared.orders)
-        self._memory = OrderMemory(node.state_folder)
+        self._gate = RoundGate(shared.orders)
+        self._memory = memory
         self._kept: tuple[str, Number] = ("", (-1, -1))
         self.seconds = 0.0
         self._episode: Episode | None = None
@@ -55,23 +84,19 @@ class CommanderLink:
         self._percept = msg.Percept()
         self._decided = False
         self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
-        roles = _roles(node)
-        if self._memory.damage:
-            node.get_logger().warning(self._memory.damage)
-        remembered = self._memory.remembered
+        if memory.damage:
+            node.get_logger().warning(memory.damage)
+        remembered = memory.remembered
         self.body.enlist(
-            roles,
-            self._memory.next_epoch(),
-            node.ticker.seconds(),
-            asks_position=_parameter(
-                node, "asks_position", False, "have subordinates report where they are"
-            ),
+            settings.roles,
+            memory.next_epoch(),
+            self._ticker.seconds(),
+            asks_position=settings.asks_position,
         )
-        self.group = GroupStatus(node, self.body)
         self.body.on_order = self._on_order
         self._take_up(remembered)
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
-        node.ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
+        self._ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates go on with what they were ordered."""
@@ -97,7 +122,7 @@ class CommanderLink:
 
     def _on_reports(self, message: msg.Reports) -> None:
         body = self.body
-        now = self._node.ticker.seconds()
+        now = self._ticker.seconds()
         changed = restart = False
         newest = body.number
         for report in message.reports:
@@ -153,28 +178,25 @@ class CommanderLink:
         percept.look, percept.restart, percept.lockstep = present.look, present.restart, True
         self.seconds = present.seconds
         self._episode = present.seed, present.episode
-        superior = self._node.superior
-        with self._node.outbox.at_once():
-            self._node.take_in(percept)
+        with self._outbox.at_once():
+            self._take_in(percept)
         self._gate.begin(
-            present.number,
-            () if superior is None else (superior.orders,),
-            lambda: self._decide_round(present),
+            present.number, self._awaited_orders(), lambda: self._decide_round(present)
         )
 
     def _decide_round(self, present: Round) -> None:
         """Decide, if it is due, and give the order of the round."""
         if self._lockstep.is_due(present):
-            self._node.answer(self._percept)
+            self._answer(self._percept)
         self._percept.restart = self._percept.look = self._percept.lockstep = False
         order = replace(self.body.order, round=present.number)
-        self._orders.publish(order_message(self._node.agent_name, order))
+        self._orders.publish(order_message(self._agent.name, order))
         self.remember()
 
     # -- deciding in real time --------------------------------------------------------------
 
     def _on_time(self) -> None:
-        self.body.now = self._node.ticker.seconds()
+        self.body.now = self._ticker.seconds()
         if not (self._decided or self._lockstep.active):
             self.decide()
         self._decided = False
@@ -193,13 +215,14 @@ class CommanderLink:
         percept.restart |= restart
         percept.stamp = self._node.get_clock().now().to_msg()
         self._decided = True
-        with self._node.outbox.held():
+        with self._outbox.held():
             if self.body.ready:
-                self._on_percept(percept)
+                self._take_in(percept)
+                self._answer(percept)
                 percept.restart = False
             else:
                 self._agent.sense((), (), percept.cycle)
-                self._node.tell()
+                self._tell()
         self.remember()
 
     # -- ordering ---------------------------------------------------------------------------
@@ -208,7 +231,7 @@ class CommanderLink:
         # First, so that a process that is killed in between does not go back to the order before.
         self.remember()
         if not self._percept.lockstep:  # else it ends the round that is being decided
-            self._orders.publish(order_message(self._node.agent_name, order))
+            self._orders.publish(order_message(self._agent.name, order))
         self.group.changed = True
 
     def remember(self) -> None:
@@ -221,34 +244,3 @@ class CommanderLink:
             # It is obeyed although it cannot be written down.
             kept = Remembered(order.epoch, performed, order.name)
             self._node.guard.run("remembering the order for a restart", self._memory.keep, kept)
-
-
-def _roles(node: CommanderNode) -> dict[str, str]:
-    """Return the subordinates' roles by name, from the node's parameters.
-
-    Raises:
-        HitabError: if there are no subordinates, or not as many roles as subordinates.
-    """
-    descriptor = ParameterDescriptor(description="names of those that it commands", read_only=True)
-    strings = Parameter.Type.STRING_ARRAY
-    subordinates = node.declare_parameter("subordinates", strings, descriptor).value
-    if not subordinates:
-        raise HitabError(
-            f"the commander {node.agent_name} was given nobody to command; "
-            'give it -p subordinates:="[a, b]"'
-        )
-    roles = _parameter(node, "roles", [""], "roles of the subordinates, in the same order")
-    if list(roles) == [""]:
-        roles = [""] * len(subordinates)
-    if len(roles) != len(subordinates) or len(set(subordinates)) != len(subordinates):
-        raise HitabError(
-            f"the commander {node.agent_name} was given {len(subordinates)} subordinates and "
-            f"{len(roles)} roles; it needs a role for each, and each subordinate once"
-        )
-    return dict(zip(subordinates, roles, strict=True))
-
-
-def _parameter(node: CommanderNode, name: str, default: Any, description: str) -> Any:
-    return node.declare_parameter(
-        name, default, ParameterDescriptor(description=description, read_only=True)
-    ).value

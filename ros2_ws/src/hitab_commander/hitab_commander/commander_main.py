@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 
-from hitab_agent.agent_main import run_agent
+from hitab_agent import run_agent
 from hitab_commander.commander_node import CommanderNode
 
 

@@ -7,13 +7,14 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent.agent_node import AgentNode
+from hitab_agent import AgentNode
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.commander_link import CommanderLink
+from hitab_commander.group_settings import GroupSettings
+from hitab_commander.group_status import GroupStatus
 from hitab_commander.kind_reader import read_kind
-from hitab_core.agent import Mode
-from hitab_core.domain import Domain
-from hitab_core.errors import HitabError
+from hitab_commander.order_memory import OrderMemory
+from hitab_core import Domain, HitabError, Mode
 
 
 class CommanderNode(AgentNode):
@@ -27,11 +28,6 @@ class CommanderNode(AgentNode):
 
     def __init__(self, node_name: str = "commander", **options: Any) -> None:
         super().__init__(node_name, **options)
-
-    @property
-    def state_folder(self) -> Path:
-        """Where it keeps what it needs after a restart."""
-        return Path(self.settings.state_dir).expanduser() / self.agent_name
 
     def _first_behavior(self) -> str:
         """Return what to perform at the first start; its link knows what was performed since."""
@@ -78,3 +74,23 @@ class CommanderNode(AgentNode):
             self._link.decide()
         else:
             self._link.remember()
+
+
+def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
+    """Return what joins a commander to its group, where an agent has the link of its robot.
+
+    Worlds are no concern of it, and it decides itself when to perceive and when to act.
+    """
+    agent, settings = node.agent, node.settings
+    return CommanderLink(
+        node,
+        agent,
+        node.shared,
+        GroupSettings.declare(node),
+        OrderMemory(Path(settings.state_dir).expanduser() / node.agent_name),
+        GroupStatus(node, agent, settings, lambda: node.faults),
+        take_in=node.take_in,
+        answer=node.answer,
+        tell=node.tell,
+        awaited_orders=node.awaited_orders,
+    )

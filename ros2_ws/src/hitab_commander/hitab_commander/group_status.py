@@ -1,16 +1,15 @@
-"""Tells what a commander orders and which of its subordinates perform it."""
+"""Publishes what a commander orders and which of its subordinates perform it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from hitab_msgs import msg
 
+from hitab_agent.settings import AgentSettings
 from hitab_commander.commander_body import CommanderBody
-from hitab_ros import names, qos
-
-if TYPE_CHECKING:
-    from hitab_commander.commander_node import CommanderNode
+from hitab_core import Agent
+from hitab_ros import GuardedNode, names, qos
 
 
 class GroupStatus:
@@ -20,20 +19,36 @@ class GroupStatus:
         changed: whether something has, since it was published last.
     """
 
-    def __init__(self, node: CommanderNode, body: CommanderBody) -> None:
+    def __init__(
+        self,
+        node: GuardedNode,
+        agent: Agent,
+        settings: AgentSettings,
+        faults: Callable[[], list[str]],
+    ) -> None:
+        """Make ready to publish.
+
+        Args:
+            node: to publish on.
+            agent: the commander, whose body is the group.
+            settings: of the commander.
+            faults: returns what is wrong with it and lasts.
+        """
         self.changed = True
-        self._node = node
-        self._body = body
+        self._agent = agent
+        self._body: CommanderBody = agent.body
+        self._settings = settings
+        self._faults = faults
         self._doing: tuple[object, ...] = ()
         self._publisher = node.create_publisher(msg.CommanderStatus, names.GROUP, qos.LATCHED)
 
     def publish_if_changed(self) -> None:
         """Publish it, if anything has changed."""
-        agent, body = self._node.agent, self._body
+        agent, body = self._agent, self._body
         path = agent.active_path
         # A member that has not reported is not disobeying.
         silent = [not body.knows_of(name) for name in body.members]
-        faults = self._node.faults
+        faults = self._faults()
         doing = (agent.mode, agent.behavior, path, silent, faults)
         if not self.changed and doing == self._doing:
             return
@@ -44,7 +59,7 @@ class GroupStatus:
             msg.CommanderStatus(
                 commander=agent.name,
                 kind=body.kind.name,
-                superior=self._node.settings.commander,
+                superior=self._settings.commander,
                 mode=agent.mode.value,
                 behavior=agent.behavior,
                 active_path=path,
@@ -56,6 +71,6 @@ class GroupStatus:
                 obeying=[body.obeys(name) for name in body.members],
                 silent=silent,
                 faults=faults,
-                swarm=self._node.settings.swarm,
+                swarm=self._settings.swarm,
             )
         )

@@ -24,12 +24,8 @@ from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind
 from hitab_commander.lockstep import Lockstep, Round
-from hitab_core.agent import Agent
-from hitab_core.errors import FeatureValueError
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.order import Report
-from hitab_core.subordinate import Subordinate
-from hitab_core.use import Use
+from hitab_core import Agent, BehaviorLibrary, FeatureValueError, Use
+from hitab_core.commanding import Report, Subordinate
 
 
 @dataclass(frozen=True)

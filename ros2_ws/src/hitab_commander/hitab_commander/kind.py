@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from hitab_core.order import OTHERS
+from hitab_core.commanding import OTHERS
 
 
 class Over(StrEnum):

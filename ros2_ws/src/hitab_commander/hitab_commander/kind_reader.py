@@ -40,12 +40,10 @@ from hitab_commander.kind import (
     Over,
     Pick,
 )
-from hitab_core.automaton import FLAGS
-from hitab_core.errors import HitabError, VocabularyError, has
+from hitab_core import FLAGS, NAME, HitabError, Use, VocabularyError, has
+from hitab_core.commanding import OTHERS
 from hitab_core.library.yaml_places import Complaints, read_yaml
 from hitab_core.library.yaml_places import Path as Place
-from hitab_core.order import OTHERS
-from hitab_core.use import NAME, Use
 
 Complain = Callable[[Place, str], None]
 """Called with where in the kind's mapping something is wrong, and what."""
@@ -53,7 +51,7 @@ Complain = Callable[[Place, str], None]
 KEEP = "keep"
 NOTHING = "nothing"
 OTHERS_WORD = "others"
-FILE_NAME = "commander.yaml"
+KIND_FILE = "commander.yaml"
 """The file that tells, in a commander's library folder, what its kind is."""
 
 FASTEST = 1000.0

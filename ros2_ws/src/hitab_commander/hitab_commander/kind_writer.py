@@ -8,7 +8,7 @@ import yaml
 
 from hitab_commander.kind import CommanderKind, GroupFeature, Observation, OrderMap, Over, Pick
 from hitab_commander.kind_reader import KEEP, NOTHING, OTHERS_WORD
-from hitab_core.order import OTHERS
+from hitab_core.commanding import OTHERS
 
 
 def kind_text(kind: CommanderKind) -> str:

@@ -6,9 +6,9 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from hitab_agent.line_memory import LineMemory
+from hitab_agent import LineMemory
 
-FILE_NAME = "orders.json"
+ORDERS_FILE = "orders.json"
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class OrderMemory:
         Args:
             folder: where the file is; it is made when there is something to remember.
         """
-        self._file = LineMemory(folder / FILE_NAME)
+        self._file = LineMemory(folder / ORDERS_FILE)
         self.damage = self._file.damage
         self.remembered = self._read()
 

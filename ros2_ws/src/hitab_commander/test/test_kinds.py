@@ -13,9 +13,9 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind, GroupFeature, Observation, OrderMap, Over, Pick
 from hitab_commander.kind_reader import parse_kind, read_kind
 from hitab_commander.kind_writer import kind_text
+from hitab_core.commanding.order import OTHERS, Order, Report
 from hitab_core.errors import VocabularyError
 from hitab_core.library.yaml_places import read_yaml
-from hitab_core.order import OTHERS, Order, Report
 
 NAMES = st.from_regex(r"[A-Z][a-z]{0,6}", fullmatch=True).filter(
     lambda name: name not in ("Done", "Failed", "Start")

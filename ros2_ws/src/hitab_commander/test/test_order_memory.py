@@ -2,7 +2,7 @@
 
 import json
 
-from hitab_commander.order_memory import FILE_NAME, OrderMemory, Remembered
+from hitab_commander.order_memory import ORDERS_FILE, OrderMemory, Remembered
 
 LONG = Remembered(3, "Attack", "Send(scout_17)")
 SHORT = Remembered(3, "Rest", "Rest")
@@ -24,7 +24,7 @@ def test_a_process_started_again_has_a_later_epoch_even_when_the_clock_went_back
 
 
 def test_what_cannot_be_read_is_taken_for_a_commander_that_has_ordered_nothing(tmp_path):
-    file = tmp_path / FILE_NAME
+    file = tmp_path / ORDERS_FILE
     whole = json.dumps({"epoch": 1, "behavior": "A", "label": "A"})
     for text in ("", "\0" * 40, whole[:-9], '{"epoch": "one"}', "[]", "\xff\xfe"):
         file.write_bytes(text.encode("latin-1"))

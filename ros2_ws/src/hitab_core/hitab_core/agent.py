@@ -1,7 +1,7 @@
-"""One agent without its robot or its middleware: what it knows, does, and is being taught.
+"""One agent without its robot or middleware: what it knows, does and is being taught.
 
-A node (`hitab_agent.agent_node`) gives it percepts and a demonstrator's wishes, and takes its
-actions. Everything here raises `HitabError` for what a user has to mend and changes nothing then.
+A node (`hitab_agent.agent_node`) passes in percepts and a demonstrator's commands and publishes
+the actions. Errors that a user can fix raise `HitabError` and leave the agent unchanged.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from hitab_core.use import Use
 
 
 class Mode(StrEnum):
-    """What decides what an agent does."""
+    """What an agent's decisions come from."""
 
     IDLE = "idle"
     PERFORMING = "performing"
@@ -50,8 +50,8 @@ class Mode(StrEnum):
 class Agent:
     """An agent: a body, a repertoire and, at any time, one top-level behavior or one training.
 
-    A training is kept, with all its examples, while something else is performed, and across
-    restarts of the process if there is a journal folder.
+    A training and its examples are kept while the agent performs something else and, given a
+    journal folder, across restarts of the process.
     """
 
     def __init__(
@@ -65,11 +65,11 @@ class Agent:
         most_probable: bool = False,
         observe: Observe | None = None,
     ) -> None:
-        """Load the library and, from the journal, a training that was interrupted.
+        """Load the library and resume an interrupted training from the journal.
 
         Raises:
             LibraryError: if the library or the journal cannot be read.
-            VocabularyError: if a behavior in the library uses what does not exist.
+            VocabularyError: if a behavior in the library uses something that does not exist.
         """
         self.name = name
         self.domain = domain
@@ -104,15 +104,15 @@ class Agent:
 
     @property
     def library_digest(self) -> str:
-        """Digest of what it knows itself.
+        """Digest of the behaviors that this agent has loaded.
 
-        Others in this process may have added to the library that they share since.
+        Other agents in the process may have added to a shared library since.
         """
         return self.edition.digest
 
     @property
     def active_path(self) -> list[str]:
-        """Labels of the active states, from the top-level behavior's inwards."""
+        """Labels of the active states, outermost first."""
         running = self._running
         return running.active_path if running is not None else []
 
@@ -125,19 +125,19 @@ class Agent:
 
     @property
     def raised(self) -> frozenset[str]:
-        """The flags that the top-level behavior has raised and nobody has taken down."""
+        """The flags that the top-level behavior has raised and that are still up."""
         running = self._running
         return frozenset() if running is None else frozenset(running.raised)
 
     def lower_flags(self) -> None:
-        """Take down the flags of the top-level behavior, as a new order of a commander does."""
+        """Lower the flags of the top-level behavior, as a commander's new order does."""
         running = self._running
         if running is not None:
             running.raised.clear()
 
     @property
     def context(self) -> RunContext:
-        """What everything that it performs has in common."""
+        """The context that everything it performs shares."""
         return self._context
 
     @property
@@ -146,7 +146,7 @@ class Agent:
         return self._performance if self.mode is Mode.PERFORMING else None
 
     def hand_over(self, performance: Running) -> None:
-        """Have something else perform the top-level behavior that goes on where this one is."""
+        """Let another object continue the top-level behavior from its current state."""
         self._performance = performance
         if self.top is not None:
             self._performances[self.top] = performance
@@ -168,11 +168,11 @@ class Agent:
         self._context.senses.forget()
 
     def live_features(self, also: Sequence[Use] = ()) -> list[Reading]:
-        """Return what it perceives at the moment; see `live_features`."""
+        """Return what the agent perceives now; see `live_features`."""
         return live_features(self._running, self._context, also)
 
     def restart(self, seed: int, episode: int) -> None:
-        """Begin an episode: the agent's own random numbers afresh, the behavior at Start."""
+        """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
         self._random.seed(agent_seed(seed, episode, self.name))
         running = self._running
         if running is not None:
@@ -199,7 +199,7 @@ class Agent:
     # -- performing -------------------------------------------------------------------------
 
     def perform(self, use: Use | None) -> None:
-        """Perform a behavior as the top-level one, from its beginning; None: nothing.
+        """Perform a behavior as the top-level one, from Start; None: nothing.
 
         Raises:
             VocabularyError: if there is no such behavior or target.
@@ -215,7 +215,7 @@ class Agent:
             performance.start()
 
     def _prepared(self, use: Use) -> Running:
-        """Return what performs a behavior; it is kept, since orders come again."""
+        """Return the performer of a behavior, cached because orders repeat."""
         performance = self._performances.get(use)
         if performance is None:
             check_performable(self.repertoire, use)
@@ -235,8 +235,8 @@ class Agent:
         """Begin to train an automaton, in Start.
 
         Args:
-            curriculum: what is to be trained; without features, those of ``resume``.
-            resume: a trained behavior whose examples to go on from.
+            curriculum: what to train; without features, use those of ``resume``.
+            resume: a trained behavior whose examples to continue from.
             discard: give up a training that has not been saved.
 
         Raises:
@@ -252,7 +252,7 @@ class Agent:
         if resume:
             earlier = self.repertoire.get(resume)
             if not isinstance(earlier, Automaton) or not earlier.examples:
-                raise TrainingError(f'"{resume}" was not trained; there is nothing to go on from')
+                raise TrainingError(f'"{resume}" was not trained; there is nothing to resume')
             features = curriculum.features or earlier.features
             curriculum = Curriculum(
                 curriculum.name or resume,
@@ -321,22 +321,22 @@ class Agent:
         """Trim what was learned, add it to the library and end the training.
 
         Args:
-            name: what to call it; empty: as it was begun.
-            bindings: targets or parameters to replace, with what.
+            name: of the saved behavior; empty: the name that training began with.
+            bindings: targets or parameters to replace, and their replacements.
             description: for people who browse the library.
-            keep_unused: do not trim features that no transition function uses yet, so that
-                training can go on with them, as in behavior bootstrapping.
+            keep_unused: keep features that no transition function uses yet, so that training can
+                be resumed with them, as in behavior bootstrapping.
 
-        Where it performs another behavior meanwhile, which does not fit to what is saved, it is
-        idle afterwards: what was trained counts more, and the notes tell so.
+        If the agent is performing another behavior that does not fit what is saved, saving wins;
+        the agent becomes idle and the notes say so.
 
         Returns:
-            The automaton, its file, and notes on what was trimmed and what became of it.
+            The automaton, its file, and notes on what was trimmed or stopped.
 
         Raises:
             TrainingError: if there is no training, or no example leaves Start.
-            LibraryError: if it cannot be written; then nothing has changed.
-            VocabularyError: if it does not fit into the repertoire; then nothing has changed.
+            LibraryError: if it cannot be written; nothing has changed.
+            VocabularyError: if it does not fit the repertoire; nothing has changed.
         """
         session = self._session()
         curriculum = session.curriculum
@@ -346,14 +346,14 @@ class Agent:
             then = Use(automaton.name, curriculum.arguments)
         with self.library.change() as change:
             saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
-            # What others have put into a library that is shared it takes up when it reloads.
+            # Other agents' additions to a shared library are picked up on reload.
             edition = self._edition_with(saved)
             try:
                 state = prepare(self._context, edition, then, None)
             except VocabularyError as error:
                 state = prepare(self._context, edition, None, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
-            # A journal that was not put away is known by this as one whose training is saved.
+            # At the next start this marks a journal that was not archived as saved.
             self._write({"do": "save", "automaton": saved.name, "checksum": saved.checksum})
             change.commit()
         self._close_journal()
@@ -365,8 +365,8 @@ class Agent:
             return self.library.editions.of({**self.edition.files, saved.name: saved})
         except VocabularyError as error:
             raise VocabularyError(
-                f'"{saved.name}" cannot be saved: {error}; save it under another name, or first '
-                "train again what uses it"
+                f'"{saved.name}" cannot be saved: {error}; save it under another name, or '
+                "first retrain what uses it"
             ) from None
 
     def preview_save(
@@ -377,11 +377,11 @@ class Agent:
         *,
         keep_unused: bool = False,
     ) -> tuple[Automaton, list[str]]:
-        """Return what `save` would put into the library and what it would trim; change nothing.
+        """Return what `save` would add to the library and what it would trim; change nothing.
 
         Raises:
             TrainingError: if there is no training, or no example leaves Start.
-            VocabularyError: if something would not be bound.
+            VocabularyError: if something would remain unbound.
         """
         session = self._session()
         classifier = session.curriculum.classifier
@@ -417,32 +417,32 @@ class Agent:
     # -- library ----------------------------------------------------------------------------
 
     def reload(self, library: BehaviorLibrary | None = None) -> list[str]:
-        """Read the library again, or another one; what is performed begins at Start.
+        """Read the library again, or another one; restart what is being performed at Start.
 
         Returns:
             The names of the trained behaviors.
 
         Raises:
-            LibraryError, VocabularyError: if a file is bad, or what it performs or is trained
-                does not fit; then nothing changes.
+            LibraryError, VocabularyError: if a file is bad, or the active behavior or training
+                does not fit; nothing has changed.
         """
         library = library or self.library
         self.take_up(library.edition(), library=library)
         return sorted(self.edition.files)
 
     def take_in(self, bundle: Bundle, start: Use | None = None) -> str:
-        """Add behaviors that another agent has sent, all or none; what is performed restarts.
+        """Add behaviors sent by another agent, all or none, and restart what is being performed.
 
         Args:
             bundle: the behaviors.
-            start: what to perform instead of what it performs now.
+            start: what to perform instead of the active behavior.
 
         Returns:
-            The digest over the files as they are now in the library.
+            The digest of these files as they are now in the library.
 
         Raises:
-            LibraryError, VocabularyError: naming all that is wrong with the bundle, or what it
-                does not fit to; then nothing has changed.
+            LibraryError, VocabularyError: naming everything wrong with the bundle, or what it does
+                not fit; nothing has changed.
         """
         files = read_bundle(bundle, self.library.editions)
         with self.library.change() as change:
@@ -453,7 +453,7 @@ class Agent:
         return digest_in(edition, files)
 
     def check_fit(self, edition: Edition, start: Use | None = None) -> None:
-        """Check that what it performs, or shall start, and is trained fit to an edition.
+        """Check that the active behavior, or ``start``, and the training fit an edition.
 
         Raises:
             VocabularyError: naming what does not fit, and the way out.
@@ -463,23 +463,23 @@ class Agent:
     def take_up(
         self, edition: Edition, start: Use | None = None, library: BehaviorLibrary | None = None
     ) -> list[str]:
-        """Know what an edition holds, which is on disk, instead of what it knew.
+        """Switch to an edition that is already on disk.
 
         Args:
             edition: of its library.
-            start: what to perform instead of what it performs now.
-            library: where the edition is from, if not from its library.
+            start: what to perform instead of the active behavior.
+            library: that the edition comes from, if not the agent's own.
 
         Returns:
-            Notes, if what it performs could not be begun.
+            Notes on what could not be stopped or started.
 
         Raises:
-            VocabularyError: if what it performs or is trained does not fit; then nothing changes.
+            VocabularyError: if the active behavior or training does not fit; nothing has changed.
         """
         return self._swap(self._prepared_for(edition, start), library or self.library)
 
     def _checked(self, edition: Edition, start: Use | None) -> Use | None:
-        """Return what it performs after a change, having checked that and the training."""
+        """Return what to perform after a change, after checking it and the training."""
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
         try:
             check_change(self._context, edition, use, self.session)
@@ -494,7 +494,7 @@ class Agent:
     def _swap(
         self, state: Prepared, library: BehaviorLibrary, *, ends_training: bool = False
     ) -> list[str]:
-        """Be in a state that was prepared. It is on disk, so nothing may go wrong any more."""
+        """Switch to a prepared state. It is on disk already, so this must not fail."""
         notes = []
         try:
             self._stop()
@@ -544,7 +544,7 @@ class Agent:
             self._journal.append(record)
 
     def _close_journal(self) -> None:
-        """Put the journal of a saved training away; if not now, then at the next start."""
+        """Archive the journal of a saved training; if that fails, the next start does it."""
         journal, self._journal = self._journal, None
         if journal is not None:
             with suppress(LibraryError):
@@ -564,7 +564,7 @@ class Agent:
         if last.get("do") == "save" and self.library.has_saved(
             str(last.get("automaton")), str(last.get("checksum"))
         ):
-            # The process ended after the behavior was saved and before the journal was put away.
+            # The process ended after saving the behavior and before archiving the journal.
             with suppress(LibraryError):
                 journal.archive()
             journal.close()
@@ -574,8 +574,8 @@ class Agent:
         except (HitabError, KeyError, TypeError, ValueError) as error:
             journal.close()
             raise LibraryError(
-                f"{path}: the training that was interrupted cannot be gone on with: {error}; "
-                "mend that, or move this file away to start without that training"
+                f"{path}: the interrupted training cannot be resumed: {error}; "
+                "fix that, or move this file away to start without that training"
             ) from error
         self._journal = journal
         self.mode = Mode.TRAINING
@@ -597,7 +597,7 @@ def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example
     """Return the examples of ``earlier`` for a training with ``features``.
 
     Raises:
-        TrainingError: if its examples do not have a value for one of them.
+        TrainingError: if its examples lack a value for one of them.
     """
     if tuple(features) == earlier.features:
         return earlier.examples
@@ -605,8 +605,8 @@ def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example
     if missing:
         raise TrainingError(
             f'the examples of "{earlier.name}" have no value for {", ".join(missing)} '
-            f"{has(earlier.features)}; save with unused features kept to go on with them, "
-            "or begin without these"
+            f"{has(earlier.features)}; save with unused features kept to resume with them, "
+            "or begin without these features"
         )
     columns = [earlier.features.index(f) for f in features]
     return tuple(

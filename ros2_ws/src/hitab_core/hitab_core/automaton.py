@@ -15,10 +15,10 @@ from hitab_core.transition_function import TransitionFunction
 from hitab_core.use import Use
 
 START = "Start"
-"""The blank state in which every automaton begins and which it leaves at once."""
+"""The empty state in which every automaton begins and which it leaves at once."""
 
 FLAGS = ("Done", "Failed")
-"""The flag states: entering one tells the parent automaton, then goes back to Start."""
+"""The flag states: entering one raises a flag in the parent automaton, then returns to Start."""
 
 RESERVED = frozenset((START, *FLAGS))
 
@@ -34,7 +34,7 @@ class Automaton:
             active sub-behavior has raised that flag.
         transitions: T, a transition function for each state that has one, by label, Start
             included. In a state without one the automaton stays.
-        parameters: G, the free variables, bound by whoever uses the automaton.
+        parameters: G, the free variables, bound by the user of the automaton.
         examples: what the transition functions were learned from; none for a hand-written one.
     """
 
@@ -48,7 +48,7 @@ class Automaton:
     _labels: tuple[str, ...] = field(init=False, repr=False, compare=False, default=())
 
     def __post_init__(self) -> None:
-        """Check what can be checked without knowing the behaviors that are used."""
+        """Check what does not depend on the behaviors used."""
         labels = tuple(str(state) for state in self.states)
         there: set[str] = set()
         for label in labels:
@@ -56,7 +56,9 @@ class Automaton:
                 raise VocabularyError(f'automaton "{self.name}" has state "{label}" twice')
             there.add(label)
         if START in there:
-            raise VocabularyError(f'automaton "{self.name}": {START} is always there, not listed')
+            raise VocabularyError(
+                f'automaton "{self.name}": {START} is implicit; remove it from the states'
+            )
         for state in self.transitions:
             if state != START and state not in there:
                 raise VocabularyError(

@@ -1,8 +1,8 @@
 """A domain: the basic behaviors, features and targets that a robot or a simulated body has.
 
 A domain is written once per kind of robot and found under the entry-point group
-``hitab.domains``. Everything in it acts on a *body*: an object of the domain's own that holds
-what one agent perceives now and takes what it does next. The engine never looks inside it.
+``hitab.domains``. Everything in it acts on a *body*, an object of the domain's own that holds one
+agent's current percept and next action. The engine never looks inside it.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ class FeatureKind(StrEnum):
 
 @dataclass(slots=True)
 class BatchPercepts:
-    """The percepts of many agents whose values are laid out alike.
+    """The percepts of many agents with the same layout.
 
     Attributes:
         values: shape (n, m), a row for each agent in the layout of the domain.
-        heard: the messages heard, by row of those agents that hear any.
+        heard: the messages heard, by row; only of agents that hear any.
     """
 
     values: Floats
@@ -56,8 +56,8 @@ class BatchPercepts:
 class Target:
     """Something in the world that a parameter can be bound to, such as the closest taker.
 
-    ``resolve(body)`` returns whatever the domain's features and behaviors expect, afresh at each
-    use, since what is closest changes. ``resolve_all`` is the same for many agents at once, see
+    ``resolve(body)`` returns what the domain's features and behaviors expect. It is called at each
+    use, since what is closest changes. ``resolve_all`` does the same for many agents at once, see
     `Feature`.
     """
 
@@ -74,9 +74,9 @@ class Feature:
     A categorical feature's value is an index into ``categories``; a boolean one's is 0 or 1.
     ``period`` is the length of a toroidal feature's circle, in its own ``unit``.
 
-    ``read_all(percepts, *targets)`` may return the values of many agents at once, shape (n,), from
-    their percepts alone, and exactly those that ``read`` returns; each target is what its
-    ``resolve_all`` returned. Without it many agents' features are read one by one.
+    The optional ``read_all(percepts, *targets)`` returns the values of many agents at once, shape
+    (n,), from their percepts alone. They must equal what ``read`` returns; each target is what its
+    ``resolve_all`` returned. Without it the feature is read agent by agent.
     """
 
     name: str
@@ -91,7 +91,7 @@ class Feature:
 
     @property
     def scale(self) -> Scale:
-        """How values of this feature compare, without how they are read."""
+        """How values of this feature compare."""
         return Scale(
             self.kind, self.period if self.kind is FeatureKind.TOROIDAL else 0.0, self.categories
         )
@@ -117,10 +117,10 @@ def _nothing(body: Any, *targets: Any) -> None:
 class BasicBehavior:
     """A behavior hard-coded in the agent.
 
-    ``start``, ``pulse`` and ``stop`` are called with the body and the resolved targets: start
-    once when its state is entered, pulse once per tick, stop when the state is left. What must
-    be remembered between pulses is kept in the body, never in the behavior, which all agents
-    share. A ``one_shot`` behavior is pulsed once per entry and records no default example.
+    ``start``, ``pulse`` and ``stop`` are called with the body and the resolved targets: start once
+    when its state is entered, pulse once per tick, stop when the state is left. Keep state between
+    pulses in the body, never in the behavior, which all agents share. A ``one_shot`` behavior is
+    pulsed once per entry and records no default example.
     """
 
     name: str
@@ -148,7 +148,7 @@ def _by_name(things: Iterable[Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Domain:
-    """All that is particular to a kind of robot.
+    """Everything specific to a kind of robot.
 
     Attributes:
         name: identifier, as registered under the entry-point group.
@@ -156,8 +156,8 @@ class Domain:
         body: makes the body of one agent, given the agent's name.
         behaviors, features, targets: the vocabulary, by name.
         automata: hand-written automata, usable beside trained ones, by name.
-        link: ``"module:Class"`` of the ROS side of the body, where it is not the standard link
-            to a world node (percepts in, actions out).
+        link: ``"module:Class"`` of the ROS side of the body, unless it is the standard link to a
+            world node (percepts in, actions out).
     """
 
     name: str
@@ -182,7 +182,7 @@ class Domain:
         automata: Iterable[Automaton] = (),
         link: str = "",
     ) -> Domain:
-        """Make a domain from lists; names must be well formed and, within a list, unique."""
+        """Make a domain from lists; names must be well formed and unique within a list."""
         groups: list[list[Any]] = [list(g) for g in (behaviors, features, targets, automata)]
         for group in groups:
             names = [thing.name for thing in group]
@@ -198,7 +198,7 @@ class Domain:
 
     @cached_property
     def signature(self) -> str:
-        """A short digest of the vocabulary: two domains with the same one fit the same library."""
+        """A short digest of the vocabulary; domains with equal signatures fit the same library."""
         described = {
             "name": self.name,
             "behaviors": sorted(
@@ -224,12 +224,12 @@ class Domain:
 
         Args:
             use: the use to check.
-            known: the parameters of everything that may be used, by name.
-            parameters: the parameters of the automaton in which the use stands.
+            known: the parameters of each behavior or feature that may be used, by name.
+            parameters: of the automaton that contains the use.
             what: what ``known`` holds, for the error message: "behavior" or "feature".
 
         Raises:
-            VocabularyError: naming what is unknown and what there is instead.
+            VocabularyError: naming what is unknown and what is available.
         """
         if use.name not in known:
             raise VocabularyError(f'unknown {what} "{use.name}" {has(known)}')

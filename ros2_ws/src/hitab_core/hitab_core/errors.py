@@ -1,8 +1,8 @@
-"""Errors a user can cause and mend: each names the thing, the place and the way out."""
+"""Errors a user can cause and fix: each names the thing, the place and the way out."""
 
 
 class HitabError(Exception):
-    """Base of all errors that a user, not a programmer, has to mend."""
+    """Base of all errors that a user, not a programmer, has to fix."""
 
 
 class VocabularyError(HitabError):
@@ -10,7 +10,7 @@ class VocabularyError(HitabError):
 
 
 class TrainingError(HitabError):
-    """A demonstrator's command or edit that cannot be taken as things stand."""
+    """A demonstrator's command or edit that is not possible now."""
 
 
 class FeatureValueError(HitabError):
@@ -22,7 +22,7 @@ class LibraryError(HitabError):
 
 
 class FolderInUseError(LibraryError):
-    """A folder that somebody else holds at the moment."""
+    """A folder that another process has locked."""
 
 
 def has(names: object) -> str:

@@ -21,7 +21,7 @@ class Example:
     Attributes:
         state, next_state: labels of states, or ``"Start"``.
         features: values in the order and units of the automaton's features.
-        kind: default examples are placed differently in a tree (paper, section 3, footnote 1).
+        kind: a tree treats default examples differently (paper, section 3, footnote 1).
         number: unique within a training, counting from 1; edits refer to it.
         command: number of the command that recorded it; undoing that removes all of them.
         cycle: the world's cycle when it was recorded, 0 where unknown.

@@ -1,6 +1,6 @@
-"""Who uses whom: orders and circles among behaviors, each behavior looked at once.
+"""Which behavior uses which: order and cycles, visiting each behavior once.
 
-A hierarchy shares its parts: there may be far more ways through it than behaviors in it.
+Behaviors are shared, so a hierarchy may have far more paths than behaviors.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ Uses = Callable[[str], Iterable[str]]
 
 
 def in_order(names: Iterable[str], uses: Uses) -> list[str]:
-    """Return some behaviors with all that they are made of, each after what it uses.
+    """Return behaviors and everything they are made of, each after what it uses.
 
     Raises:
         ValueError: if one uses itself; see `circle_among`.
@@ -24,7 +24,7 @@ def in_order(names: Iterable[str], uses: Uses) -> list[str]:
 
 
 def circle_among(names: Iterable[str], uses: Uses) -> list[str]:
-    """Return a way from one of the behaviors that can be reached back to itself, if there is one.
+    """Return a path from a reachable behavior back to itself, if there is one.
 
     Returns:
         ``[A, B, A]`` where A uses B and B uses A; empty if no behavior uses itself.
@@ -33,14 +33,14 @@ def circle_among(names: Iterable[str], uses: Uses) -> list[str]:
 
 
 def _visit(names: Iterable[str], uses: Uses) -> tuple[list[str], list[str]]:
-    """Go depth first through what is used; return the order, and the first circle, if any."""
+    """Visit depth first; return the order and the first cycle, if any."""
     order: list[str] = []
     done: set[str] = set()
     for name in names:
         if name in done:
             continue
-        # The way down, each with what is still to be visited below it; no recursion, since a
-        # hierarchy may be deeper than Python's stack.
+        # The path down, each behavior with what remains to be visited below it; no recursion,
+        # since a hierarchy may be deeper than Python's stack.
         way: dict[str, Iterator[str]] = {name: iter(sorted(uses(name)))}
         while way:
             last = next(reversed(way))
@@ -98,7 +98,7 @@ def circular(names: Iterable[str], uses: Uses) -> dict[str, int]:
 
 
 def _close(first: str, open_: dict[str, None], groups: dict[str, int], group: int) -> None:
-    """Take a group, all that was opened since its first member, off the open ones."""
+    """Close a group: all nodes opened since its first member."""
     members: list[str] = []
     while not members or members[-1] != first:
         members.append(open_.popitem()[0])

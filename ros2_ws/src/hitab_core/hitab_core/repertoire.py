@@ -1,4 +1,4 @@
-"""All behaviors that can be a state of an automaton: basic, hand-written and trained ones."""
+"""All behaviors that can be states of an automaton: basic, hand-written and trained."""
 
 from __future__ import annotations
 
@@ -13,16 +13,15 @@ from hitab_core.use import Use
 
 
 class Repertoire:
-    """The behaviors of a domain with the trained ones beside and in place of its automata.
+    """The behaviors of a domain plus the trained ones.
 
-    A trained automaton replaces a hand-written one of the same name; it cannot replace a basic
-    behavior.
+    A trained automaton replaces a hand-written one of the same name, but not a basic behavior.
     """
 
     def __init__(self, domain: Domain, trained: Mapping[str, Automaton] | None = None) -> None:
         self.domain = domain
         self._automata: dict[str, Automaton] = {}
-        # Kept up to date, so that checking a use does not go through all behaviors.
+        # Kept up to date so that checking a use is cheap.
         self._parameters = {name: b.parameters for name, b in domain.behaviors.items()}
         self._feature_parameters = {name: f.parameters for name, f in domain.features.items()}
         self._feature_parameters |= dict.fromkeys(FLAGS, ())
@@ -62,16 +61,16 @@ class Repertoire:
         return found
 
     def add(self, automaton: Automaton) -> None:
-        """Add a trained automaton, or put it in the place of an earlier one of its name.
+        """Add a trained automaton, replacing an earlier one of the same name.
 
         Raises:
-            VocabularyError: if it uses what does not exist, or itself, directly or through others.
+            VocabularyError: if it uses something that does not exist, or itself, even indirectly.
         """
         self.check_new(automaton)
         before = self._automata.get(automaton.name)
         self._put(automaton)
         try:
-            # What others do with it depends on its parameters; the rest of them is as it was.
+            # Its users depend on its parameters only.
             for name in sorted(self._users.get(automaton.name, ())):
                 self._check_uses(self._automata[name])
         except VocabularyError:
@@ -111,7 +110,7 @@ class Repertoire:
         return self.get(name).parameters
 
     def is_one_shot(self, use: Use) -> bool:
-        """Whether a state is executed exactly once, so that it gets no default example."""
+        """Whether a state is executed only once per entry and so gets no default example."""
         if use.name in FLAGS:
             return True
         behavior = self.get(use.name)
@@ -127,11 +126,11 @@ class Repertoire:
         """Check that ``use`` can be a state of an automaton with these parameters.
 
         Raises:
-            VocabularyError: naming what is unknown or bound wrongly.
+            VocabularyError: naming what is unknown or wrongly bound.
         """
         if use.name in RESERVED:
             if use.name == START:
-                raise VocabularyError(f"{START} cannot be commanded; it is where automata begin")
+                raise VocabularyError(f"{START} cannot be commanded; every automaton begins there")
             if use.arguments:
                 raise VocabularyError(f'flag state "{use.name}" takes no targets')
             return
@@ -141,14 +140,14 @@ class Repertoire:
         """Check that ``use`` can be a feature of an automaton with these parameters.
 
         Raises:
-            VocabularyError: naming what is unknown or bound wrongly.
+            VocabularyError: naming what is unknown or wrongly bound.
         """
         if use.name in FLAGS and not use.arguments:
             return
         self.domain.check_use(use, self._feature_parameters, parameters, what="feature")
 
     def check_new(self, automaton: Automaton) -> None:
-        """Check an automaton that is about to be trained, its name included.
+        """Check an automaton, including its name, before training it.
 
         Raises:
             VocabularyError: naming what is wrong.
@@ -157,12 +156,12 @@ class Repertoire:
         self.check(automaton)
 
     def check(self, automaton: Automaton) -> None:
-        """Check that everything that ``automaton`` uses exists and that it is not recursive.
+        """Check that everything ``automaton`` uses exists and that it is not recursive.
 
         Raises:
             VocabularyError: naming the automaton and what is wrong.
         """
-        # Recursion first: an automaton in its own states is also "unknown" while it is new.
+        # Recursion first: a new automaton in its own states would also be "unknown".
         circle = circle_among(
             [automaton.name],
             lambda name: automaton.behaviors_used if name == automaton.name else self._used(name),
@@ -176,7 +175,7 @@ class Repertoire:
             if parameter in self.domain.targets:
                 raise VocabularyError(
                     f'automaton "{automaton.name}": parameter "{parameter}" is also a target; '
-                    "call it something else"
+                    "rename it"
                 )
         try:
             for state in automaton.states:
@@ -200,7 +199,7 @@ class Repertoire:
             )
 
     def needed_by(self, name: str) -> list[str]:
-        """Return the automata that ``name`` is made of, itself last, each after what it uses."""
+        """Return the automata that ``name`` is made of, dependencies first, itself last."""
         self.get(name)
         return [made for made in in_order([name], self._used) if made in self._automata]
 

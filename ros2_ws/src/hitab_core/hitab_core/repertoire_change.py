@@ -1,7 +1,7 @@
-"""What an agent can do changes in three steps: check everything, write it to disk, swap.
+"""An agent's repertoire changes in three steps: check everything, write to disk, swap.
 
-Here is the first: nothing that is checked or prepared here has changed anything yet, so that
-afterwards writing may fail, and swapping cannot.
+This module is the first step. It changes nothing, so that writing may still fail afterwards, while
+swapping cannot.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from hitab_core.use import Use
 
 @dataclass(frozen=True)
 class Prepared:
-    """All that an agent needs to go on with another repertoire.
+    """Everything an agent needs to switch to another repertoire.
 
     Attributes:
-        edition: what it will know.
-        context: on which it will perform.
-        use: what it will perform; None: nothing, or the training.
-        performance: of that; not started.
+        edition: that the agent will switch to.
+        context: that it will perform in.
+        use: that it will perform; None: nothing, or the training.
+        performance: of ``use``; not started.
     """
 
     edition: Edition
@@ -47,13 +47,13 @@ def check_performable(repertoire: Repertoire, use: Use) -> None:
 def check_change(
     context: RunContext, edition: Edition, use: Use | None, session: TrainingSession | None
 ) -> None:
-    """Check that an agent can go on with another edition.
+    """Check that an agent can switch to another edition.
 
     Args:
-        context: on which it performs now.
-        edition: what it will know.
-        use: what it will perform; None: nothing.
-        session: its training, which will go on.
+        context: that it performs in now.
+        edition: that the agent will switch to.
+        use: that it will perform; None: nothing.
+        session: its training, which will continue.
 
     Raises:
         VocabularyError: naming what does not fit, and the way out.
@@ -63,7 +63,7 @@ def check_change(
             check_performable(edition.repertoire, use)
         except VocabularyError as error:
             raise VocabularyError(
-                f'it cannot perform "{use}" any more: {error}; have it perform something else '
+                f'it could no longer perform "{use}": {error}; have it perform something else '
                 "first, or nothing"
             ) from None
     if session is not None:
@@ -71,7 +71,7 @@ def check_change(
             session.check_on(replace(context, repertoire=edition.repertoire))
         except VocabularyError as error:
             raise VocabularyError(
-                f'the training of "{session.curriculum.name}" could not go on: {error}; '
+                f'the training of "{session.curriculum.name}" could not continue: {error}; '
                 "save it or discard it first"
             ) from None
 
@@ -79,7 +79,7 @@ def check_change(
 def prepare(
     context: RunContext, edition: Edition, use: Use | None, session: TrainingSession | None
 ) -> Prepared:
-    """Return what an agent needs to go on with another edition; see `check_change`.
+    """Return what an agent needs to switch to another edition; see `check_change`.
 
     Raises:
         VocabularyError: naming what does not fit, and the way out.

@@ -1,9 +1,9 @@
-"""Seeds for random generators, derived so that they are the same everywhere and always.
+"""Seeds for random generators, the same on every machine and in every run.
 
-An episode is identified by the seed of its run and its number in the run. Worlds and agents
-derive the seeds of their own generators from these two, whether they run in one process or in
-many, so that the same seed and the same answers give the same episode. SHA-256 and not ``hash``
-is used: the latter changes with the version of Python and, for text, with each process.
+An episode is identified by the seed of its run and its number in the run. Worlds and agents derive
+the seeds of their own generators from these two, whether they run in one process or in many, so
+that the same seed and the same answers give the same episode. This uses SHA-256 because ``hash``
+changes with the version of Python and, for text, with each process.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def derived_seed(*parts: int | str) -> int:
 
 
 def agent_seed(seed: int, episode: int, name: str) -> int:
-    """Return the seed of the generator from which one agent draws during one episode.
+    """Return the seed of one agent's random generator during one episode.
 
     Args:
         seed: of the run, as every percept carries it.
@@ -30,5 +30,5 @@ def agent_seed(seed: int, episode: int, name: str) -> int:
 
 
 def world_seed(seed: int, episode: int) -> int:
-    """Return the seed of the generator from which a world draws during one episode."""
+    """Return the seed of a world's random generator during one episode."""
     return derived_seed("world", seed, episode)

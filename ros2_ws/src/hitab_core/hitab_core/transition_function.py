@@ -1,4 +1,4 @@
-"""The seam between automata and whatever decides their transitions.
+"""The interface between automata and the functions that decide their transitions.
 
 A transition function belongs to one state: it maps a feature vector to a distribution over next
 states. `TransitionTree` learns one; `HandWritten` is one that a programmer wrote.
@@ -11,25 +11,23 @@ from dataclasses import dataclass
 from typing import Protocol
 
 Values = list[float | None]
-"""Feature values by slot; None where the feature has not been read in this tick."""
+"""Feature values by slot; None if not read in this tick."""
 
 Decide = Callable[[Values, Callable[[int], float], Callable[[], float]], int]
 """``decide(values, read, draw)`` returns the index of the next state.
 
-``values[slot]`` is None until ``read(slot)`` was called; ``draw()`` is uniform on [0, 1).
+``values[slot]`` is None until ``read(slot)`` is called; ``draw()`` is uniform on [0, 1).
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Why a state was chosen: the tests that held, and the distribution that was drawn from.
+    """Why a state was chosen: the tests that held and the distribution drawn from.
 
     Attributes:
-        tests: readable conditions in the order they were tested, such as
-            ``"DistanceTo(ball) <= 4"``.
-        features: indices of the automaton's features that were looked at.
-        distribution: probability of each next state, by label; empty where nothing but the
-            choice itself is known.
+        tests: readable conditions in the order of testing, such as ``"DistanceTo(ball) <= 4"``.
+        features: indices of the automaton's features that were used.
+        distribution: probability of each next state, by label; empty if only the choice is known.
     """
 
     tests: tuple[str, ...]
@@ -42,7 +40,7 @@ class TransitionFunction(Protocol):
 
     @property
     def features_used(self) -> tuple[int, ...]:
-        """Indices, into the automaton's features, of those that can matter to the decision."""
+        """Indices of the automaton's features that can affect the decision."""
 
     def compile(
         self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
@@ -50,7 +48,7 @@ class TransitionFunction(Protocol):
         """Return the decision as a fast function.
 
         Args:
-            slots: for each feature of the automaton, its slot in the values.
+            slots: the slot of each feature of the automaton.
             states: the index of each state, by label.
             most_probable: always take the most probable state instead of drawing one.
         """
@@ -59,11 +57,11 @@ class TransitionFunction(Protocol):
         """Explain the decision for a full feature vector; ``names`` name its features."""
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
-        """Explain a decision that has been made, by what it read and without making it again.
+        """Explain a past decision from the values that it read, without repeating it.
 
         Args:
-            values: of the features; None where the decision has not read one. Where one of these
-                would be needed the explanation ends.
+            values: of the features; None if the decision did not read one. The explanation ends
+                where such a value would be needed.
             names: of the features.
         """
 
@@ -72,15 +70,15 @@ class LearnedTransition(TransitionFunction, Protocol):
     """A transition function that was learned from examples."""
 
     def digest(self) -> str:
-        """Return a SHA-256 in hexadecimal; the same examples give the same one."""
+        """Return a SHA-256 in hexadecimal; equal examples give equal digests."""
 
 
 @dataclass(frozen=True)
 class HandWritten:
     """A transition function that a programmer wrote.
 
-    ``choose(*values)`` is given the values of ``features_used``, in that order, and returns the
-    label of the next state.
+    ``choose(*values)`` takes the values of ``features_used``, in that order, and returns the label
+    of the next state.
     """
 
     choose: Callable[..., str]
@@ -108,6 +106,6 @@ class HandWritten:
         return Explanation(("hand-written",), self.features_used, {chosen: 1.0})
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
-        """Explain a decision that has been made; ``choose`` is not called again."""
+        """Explain a past decision without calling ``choose`` again."""
         read = tuple(i for i in self.features_used if values[i] is not None)
         return Explanation(("hand-written",), read, {})

@@ -1,7 +1,7 @@
-"""How a behavior or feature is used in an automaton: its name and what it is bound to.
+"""The use of a behavior or feature in an automaton: its name and what it is bound to.
 
-Written ``DistanceTo(ball)``; without parameters just ``Stop``. An argument is the name of a
-target of the domain or of a parameter of the automaton in which the use stands.
+It is written ``DistanceTo(ball)``, or without parameters just ``Stop``. An argument names a target
+of the domain or a parameter of the automaton that contains the use.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from hitab_core.errors import VocabularyError
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
-"""What names a behavior, target or parameter; a file is called after a behavior."""
+"""Pattern of the names of behaviors, targets and parameters; behaviors also name files."""
 
 NAME_RULE = "use up to 100 letters, digits and _"
 _USE = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
@@ -21,7 +21,7 @@ _USE = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
 
 @dataclass(frozen=True, slots=True, order=True)
 class Use:
-    """A behavior or feature together with its arguments, in the order of its parameters."""
+    """A behavior or feature with its arguments, in the order of its parameters."""
 
     name: str
     arguments: tuple[str, ...] = ()
@@ -46,7 +46,7 @@ class Use:
         return cls(match.group(1), arguments)
 
     def bound(self, parameters: Mapping[str, str]) -> Use:
-        """Return this use with each automaton parameter replaced by what it is bound to."""
+        """Return this use with each automaton parameter replaced by its binding."""
         if not self.arguments:
             return self
         return Use(self.name, tuple(parameters.get(a, a) for a in self.arguments))

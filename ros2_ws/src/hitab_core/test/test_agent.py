@@ -205,7 +205,7 @@ def test_a_bundle_that_changed_on_its_way_is_refused_and_changes_nothing(make):
         digest=bundle.digest,
         name=bundle.name,
     )
-    with pytest.raises(LibraryError, match="changed on its way"):
+    with pytest.raises(LibraryError, match="corrupted in transit"):
         pupil.take_in(changed)
     assert not pupil.library.names()
 

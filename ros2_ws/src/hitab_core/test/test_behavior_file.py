@@ -208,7 +208,7 @@ def test_an_edited_file_that_is_being_accepted_is_refused_or_makes_an_automaton(
 def test_a_file_edited_by_hand_names_the_way_to_accept_it(text: str, robot: Domain) -> None:
     line = line_of(text, "checksum:")
     assert complaints_of(edited(text, "author: Ann", "author: Bob"), robot) == [
-        f"Control.hfa.yaml:{line}: the checksum is not that of the file: it was edited or "
+        f"Control.hfa.yaml:{line}: the checksum does not match the file: it was edited or "
         "damaged; if it was edited on purpose, run: hitab library accept "
         "Control.hfa.yaml; if not, restore an earlier version"
     ]
@@ -248,15 +248,15 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 2, 0]", "10.0, 2", "boolean: 0 or 1"),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1, 3]", "10.0, 1, 3]", "a category: 0 to 2"),
         ("{number: 3,", "{number: 1,", "{number: 1, state: Approach, ",
-         "there is another example 1 at line"),
+         "example number 1 is already used at line"),
         ("- GoTo(goal)", "- GoTo(moon)", "- GoTo(moon)",
          'unknown target "moon" in state "GoTo(moon)" (has: ball, goal)'),
         ("- GoTo(goal)", "- Kick", "  - Kick\n\nfeatures", 'has "Kick" twice'),
-        ("- Done", "- Start", "- Start", "Start is always there and not listed"),
+        ("- Done", "- Start", "- Start", "Start is implicit; remove it"),
         ("DirectionTo(goal), kind", "Direction(goal), kind", "Direction(goal)",
          'unknown feature "Direction" (has: BallIsKickable, DirectionTo, DistanceTo, Role)'),
         ("period: 360.0", "period: 400.0", "period: 400",
-         '"period" of feature "DirectionTo(goal)" is 400.0 here and 360.0 in the domain'),
+         '"period" of feature "DirectionTo(goal)" is 400.0 here but 360.0 in the domain'),
         ("unit: m}", "unit: cm}", "unit: cm", '"unit" of feature "DistanceTo(ball)" is cm here'),
         ("classifier: tree", "classifier: tree(depth=3)", "classifier: ",
          'nothing can be learned: the classifier "tree" has no parameter "depth"'),
@@ -295,7 +295,7 @@ def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
 def test_a_file_of_a_newer_hitab_is_refused(text: str, robot: Domain) -> None:
     complaints = complaints_of(edited(text, "format: 1", "format: 2"), robot)
     assert len(complaints) == 1
-    assert "has format 2, and this HiTAB reads formats up to 1; update HiTAB" in complaints[0]
+    assert "has format 2, but this HiTAB reads formats up to 1; update HiTAB" in complaints[0]
 
 
 def test_a_file_of_an_older_hitab_is_brought_up_to_date(
@@ -317,7 +317,7 @@ def test_a_file_of_another_domain_is_refused_with_nothing_else_said(
     other = Domain.of("boat", "1", robot.body, behaviors=[], features=[])
     assert complaints_of(text, other) == [
         f'Control.hfa.yaml:{line_of(text, "domain:")}: was trained in domain "small_robot", '
-        'and this is "boat"; use a library of this domain'
+        'but this is "boat"; use a library of this domain'
     ]
 
 
@@ -364,7 +364,7 @@ def test_a_file_whose_feature_now_means_something_else_is_not_accepted(
         (lambda path: path.write_bytes(b"format: 1\nname: \xff\n"), ":2: is not UTF-8 text"),
         (os.mkfifo, "is a pipe"),
         (lambda path: path.mkdir(), "cannot read it: Is a directory; it is a folder"),
-        (lambda path: None, "cannot read it: No such file or directory; look for a mistyped"),
+        (lambda path: None, "cannot read it: No such file or directory; check the path"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_named(

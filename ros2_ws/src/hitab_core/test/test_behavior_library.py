@@ -148,7 +148,7 @@ def test_the_difference_between_versions_names_examples_rules_states_and_feature
 
 
 def test_a_behavior_that_others_use_cannot_be_removed(library: BehaviorLibrary) -> None:
-    with pytest.raises(LibraryError, match='"Control" cannot be removed, since Keepaway'):
+    with pytest.raises(LibraryError, match='"Control" cannot be removed: it is used by Keepaway'):
         library.remove("Control")
     library.remove("Keepaway")
     library.remove("Control")
@@ -168,12 +168,12 @@ def test_a_missing_behavior_is_named_with_the_line_of_the_state(
         again(library).load()
     line = library.file("Control").state_lines[0]
     assert str(refused.value).splitlines() == [
-        f'Control.hfa.yaml:{line}: state "Approach" uses behavior "Approach" which is not in the '
-        'library (has: Control, Keepaway) nor a behavior of domain "small_robot" (has: GoFast, '
-        "GoSlow, GoTo, Kick, Patrol, Stop); put Approach.hfa.yaml into the folder, or take the "
-        "state out",
-        'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which is not right '
-        "either; mend that first",
+        f'Control.hfa.yaml:{line}: state "Approach" uses behavior "Approach", which is neither in '
+        'the library (has: Control, Keepaway) nor a behavior of domain "small_robot" (has: '
+        "GoFast, GoSlow, GoTo, Kick, Patrol, Stop); put Approach.hfa.yaml into the folder, or "
+        "take the state out",
+        'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which is faulty '
+        "itself; fix that first",
     ]
 
 
@@ -352,7 +352,7 @@ def test_a_note_of_changes_that_leads_out_of_the_folder_is_refused(
     library: BehaviorLibrary,
 ) -> None:
     (library.folder / COMMIT).write_text('{"../stolen": "x"}')
-    with pytest.raises(LibraryError, match="does not say what is to be done"):
+    with pytest.raises(LibraryError, match="is not a valid note of a change"):
         library.load()
 
 
@@ -389,7 +389,7 @@ def test_a_folder_that_may_not_be_written_can_be_read_and_is_named(
 
     monkeypatch.setattr("hitab_core.library.durable_files.os.open", read_only)
     assert again(library).load()
-    with pytest.raises(LibraryError, match="Permission denied; give yourself the right to"):
+    with pytest.raises(LibraryError, match="Permission denied; check its permissions"):
         library.save(approach)
 
 

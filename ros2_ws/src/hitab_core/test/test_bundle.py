@@ -78,7 +78,9 @@ def test_what_comes_with_the_domain_is_not_sent(
     library: BehaviorLibrary, repertoire: Repertoire
 ) -> None:
     assert [n for n, _ in make_bundle(library, repertoire, "Other").files] == ["Other"]
-    with pytest.raises(LibraryError, match='"Patrol" need not be sent: it comes with domain'):
+    with pytest.raises(
+        LibraryError, match='"Patrol" does not need to be sent: it comes with domain'
+    ):
         make_bundle(library, repertoire, "Patrol")
 
 
@@ -95,9 +97,9 @@ def test_what_is_not_there_or_not_saved_cannot_be_sent(
 def test_a_bundle_that_changed_on_its_way_is_refused(bundle: Bundle, robot: Domain) -> None:
     (name, text), *rest = bundle.files
     for files in (((name, text + "# more\n"), *rest), tuple(rest), (*rest, (name, text))):
-        with pytest.raises(LibraryError, match="it has changed on its way; send it again"):
+        with pytest.raises(LibraryError, match="it was corrupted in transit; send it again"):
             unpack(replace(bundle, files=files), robot)
-    with pytest.raises(LibraryError, match="it has changed on its way"):
+    with pytest.raises(LibraryError, match="it was corrupted in transit"):
         unpack(replace(bundle, digest="0" * 64), robot)
 
 
@@ -107,7 +109,7 @@ def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
     approach, control, keepaway = bundle.files
     wrong = {
         "the bundle is empty": repacked(),
-        'Control.hfa.yaml:10: state "Approach" uses behavior "Approach" which is not in': (
+        'Control.hfa.yaml:10: state "Approach" uses behavior "Approach", which is neither in': (
             repacked(control, keepaway)
         ),
         '"Approach" comes after Control': repacked(control, approach, keepaway),

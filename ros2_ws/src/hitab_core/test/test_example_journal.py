@@ -124,7 +124,7 @@ def test_only_one_process_at_a_time_has_it_open(path: Path) -> None:
         ExampleJournal.open(path)
     journal.close()
     assert records_of(path) == RECORDS
-    with pytest.raises(LibraryError, match="is closed; open it again"):
+    with pytest.raises(LibraryError, match="is closed; reopen it"):
         journal.append({})
 
 

@@ -1,10 +1,10 @@
 """A subordinate obeys orders; what it cannot obey waits, and says why."""
 
 from hitab_core.agent import Agent, Mode
+from hitab_core.commanding.order import OTHERS, Order
+from hitab_core.commanding.subordinate import Subordinate
 from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.order import OTHERS, Order
-from hitab_core.subordinate import Subordinate
 
 
 class Cart:
@@ -37,7 +37,7 @@ def test_a_behavior_that_fails_to_start_waits_and_tells_why_until_it_can_be_star
     subordinate = Subordinate(agent)
     assert subordinate.take(Order(1, 1, "Go", {OTHERS: "Drive"}))
     assert subordinate.waits
-    why = 'cannot obey the order "Go": "Drive" could not be begun: IndexError'
+    why = 'cannot obey the order "Go": "Drive" could not be started: IndexError'
     assert why in subordinate.refusal
     assert agent.mode is Mode.IDLE
     agent.sense((1.0,), ())

@@ -83,8 +83,8 @@ def test_a_feature_stays_if_another_tree_would_grow_without_it(
     assert drawn(trimmed) == drawn(automaton)
     assert names(trimmed) == features
     assert notes == [
-        'kept feature "Done": no transition function uses it, but without it other ones would '
-        "be learned"
+        'kept feature "Done": no transition function uses it, but without it the learned '
+        "functions would differ"
     ]
 
 

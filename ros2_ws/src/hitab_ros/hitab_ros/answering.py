@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_ros.plain_text import plain
 from hitab_ros.recent_requests import RecentRequests
 

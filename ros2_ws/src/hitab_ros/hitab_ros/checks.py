@@ -16,7 +16,7 @@ from typing import Any
 
 from rosidl_parser.definition import AbstractSequence, Array, NamespacedType
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_ros.plain_text import plain
 
 PACKAGE = "hitab_msgs"

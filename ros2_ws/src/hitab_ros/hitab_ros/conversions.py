@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
-from hitab_core.example import Example
-from hitab_core.order import Order, Report
-from hitab_core.use import Use
+from hitab_core import Example, Use
+from hitab_core.commanding import Order, Report
 
 NANOSECONDS = 1_000_000_000
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.checks import BadMessage, check
 from hitab_ros.faults import Faults

@@ -8,7 +8,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_ros import names, qos
 from hitab_ros.spinning import FinalError, Spinner
 

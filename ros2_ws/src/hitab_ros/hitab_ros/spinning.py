@@ -22,7 +22,7 @@ from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_ros.exit_codes import FINAL, FINAL_AFTER
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode

@@ -6,9 +6,9 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.domain_ids import chosen_by_user
-from hitab_client.errors import SwarmError
-from hitab_client.run_folder import RunFolder, RunRecord, running_swarms
+from hitab_client.run_folder import running_swarms
 from hitab_client.swarm_choice import find_meant, meant
 
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core import FLAGS, START, Automaton
 from hitab_core.drawing.graph import arrows
 from hitab_core.drawing.layout import (
     Box,

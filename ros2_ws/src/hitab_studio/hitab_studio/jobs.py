@@ -16,11 +16,8 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_client.errors import SwarmError
-from hitab_client.ros_link import RosLink
-from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_client import WorldClient
-from hitab_core.errors import HitabError
+from hitab_client import RosLink, SwarmClient, SwarmError, WorldClient
+from hitab_core import HitabError
 
 STUBBORN = 100
 """Waits after which a job that was ended, and waits again and again, is left alone."""

@@ -9,14 +9,18 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from hitab_core.automaton import START, Automaton
-from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import HitabError
-from hitab_core.example import Example, ExampleKind
-from hitab_core.learning.classifier_spec import ClassifierSpec
-from hitab_core.learning.transition_learning import TREE, learn_transitions
-from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.use import Use
+from hitab_core import (
+    START,
+    Automaton,
+    Example,
+    ExampleKind,
+    FeatureKind,
+    HitabError,
+    Scale,
+    TransitionTree,
+    Use,
+)
+from hitab_core.learning import TREE, ClassifierSpec, learn_transitions
 
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
 

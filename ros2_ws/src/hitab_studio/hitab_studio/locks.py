@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hitab_client.errors import SwarmError
+from hitab_client import SwarmError
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from hitab_client.ros_link import RosLink
+from hitab_client import RosLink
 from hitab_ros import qos
 from hitab_ros.conversions import time_of
 from hitab_studio.scene import NO_COLOR, Scene

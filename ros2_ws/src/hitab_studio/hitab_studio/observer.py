@@ -10,8 +10,7 @@ from typing import Any, Protocol
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_client import names
-from hitab_client.errors import SwarmError
+from hitab_client import SwarmError, names
 from hitab_client.identity import is_own
 from hitab_ros import qos
 from hitab_studio.jobs import Connected

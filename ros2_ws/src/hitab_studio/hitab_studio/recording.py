@@ -23,8 +23,7 @@ from mcap.writer import Writer
 from rclpy.qos import QoSProfile
 from visualization_msgs.msg import MarkerArray
 
-from hitab_client.errors import SwarmError
-from hitab_client.ros_link import RosLink
+from hitab_client import RosLink, SwarmError
 from hitab_client.run_folder import state_home
 from hitab_ros import qos
 from hitab_studio.message_text import definition, type_name

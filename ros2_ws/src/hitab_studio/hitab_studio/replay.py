@@ -12,7 +12,7 @@ from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from rclpy.serialization import deserialize_message
 
-from hitab_client.errors import SwarmError
+from hitab_client import SwarmError
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9

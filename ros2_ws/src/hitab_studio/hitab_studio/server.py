@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from fastapi import WebSocket
 
-from hitab_client.errors import SwarmError
+from hitab_client import SwarmError
 from hitab_studio.finding import Target
 from hitab_studio.guard import Guard, is_loopback
 

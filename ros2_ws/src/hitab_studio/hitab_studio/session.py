@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from hitab_client.errors import SwarmError
-from hitab_core.use import Use
+from hitab_client import SwarmError
+from hitab_core import Use
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.jobs import Connected
 from hitab_studio.known import natural

@@ -20,9 +20,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any, TypeVar
 
-from hitab_client.errors import SwarmError
-from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_client import WorldClient
+from hitab_client import SwarmClient, SwarmError, WorldClient
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.finding import Target
 from hitab_studio.jobs import Connected, Job, Jobs, SharedLink

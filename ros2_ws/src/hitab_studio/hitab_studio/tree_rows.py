@@ -6,9 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from hitab_core.learning import tree_text
-from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.learning.tree_nodes import Leaf, Node
+from hitab_core import TransitionTree
+from hitab_core.learning import Leaf, Node, tree_text
 
 
 @dataclass(frozen=True)

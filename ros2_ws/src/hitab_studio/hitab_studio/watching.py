@@ -16,10 +16,8 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, TransitionEvent
 from hitab_msgs.srv import GetBehavior, GetVocabulary, ReadFeatures
 
-from hitab_client import names
-from hitab_client.ros_link import RosLink
-from hitab_core.automaton import FLAGS, START
-from hitab_core.use import Use
+from hitab_client import RosLink, names
+from hitab_core import FLAGS, START, Use
 from hitab_ros import qos
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import NOTHING, Effect, Learned, Vocabulary, effect, learned_of

@@ -1,1 +1,5 @@
 """The node that puts any simulated world on topics and services."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

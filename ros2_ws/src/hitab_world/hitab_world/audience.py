@@ -7,8 +7,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_ros import names, qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros import GuardedNode, names, qos
 from hitab_world.attendance import Answer
 from hitab_world.host_registry import HostRegistry, PerceptOf
 

@@ -9,7 +9,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 
-from hitab_core.errors import HitabError, has
+from hitab_core import HitabError, has
 
 GROUP = "parameters"
 

@@ -9,8 +9,7 @@ from typing import Any
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile
 
-from hitab_ros import names, qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros import GuardedNode, names, qos
 from hitab_world.attendance import Answer
 
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]

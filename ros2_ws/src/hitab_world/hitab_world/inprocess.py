@@ -21,11 +21,8 @@ from collections.abc import Callable, Mapping
 from random import Random
 from typing import Any, Protocol
 
-from hitab_core.repertoire import Repertoire
-from hitab_core.running.running_automaton import RunContext
-from hitab_core.running.senses import Senses
-from hitab_core.seeding import agent_seed
-from hitab_core.use import Use
+from hitab_core import Repertoire, Use, agent_seed
+from hitab_core.running import RunContext, Senses
 from hitab_world.world import EpisodeResult, World
 
 Policy = Callable[[Any], None]

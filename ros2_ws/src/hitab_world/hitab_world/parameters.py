@@ -22,7 +22,7 @@ from dataclasses import asdict, dataclass, fields
 from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
-from hitab_core.errors import has
+from hitab_core import has
 
 
 class ParameterError(ValueError):

@@ -9,7 +9,7 @@ from hitab_msgs.msg import WorldStatus
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
-from hitab_core.errors import HitabError, has
+from hitab_core import HitabError, has
 
 DESCRIPTIONS = {
     "pace": "lockstep: the next cycle begins when every agent has answered; realtime",

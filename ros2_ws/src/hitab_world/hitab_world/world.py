@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 
 Action = tuple[Sequence[float], str]
 """What one agent does: values in the domain's own layout, and what it says ("" = nothing)."""

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_core.library.durable_files import UNFINISHED, file_errors, write_durably
 
 LATEST = "latest.json"

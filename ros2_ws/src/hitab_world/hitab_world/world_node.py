@@ -9,12 +9,9 @@ from collections.abc import Callable, Sequence
 from hitab_msgs import msg
 from rclpy.node import Node
 
-from hitab_core.errors import HitabError
-from hitab_ros import names
+from hitab_core import HitabError
+from hitab_ros import GuardedNode, Loop, Spinner, names, refuse_second_of_name
 from hitab_ros.conversions import time_of
-from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.name_guard import refuse_second_of_name
-from hitab_ros.spinning import Loop, Spinner
 from hitab_world.attendance import Attendance
 from hitab_world.audience import Audience
 from hitab_world.control import Control

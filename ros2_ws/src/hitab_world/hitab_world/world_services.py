@@ -7,10 +7,9 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core.errors import HitabError, has
-from hitab_ros import names
+from hitab_core import HitabError, has
+from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
-from hitab_ros.guarded_node import GuardedNode
 from hitab_world.course import Course
 from hitab_world.settings import check_factor, check_pace
 from hitab_world.world import Placement

@@ -7,9 +7,8 @@ import time
 from hitab_msgs import msg
 from rosgraph_msgs.msg import Clock
 
-from hitab_ros import names, qos
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import time_of
-from hitab_ros.guarded_node import GuardedNode
 from hitab_world.course import Course
 from hitab_world.settings import WorldSettings
 

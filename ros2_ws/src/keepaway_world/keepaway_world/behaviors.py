@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from hitab_core.domain import BasicBehavior
+from hitab_core import BasicBehavior
 from keepaway_world import percept
 from keepaway_world.angles import wrapped
 from keepaway_world.body import NOBODY, YELL, KeeperBody

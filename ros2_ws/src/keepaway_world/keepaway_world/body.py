@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from hitab_core.errors import FeatureValueError
+from hitab_core import FeatureValueError
 from keepaway_world import percept
 from keepaway_world.action import DASH, KICK, TURN
 from keepaway_world.angles import PI, wrapped

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hitab_core.domain import Domain
+from hitab_core import Domain
 from keepaway_world.behaviors import BEHAVIORS
 from keepaway_world.body import KeeperBody
 from keepaway_world.features import FEATURES, TARGETS

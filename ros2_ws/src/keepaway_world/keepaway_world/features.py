@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from hitab_core.domain import Feature, FeatureKind, Target
+from hitab_core import Feature, FeatureKind, Target
 from keepaway_world import features_of_all as of_all
 from keepaway_world.body import NOBODY, YELL, KeeperBody
 from keepaway_world.percept import BALL

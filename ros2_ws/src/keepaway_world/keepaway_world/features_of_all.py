@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
+from hitab_core import BatchPercepts
 from hitab_core.arrays import Floats, Integers
-from hitab_core.domain import BatchPercepts
 from keepaway_world import percept
 from keepaway_world.body import NOBODY, YELL
 from keepaway_world.parameters import PAPER

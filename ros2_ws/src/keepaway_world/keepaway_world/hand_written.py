@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import math
 
-from hitab_core.automaton import START, Automaton
-from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
+from hitab_core import START, Automaton, HandWritten, Use
 
 FAR = 3.0  # m from which on it runs
 NEAR = 1.7  # m up to which it slows down

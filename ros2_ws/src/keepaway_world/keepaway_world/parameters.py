@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
-from hitab_core.errors import has
+from hitab_core import has
 from hitab_world.parameters import (
     FRACTION,
     NOT_NEGATIVE,

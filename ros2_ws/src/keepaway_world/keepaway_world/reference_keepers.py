@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from random import Random
 
-from hitab_core.seeding import agent_seed
+from hitab_core import agent_seed
 from keepaway_world import action
 from keepaway_world.inprocess import Player
 from keepaway_world.interception import Order

@@ -7,17 +7,9 @@ from collections.abc import Iterable, Mapping
 from random import Random
 from typing import Any
 
-from hitab_core.seeding import world_seed
-from hitab_world import snapshots
+from hitab_core import world_seed
+from hitab_world import Action, Entity, EpisodeResult, Placement, Sensed, WorldError, snapshots
 from hitab_world.snapshots import finite, text, texts
-from hitab_world.world import (
-    Action,
-    Entity,
-    EpisodeResult,
-    Placement,
-    Sensed,
-    WorldError,
-)
 from keepaway_world import action, referee
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import CYCLES_PER_SECOND, perceive

@@ -14,9 +14,9 @@ import sys
 
 from rclpy.node import Node
 
-from hitab_ros.spinning import run
+from hitab_ros import run
+from hitab_world import run_world
 from hitab_world.figures import declare_figures
-from hitab_world.world_node import run_world
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.world import KeepawayWorld
 

@@ -41,7 +41,7 @@ def demonstrate(
 
       hitab demonstrate keeper_1 Done
     """
-    from hitab_core.use import Use
+    from hitab_core import Use
 
     use = Use.parse(behavior)
     with connection(swarm) as swarm_up:
@@ -67,7 +67,7 @@ def perform(
 
       hitab perform keeper_1
     """
-    from hitab_core.use import Use
+    from hitab_core import Use
 
     use = Use.parse(behavior) if behavior else None
     with connection(swarm) as swarm_up:
@@ -102,8 +102,7 @@ def distribute(
 
       hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
     """
-    from hitab_core.errors import HitabError
-    from hitab_core.use import Use
+    from hitab_core import HitabError, Use
 
     use = Use.parse(behavior)
     with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:

@@ -8,10 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from hitab_client.ros_link import RosLink
-    from hitab_client.run_folder import RunFolder, RunRecord
-    from hitab_client.swarm_client import SwarmClient
-    from hitab_client.world_client import WorldClient
+    from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
 
 
 @dataclass
@@ -35,11 +32,9 @@ def connection(swarm: str | None = None) -> Iterator[Connection]:
     Raises:
         SwarmError: if several are up and none is named.
     """
+    from hitab_client import RosLink, SwarmClient, WorldClient
     from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.ros_link import RosLink
     from hitab_client.swarm_choice import find_meant
-    from hitab_client.swarm_client import SwarmClient
-    from hitab_client.world_client import WorldClient
 
     found = find_meant(swarm, chosen_by_user())
     folder, record = found if found else (None, None)

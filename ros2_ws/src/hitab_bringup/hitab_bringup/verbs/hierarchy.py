@@ -14,7 +14,7 @@ from hitab_client.command_options import JsonPath, SwarmName
 if TYPE_CHECKING:
     from rich.tree import Tree
 
-    from hitab_client.command_view import Branch, CommandView
+    from hitab_client import Branch, CommandView
 
 PANEL = "Command"
 WAIT_SECONDS = 8.0
@@ -46,7 +46,7 @@ def tree(
 
       hitab tree --watch --commanders
     """
-    from hitab_client.command_view import CommandView
+    from hitab_client import CommandView
 
     with connection(swarm) as swarm_up:
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
@@ -64,7 +64,7 @@ def tree(
 
 
 def _nobody(swarm_up: Connection, view: CommandView) -> Exception:
-    from hitab_client.errors import SwarmError
+    from hitab_client import SwarmError
     from hitab_client.identity import other_swarm
 
     for name, swarm in view.strangers.items():
@@ -172,10 +172,8 @@ def order(
 
       hitab order captain Captain
     """
-    from hitab_client.command_view import CommandView
-    from hitab_client.errors import SwarmError
-    from hitab_core.errors import has
-    from hitab_core.use import Use
+    from hitab_client import CommandView, SwarmError
+    from hitab_core import Use, has
 
     use = Use.parse(behavior)
     with connection(swarm) as swarm_up:

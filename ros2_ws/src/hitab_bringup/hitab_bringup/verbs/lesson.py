@@ -40,8 +40,7 @@ def run(
       hitab lesson run approach_ball goto_ball control_ball keepaway --json lessons.json
     """
     from hitab_bringup.shipped import find_file
-    from hitab_client.lessons.lesson_file import read_lesson
-    from hitab_client.lessons.lesson_player import LessonPlayer
+    from hitab_client.lessons import LessonPlayer, read_lesson
 
     read = [read_lesson(find_file(name, "lessons", "lesson")) for name in lessons]
     reports = []
@@ -67,7 +66,7 @@ def run(
 def list_lessons() -> None:
     """List the lessons that are shipped."""
     from hitab_bringup.shipped import shipped
-    from hitab_client.lessons.lesson_file import read_lesson
+    from hitab_client.lessons import read_lesson
 
     folder = shipped("lessons")
     for path in sorted(folder.rglob("*.yaml")):
@@ -84,8 +83,8 @@ def list_lessons() -> None:
 def check(lessons: Files) -> None:
     """Check lesson files without playing them."""
     from hitab_bringup.shipped import find_file
-    from hitab_client.errors import LessonError
-    from hitab_client.lessons.lesson_file import read_lesson
+    from hitab_client import LessonError
+    from hitab_client.lessons import read_lesson
 
     wrong = []
     for name in lessons:

@@ -39,11 +39,11 @@ def _folder(library: Path | None, agent: str | None, swarm: str | None) -> Path:
     from hitab_bringup.shipped import shipped
     from hitab_bringup.swarm_file import read_swarm
     from hitab_bringup.swarm_processes import library_of
+    from hitab_client import SwarmError
     from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.errors import SwarmError
     from hitab_client.suggest import did_you_mean
     from hitab_client.swarm_choice import find_meant
-    from hitab_core.errors import has
+    from hitab_core import has
 
     if library is not None:
         return library
@@ -139,23 +139,23 @@ def show(
     loaded = opened.load(strict=False)
     automata = [opened.file(_known(name, loaded)).automaton]
     if deep:
-        from hitab_core.repertoire import Repertoire
+        from hitab_core import Repertoire
 
         made_of = Repertoire(opened.domain, loaded).needed_by(name)
         automata = [loaded[part] for part in made_of if part in loaded]
     if picture is not None:
-        from hitab_core.drawing.picture import draw_automata
+        from hitab_core import draw_automata
 
         console.say(f"drawn to {draw_automata(automata, picture)}")
         return
-    from hitab_core.drawing.text import automaton_as_text
+    from hitab_core import automaton_as_text
 
     console.say("\n\n".join(automaton_as_text(automaton) for automaton in automata))
 
 
 def _known(name: str, loaded: Any) -> str:
     from hitab_client.suggest import did_you_mean
-    from hitab_core.errors import LibraryError, has
+    from hitab_core import LibraryError, has
 
     if name not in loaded:
         raise LibraryError(f'no behavior "{name}" {has(loaded)}{did_you_mean(name, loaded)}')
@@ -192,8 +192,8 @@ def diff(
 
       hitab library diff Keepaway 1 3
     """
-    from hitab_core.errors import LibraryError
-    from hitab_core.library.differences import difference
+    from hitab_core import LibraryError
+    from hitab_core.library import difference
 
     opened = _open(library, agent, swarm)
     opened.load(strict=False)
@@ -240,6 +240,6 @@ def accept(path: Annotated[Path, typer.Argument(help="A behavior file.")]) -> No
       hitab library accept my_library/ApproachBall.hfa.yaml
     """
     from hitab_bringup.opened_library import open_library
-    from hitab_core.library.behavior_library import accept_edit
+    from hitab_core.library import accept_edit
 
     console.say(f"accepted {accept_edit(path, open_library(path.parent).domain)}")

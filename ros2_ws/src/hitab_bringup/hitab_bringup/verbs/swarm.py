@@ -51,7 +51,7 @@ def up(
     from hitab_bringup.shipped import find_file
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
-    from hitab_client.run_folder import RunFolder
+    from hitab_client import RunFolder
 
     description = read_swarm(find_file(swarm, "swarms", "swarm"))
     if pace and pace not in PACES:
@@ -90,7 +90,8 @@ def down(
       hitab down --run-dir my_run
     """
     from hitab_bringup.supervision import stop
-    from hitab_client.run_folder import RunFolder, registry_held
+    from hitab_client import RunFolder
+    from hitab_client.run_folder import registry_held
     from hitab_client.swarm_choice import to_take_down
 
     if run_dir is not None:

@@ -1,1 +1,5 @@
 """Lessons: what to have an agent demonstrate, and when, as a file."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from hitab_client.lessons.conditions import Condition
-from hitab_core.use import Use
+from hitab_core import Use
 
 WITHIN = 20.0
 """Simulated seconds within which an awaited condition must hold, unless a step says otherwise."""

@@ -30,9 +30,8 @@ from hitab_client.lessons.lesson import (
 )
 from hitab_client.suggest import did_you_mean
 from hitab_client.yaml_fields import Fields
-from hitab_core.errors import HitabError, has
+from hitab_core import HitabError, Use, has
 from hitab_core.library.yaml_places import Complaints, read_yaml
-from hitab_core.use import Use
 
 
 def read_lesson(path: Path) -> Lesson:

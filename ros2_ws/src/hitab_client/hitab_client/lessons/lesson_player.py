@@ -39,7 +39,7 @@ from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
 from hitab_client.world_view import WorldView, speakers
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 
 
 @dataclass

@@ -9,15 +9,15 @@ from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import TransitionFunction
 
 UNKNOWN = "a function without rules decides"
-"""The condition of an arrow whose transition function cannot be put into words."""
+"""The condition of an arrow when its transition function has no readable rules."""
 
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """One way in which a state comes to follow another.
+    """One way to get from a state to another.
 
     Attributes:
-        conditions: what must hold, all of it; none: always.
+        conditions: all that must hold; none: always.
         probability: of the next state where they hold.
     """
 
@@ -25,14 +25,14 @@ class Way:
     probability: float = 1.0
 
     def __str__(self) -> str:
-        """Return ``A and B``, with the probability where it is not certain."""
+        """Return ``A and B``, with the probability unless it is 1."""
         text = " and ".join(self.conditions) or "always"
         return text if self.probability == 1.0 else f"{text} ({self.probability:.2g})"
 
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """From a state to another, or itself, on any of some ways; without one, on none in words."""
+    """From a state to another, or itself, in one of several ways; no ways: no readable rules."""
 
     source: str
     target: str
@@ -40,7 +40,7 @@ class Arrow:
 
     @property
     def is_loop(self) -> bool:
-        """Whether the state stays."""
+        """Whether the arrow leads back to its own state."""
         return self.source == self.target
 
     @property

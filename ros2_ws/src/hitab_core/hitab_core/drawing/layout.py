@@ -1,7 +1,7 @@
 """Where to draw the states of an automaton and the words on its arrows. Lengths are in inches.
 
-States stand on an ellipse, Start at the top, in the order in which arrows cross least. Words are
-moved along their arrows until they cover neither states nor other words.
+States lie on an ellipse, Start at the top, in the order with the fewest crossings. Labels are
+moved along their arrows until they cover neither states nor other labels.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 BENDS = (0.06, 0.1, 0.14, 0.18, 0.22, 0.26, 0.31, 0.36)
-"""How far an arrow may bow out to its right, in parts of its length; the least is the best."""
+"""How far an arrow may bow out to its right, as a fraction of its length; less is better."""
 
 GAP = 0.06
-"""Inches to be left between words, states and one another."""
+"""Inches left free around labels and states."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,13 +32,13 @@ class Box:
     height: float
 
     def share(self, points: Floats) -> float:
-        """Return which part of some points, shape (n, 2), is inside."""
+        """Return the fraction of points, shape (n, 2), that lie inside."""
         near = np.abs(points - (self.x, self.y)) <= (self.width / 2, self.height / 2)
         return float(near.all(axis=1).mean())
 
 
 def on_ellipse(n: int, width: float, height: float) -> list[tuple[float, float]]:
-    """Return n places on an ellipse, the first at the top, going right."""
+    """Return n places on an ellipse, clockwise from the top."""
     if n == 1:
         return [(0.0, 0.0)]
     angles = [math.pi / 2 - 2 * math.pi * i / n for i in range(n)]
@@ -46,7 +46,7 @@ def on_ellipse(n: int, width: float, height: float) -> list[tuple[float, float]]
 
 
 def least_crossed(states: Sequence[str], pairs: Sequence[tuple[str, str]]) -> list[str]:
-    """Return states in an order round a circle in which arrows are short and cross little.
+    """Return states in an order around a circle that keeps arrows short and crossings few.
 
     The first stays first.
     """
@@ -89,7 +89,7 @@ def curve(start: Box, end: Box, bend: float, points: int = 41) -> Floats:
 def bend_arrows(
     boxes: Mapping[str, Box], pairs: Sequence[tuple[str, str]], width: float, height: float
 ) -> list[float]:
-    """Return how far each arrow bows out, so that it touches no other state and no other's tip.
+    """Return how far each arrow bows out to clear other states and other arrows' tips.
 
     Args:
         boxes: where the states are.
@@ -103,7 +103,7 @@ def bend_arrows(
     tips = np.empty((len(pairs), 2 * len(BENDS), 2, 2))
     alone = np.empty((len(pairs), 2 * len(BENDS)))
     for i, (source, target) in enumerate(pairs):
-        # An arrow and the one back bow to different sides.
+        # An arrow and its reverse bow to different sides.
         other_side = 1 if (target, source) in pairs else -1
         bends[i] = [side * bend for bend in BENDS for side in (1, other_side)]
         others = [_roomy(box) for state, box in boxes.items() if state not in (source, target)]
@@ -123,11 +123,11 @@ def bend_arrows(
 
 
 def _settled(alone: Floats, between: Floats) -> list[int]:
-    """Return a choice for each of some things that cost little together.
+    """Return a choice for each item such that the total cost is low.
 
     Args:
         alone: shape (n, k), what each choice costs by itself.
-        between: shape (n, k, n, k), what two choices cost beside each other.
+        between: shape (n, k, n, k), what each pair of choices costs.
     """
     n, k = alone.shape
     everyone = np.arange(n)
@@ -149,7 +149,7 @@ def _settled(alone: Floats, between: Floats) -> list[int]:
 
 
 def _tip(points: Floats, box: Box) -> Floats:
-    """Return where a curve that begins in the middle of a box leaves it."""
+    """Return where a curve from the middle of a box leaves it."""
     inside = (np.abs(points - (box.x, box.y)) <= (box.width / 2, box.height / 2)).all(axis=1)
     tip: Floats = points[int(np.argmin(inside))]
     return tip
@@ -170,7 +170,7 @@ def place_words(
 
     Args:
         sizes: width and height of the words of each arrow.
-        curves: points on each arrow, shape (n, 2); those without words after those with.
+        curves: points on each arrow, shape (n, 2); arrows with words first.
         states: where the states are.
         width, height: of the panel around the origin.
     """
@@ -214,7 +214,7 @@ def _candidates(size: tuple[float, float], points: Floats) -> Floats:
 
 
 def _overlaps(places: Floats, size: tuple[float, float], other: Box) -> Floats:
-    """Return the area, seen a gap larger, that words at each place have in common with a box."""
+    """Return how much words at each place, enlarged by the gap, overlap a box."""
     reach = np.array([size[0] + other.width, size[1] + other.height]) / 2 + GAP
     common = reach - np.abs(places - (other.x, other.y))
     areas: Floats = np.prod(np.maximum(common, 0.0), axis=1)
@@ -230,7 +230,7 @@ def _costs_alone(
     width: float,
     height: float,
 ) -> Floats:
-    """Return how bad each place is, whatever the other words do."""
+    """Return the cost of each place, ignoring the other words."""
     half = np.array(size) / 2
     away = np.abs(curves[None] - places[:, None, None, :])
     covered = (away <= half).all(axis=3).mean(axis=2)  # of each arrow, by place
@@ -247,13 +247,13 @@ def _costs_alone(
 
 
 Measure = Callable[[str], tuple[float, float]]
-"""Gives the width and height of a text as it will be drawn."""
+"""Returns the width and height of a text as drawn."""
 
 
 def state_boxes(
     order: Sequence[str], width: float, height: float, measure: Measure, margin: float = 0.0
 ) -> Mapping[str, Box]:
-    """Return where each state goes in a panel of this size, as large as its name needs.
+    """Return the box of each state in a panel of this size, sized to fit its name.
 
     ``margin`` is left free at both sides for words.
     """

@@ -1,6 +1,6 @@
-"""Pictures of automata in the manner of the paper's figure 1, as PNG, SVG or PDF.
+"""Pictures of automata in the style of the paper's figure 1, as PNG, SVG or PDF.
 
-matplotlib is imported when a picture is drawn, and needs no screen.
+matplotlib is imported on first use and needs no screen.
 """
 
 from __future__ import annotations
@@ -42,19 +42,18 @@ def draw_automata(automata: Sequence[Automaton], path: Path | str) -> Path:
     """Draw automata side by side into a file.
 
     A state is a rounded box: blue if it is one of the other automata drawn, amber if it is a
-    flag, dark if it is Start. Arrows carry the rules under which they are taken; staying is left
-    out, and the way from a flag back to Start, which is always taken, is dashed.
+    flag, dark if it is Start. Arrows carry the rules under which they are taken. Staying is left
+    out; the arrow from a flag back to Start, which is always taken, is dashed.
 
     Args:
         automata: one panel each.
-        path: the file; its ending says which format, such as ``.png`` or ``.svg``.
+        path: the file; its suffix selects the format, such as ``.png`` or ``.svg``.
 
     Returns:
         The file.
 
     Raises:
-        HitabError: if there is nothing to draw, or matplotlib is not installed or cannot write
-            the file.
+        HitabError: if there is nothing to draw, or matplotlib is missing or cannot write the file.
     """
     path = Path(path)
     if not automata:
@@ -99,7 +98,7 @@ def draw_automata(automata: Sequence[Automaton], path: Path | str) -> Path:
 
 
 def words(arrow: Arrow) -> str:
-    """Return what is written on an arrow: its ways, short enough to be read in a picture."""
+    """Return the label of an arrow: its ways, wrapped to be readable in a picture."""
     if arrow.leaves_flag:
         return ""
     return "\nor ".join(_wrapped(way) for way in arrow.ways)
@@ -122,7 +121,7 @@ def _wrapped(way: Way) -> str:
 
 
 def _panel_size(automaton: Automaton) -> tuple[float, float]:
-    """Return width and height of a panel: room for all words that it has to hold."""
+    """Return the width and height of a panel that has room for all its labels."""
     texts = [words(arrow) for arrow in arrows(automaton) if not arrow.is_loop]
     lines = sum(text.count("\n") + 1 for text in texts if text)
     side = 3.2 + 0.28 * (len(automaton.states) + 1) + 0.075 * lines
@@ -131,7 +130,7 @@ def _panel_size(automaton: Automaton) -> tuple[float, float]:
 
 
 class _Panel:
-    """One automaton on axes whose unit is an inch, with the origin in the middle."""
+    """One automaton on axes in inches, with the origin in the middle."""
 
     def __init__(self, axes: Any, canvas: Any, width: float, height: float) -> None:
         self._axes = axes

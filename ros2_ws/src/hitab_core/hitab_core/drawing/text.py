@@ -1,4 +1,4 @@
-"""An automaton in plain text: its states, what leads from one to the next, and its trees."""
+"""An automaton in plain text: its states, its transitions and its trees."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:
 
     Args:
         automaton: to show.
-        trees: whether to draw the tree of each state too, with the number of examples at each
-            leaf.
+        trees: also draw the tree of each state, with the number of examples at each leaf.
     """
     lines = [_title(automaton)]
     if automaton.description:

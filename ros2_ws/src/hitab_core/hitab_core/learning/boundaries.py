@@ -1,12 +1,12 @@
 """Where a boundary between two neighbouring examples is placed, on a line and on a circle.
 
-It lies half-way between them; but between a default example and one that is not, it lies
-immediately beside the one that is not, at the next representable number on the default's side,
-so that the behavior is kept everywhere else (paper, section 3, footnote 1).
+It lies half-way between them, with one exception. Between a default example and a demonstrated one
+it lies immediately beside the demonstrated one, at the next representable number on the default's
+side, so that the behavior is kept everywhere else (paper, section 3, footnote 1).
 
-"Default" is said here of a value at which there may be several examples: a value is default if
-all examples there are. So a boundary is placed beside a value only if some example there is not
-default while every example at the neighbouring value is.
+Several examples may share a value: a value is default here if all its examples are. So a boundary
+is placed beside a value only if some example there is not default and every example at the
+neighbouring value is.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ def threshold_between(
 ) -> float:
     """Return a threshold ``t`` with ``below <= t < above``, for the test ``value <= t``.
 
-    The two sides are told apart whatever the values are, next to each other or far beyond what
-    can be added without overflow.
+    This holds for all finite values, even adjacent ones or ones whose sum overflows.
 
     Args:
         below, above: two finite values, ``below < above``.
@@ -47,7 +46,7 @@ def end_between(
     before_is_default: bool = False,
     after_is_default: bool = False,
 ) -> float:
-    """Return an end of an arc, in ``(before, after]`` on the circle, counting upwards.
+    """Return an end of an arc, in ``(before, after]`` on the circle.
 
     A value at the end or after it lies on the side of ``after``.
 
@@ -76,8 +75,7 @@ def end_between(
 def on_circle(value: float, period: float) -> float:
     """Return the place of ``value`` in [0, period).
 
-    Python's remainder of a tiny negative number is ``period`` itself, which is the same place as
-    zero.
+    Python's remainder of a tiny negative number is ``period`` itself, the same place as zero.
     """
     place = value % period
     return place if place < period else 0.0

@@ -1,10 +1,10 @@
-"""Any scikit-learn classifier in the place of the tree.
+"""Any scikit-learn classifier in place of the tree.
 
 It is named by a text such as ``sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)``, which is
-parsed, never run: a class that scikit-learn lists among its classifiers, and keywords with
-literal values. scikit-learn is imported when the first such function is learned, so agents that
-use trees do without it. A decision takes as long as the classifier's prediction, usually a
-thousand times as long as a tree's.
+parsed, never run: a class that scikit-learn lists among its classifiers, and keywords with literal
+values. scikit-learn is imported when the first such function is learned, so agents that use trees
+do not need it. A decision takes one prediction of the classifier, usually a thousand times as long
+as a tree's.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ from hitab_core.learning.feature_values import check_scales, feature_values
 from hitab_core.transition_function import Decide, Explanation, Values
 
 _REMEMBERED = 64
-"""How many of its last predictions a function keeps, so that explaining one predicts nothing."""
+"""How many recent predictions a function keeps, so that explaining one needs no prediction."""
 
 
 def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
-    """Return what makes a fresh, unfitted classifier.
+    """Return a function that makes a new, unfitted classifier.
 
-    Where a classifier draws random numbers and ``random_state`` is not given, it is 0: the same
-    examples give the same function.
+    ``random_state`` defaults to 0 where the classifier has one, so that the same examples give the
+    same function.
 
     Raises:
-        VocabularyError: if scikit-learn does not list the class or it lacks a keyword.
+        VocabularyError: if scikit-learn does not list the class, or the class lacks a keyword.
     """
     try:
         listed = _listed()
@@ -69,14 +69,14 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
 
 @cache
 def _listed() -> Mapping[str, type]:
-    """Return scikit-learn's classifiers by name; it looks through all its modules for them."""
+    """Return scikit-learn's classifiers by name; this imports all its modules."""
     from sklearn.utils import all_estimators  # here, so that trees do without it
 
     return {_public_name(made): made for _, made in all_estimators(type_filter="classifier")}
 
 
 def _public_name(made: type) -> str:
-    """Return how one imports a class, leaving out private modules."""
+    """Return a class's import path, leaving out private modules."""
     path: list[str] = []
     for part in made.__module__.split("."):
         if part.startswith("_"):
@@ -90,11 +90,11 @@ class ClassifierFunction:
     """A transition function that a scikit-learn classifier has learned.
 
     Attributes:
-        spec: which one, as text.
+        spec: the classifier, as text.
         labels: the next states seen, sorted.
         classifier: fitted; its classes are the indices of ``labels``. None if there is only one.
-        encoding: how feature values are shown to it.
-        data_digest: SHA-256 of the spec and all that was learned from.
+        encoding: of the feature values for it.
+        data_digest: SHA-256 of the spec and the training data.
     """
 
     spec: str
@@ -114,7 +114,7 @@ class ClassifierFunction:
     def predict_proba(self, X: ArrayLike) -> Floats:
         """Return the probability of each next state.
 
-        What the classifier predicts has probability 1 if it gives no probabilities.
+        If the classifier gives no probabilities, what it predicts has probability 1.
 
         Args:
             X: shape (n, m), feature values.
@@ -144,8 +144,8 @@ class ClassifierFunction:
     ) -> Decide:
         """Return the decision as a function; see `TransitionFunction.compile`.
 
-        States are drawn in the order of their indices, one draw per decision that is not certain.
-        Of equally probable states ``most_probable`` takes the one with the lowest index.
+        States are drawn in the order of their indices, with one draw per uncertain decision. Among
+        equally probable states ``most_probable`` takes the lowest index.
 
         Raises:
             VocabularyError: if it leads to a state that is not in ``states``.
@@ -174,14 +174,14 @@ class ClassifierFunction:
         return decide
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
-        """Explain the decision for a full feature vector: here, only which classifier it is."""
+        """Explain the decision for a full feature vector: only the classifier's name."""
         feature_values([values], self.encoding.scales, names, ["the values to explain"])
         odds = self.predict_proba([values])[0].tolist()
         likely = {label: p for label, p in zip(self.labels, odds, strict=True) if p > 0}
         return Explanation((self.spec,), self.features_used, likely)
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
-        """Explain a decision that has been made; the classifier does not predict again."""
+        """Explain a past decision without predicting again."""
         read = tuple(i for i in self.features_used if values[i] is not None)
         if self.classifier is None:
             return Explanation((self.spec,), read, dict.fromkeys(self.labels, 1.0))
@@ -190,7 +190,7 @@ class ClassifierFunction:
         return Explanation((self.spec,), read, likely)
 
     def _odds(self, row: Sequence[float]) -> list[float]:
-        """Return the probability of each next state, remembering the last ones."""
+        """Return the probability of each next state; cache recent ones."""
         key, recent = tuple(row), self._recent
         odds = recent.get(key)
         if odds is None:
@@ -201,9 +201,9 @@ class ClassifierFunction:
         return odds
 
     def digest(self) -> str:
-        """Return a SHA-256, in hexadecimal, of the spec and of all that was learned from.
+        """Return a SHA-256, in hexadecimal, of the spec and the training data.
 
-        Unlike a tree's, it is not of what was learned: what is inside a classifier is its own.
+        A tree's digest is of the learned tree instead; a classifier's internals are private.
         """
         return self.data_digest
 
@@ -220,8 +220,8 @@ def learn_replacement(
 
     Args:
         spec: which classifier.
-        make: makes it, see `classifier_maker`.
-        scales: for each feature how its values compare.
+        make: makes the classifier, see `classifier_maker`.
+        scales: how the values of each feature compare.
         X: shape (n, m), feature values of the examples.
         y: labels of the next states, n of them.
         names: names of the features, for errors.
@@ -253,8 +253,8 @@ def learn_replacement(
     if classifier is not None:
         try:
             classifier.fit(encoding(values), classes)
-            function.predict_proba(values)  # some fail only here, as with too few neighbors
-        except Exception as error:  # whatever the classifier raises, the user has to mend it
+            function.predict_proba(values)  # some fail only here, e.g. with too few neighbors
+        except Exception as error:  # whatever it raises, the user has to fix it
             raise TrainingError(
                 f'"{spec}" cannot learn from these {len(values)} examples: {error}; '
                 "give more examples, other parameters, or use the tree"

@@ -1,8 +1,8 @@
 """A transition tree as nested tuples: one kind of test, walked in a loop that allocates nothing.
 
-Every test becomes ``low < value <= high``, after ``value %= period`` where there is a period, so
-that one decision costs a fraction of a microsecond. One walk decides for one agent, the other for
-many at once by exactly the same comparisons.
+Every test becomes ``low < value <= high``, after ``value %= period`` if there is a period, so that
+one decision costs a fraction of a microsecond. One walk decides for a single agent, the other for
+many agents at once, with exactly the same comparisons.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from hitab_core.learning.tree_nodes import ArcNode, Leaf, Node, ThresholdNode, f
 from hitab_core.transition_function import Decide, Values
 
 Compiled = Any
-"""``(slot, period, low, high, yes, no)``, or at the end of a path anything but a plain tuple."""
+"""``(slot, period, low, high, yes, no)``; at the end of a path, anything but a plain tuple."""
 
 
 class Draw(NamedTuple):
-    """A leaf to draw from: ``choices[i]`` if the draw is below ``cumulative[i]`` and not before.
+    """A leaf to draw from: ``choices[i]`` for the first ``cumulative[i]`` above the draw.
 
     The last cumulative probability is exactly 1, above any draw.
     """
@@ -35,13 +35,13 @@ class Draw(NamedTuple):
 def leaf_choice(
     counts: Sequence[int], states: Sequence[int], *, most_probable: bool = False
 ) -> int | Draw:
-    """Return the state of a leaf, or what to draw it from.
+    """Return the state of a leaf, or the distribution to draw it from.
 
     Args:
-        counts: examples of each class, not all 0.
-        states: for each class, the index of its state. States are drawn in this order, so that
-            the same draws give the same states however the classes are ordered.
-        most_probable: return the most probable state; of equal ones that with the lowest index.
+        counts: number of examples of each class, not all 0.
+        states: index of each class's state. States are drawn in this order, so that the same draws
+            give the same states whatever the order of the classes.
+        most_probable: return the most probable state; on a tie, the lowest index.
     """
     present = sorted((state, n) for state, n in zip(states, counts, strict=True) if n)
     if most_probable:
@@ -61,8 +61,8 @@ def compiled(root: Node, slots: Sequence[int], leaf: Callable[[tuple[int, ...]],
 
     Args:
         root: the tree.
-        slots: for each feature, the slot that its value will be in.
-        leaf: makes what stands at the end of a path of its counts; anything but a plain tuple.
+        slots: the slot of each feature's value.
+        leaf: turns a leaf's counts into the end of a path; anything but a plain tuple.
     """
 
     def make(node: Node, parts: list[Compiled]) -> Compiled:
@@ -79,10 +79,10 @@ def compiled(root: Node, slots: Sequence[int], leaf: Callable[[tuple[int, ...]],
 
 
 def _arc(slot: int, node: ArcNode, inside: Compiled, outside: Compiled) -> Compiled:
-    """Return the test of an arc, as that of the one of its two sides that zero is not in.
+    """Return the test of an arc, on whichever of its two sides does not contain zero.
 
-    Zero is then in no tested arc, nor is ``period``, which Python's remainder of a tiny negative
-    value is: both are the same place.
+    So neither zero nor ``period``, the same place, is in a tested arc: Python's remainder of a
+    tiny negative value is ``period``.
     """
     low, high, yes, no = node.start, node.end or node.period, inside, outside
     if low == 0.0 or high < low:
@@ -100,7 +100,7 @@ def _arc(slot: int, node: ArcNode, inside: Compiled, outside: Compiled) -> Compi
 def _categories(
     slot: int, categories: Sequence[int], parts: Sequence[Compiled], fallback: Compiled
 ) -> Compiled:
-    """Return a binary search among the categories, which are in ascending order."""
+    """Return a binary search over the ascending categories."""
     if len(categories) == 1:
         return (slot, 0.0, categories[0] - 0.5, categories[0] + 0.5, parts[0], fallback)
     half = len(categories) // 2
@@ -115,7 +115,7 @@ def _categories(
 
 
 def decider(root: Compiled) -> Decide:
-    """Return the decision of a compiled tree with `leaf_choice` leaves, for one agent."""
+    """Return a function that decides for one agent, from a tree with `leaf_choice` leaves."""
 
     def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
         node = root
@@ -138,7 +138,7 @@ class Columns(Protocol):
     """Where the values of many agents come from."""
 
     def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
-        """Return those of some agents that have a value in a slot, and their values."""
+        """Return the agents among ``rows`` that have a value in a slot, and their values."""
 
 
 class MatrixColumns:
@@ -153,7 +153,7 @@ class MatrixColumns:
 
 
 def ends(root: Compiled, columns: Columns, rows: Integers) -> Iterator[tuple[Any, Integers]]:
-    """Yield the ends of paths that agents come to, with the indices of these agents.
+    """Yield the path ends that agents reach, with the indices of these agents.
 
     Args:
         root: a compiled tree.
@@ -183,7 +183,7 @@ def ends(root: Compiled, columns: Columns, rows: Integers) -> Iterator[tuple[Any
 
 
 def decide_rows(root: Compiled, X: Floats, draws: Floats) -> Integers:
-    """Return the decisions of a compiled tree with `leaf_choice` leaves, for many agents at once.
+    """Decide for many agents at once, with a tree with `leaf_choice` leaves.
 
     Args:
         root: the compiled tree, its slots columns of X.

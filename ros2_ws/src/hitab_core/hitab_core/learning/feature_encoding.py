@@ -1,4 +1,4 @@
-"""Feature values for classifiers that know only numbers on a line."""
+"""Feature values for classifiers that accept only plain numbers."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from hitab_core.domain import FeatureKind, Scale
 
 @dataclass(frozen=True, slots=True)
 class FeatureEncoding:
-    """How feature values are shown to a classifier that knows only numbers on a line.
+    """Encodes feature values for a classifier that accepts only plain numbers.
 
     A continuous feature is standardized by the mean and standard deviation of the examples, since
     many classifiers measure distances, in which metres must not outweigh radians. A toroidal one
-    becomes the cosine and sine of its angle, so zero is nowhere in particular. A categorical one
-    becomes one column per category, of which one is 1; a boolean one stays 0 or 1.
+    becomes the cosine and sine of its angle, so that zero is not special. A categorical one is
+    one-hot encoded; a boolean one stays 0 or 1.
     """
 
     scales: tuple[Scale, ...]
@@ -28,7 +28,7 @@ class FeatureEncoding:
 
     @classmethod
     def of(cls, X: Floats, scales: Sequence[Scale]) -> FeatureEncoding:
-        """Return the encoding for examples, shape (n, m)."""
+        """Fit the encoding to examples, shape (n, m)."""
         deviations = X.std(axis=0)
         n_categories = tuple(
             len(scale.categories) or int(X[:, f].max()) + 1

@@ -1,4 +1,4 @@
-"""Feature values as arrays: what is missing or impossible is refused, by name."""
+"""Feature values as arrays; missing or impossible values are refused by name."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from hitab_core.errors import FeatureValueError, VocabularyError
 
 
 def feature_called(index: int, names: Sequence[str] | None = None) -> str:
-    """Return how errors call a feature: by index and, if there is one, by name."""
+    """Return a feature's label for errors: its index and, if known, its name."""
     return f"feature {index}" + (f' "{names[index]}"' if names is not None else "")
 
 
 def check_scales(scales: Sequence[Scale], names: Sequence[str] | None = None) -> None:
-    """Check that toroidal features have a circle.
+    """Check that toroidal features have a period.
 
     Raises:
         VocabularyError: naming one without a finite, positive period.
@@ -40,15 +40,14 @@ def feature_values(
     """Return X as an array of floats.
 
     Args:
-        X: shape (n, m), values; None or NaN where one is missing.
-        scales: for each of the m features how its values compare.
+        X: shape (n, m), values; None or NaN if missing.
+        scales: how the values of each of the m features compare.
         names: names of the features, for errors.
-        rows: what errors call the rows; ``row 0``, ``row 1``, ... by default.
+        rows: labels of the rows for errors; ``row 0``, ``row 1``, ... by default.
 
     Raises:
-        FeatureValueError: naming the first feature with a value that is missing, infinite or
-            none that its scale has.
-        ValueError: if X has another shape.
+        FeatureValueError: naming the first feature with a missing, infinite or out-of-scale value.
+        ValueError: if X has the wrong shape.
     """
     values = np.asarray(X, dtype=np.float64)
     if values.ndim != 2 or values.shape[1] != len(scales):

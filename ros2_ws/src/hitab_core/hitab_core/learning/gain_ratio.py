@@ -1,4 +1,4 @@
-"""Information gain and gain ratio, from how many examples of each class go where.
+"""Information gain and gain ratio, from the number of examples of each class per branch.
 
 Reference: J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapter 2.
 """
@@ -37,12 +37,12 @@ def gain_and_ratio(counts: Integers) -> tuple[float, float]:
 
 
 def two_way_gains(inside: Integers, totals: Integers, min_branch: int) -> tuple[Floats, Integers]:
-    """Return for each two-way split its gain, less what is the same for all, and smaller side.
+    """Return each two-way split's gain, up to a constant, and the size of its smaller side.
 
     Args:
-        inside: shape (n_classes, ...), the examples of each class in each split's first branch.
+        inside: shape (n_classes, ...), examples of each class in each split's first branch.
         totals: shape (n_classes,), the examples of each class in the node.
-        min_branch: the fewest examples that a branch may have; with fewer the gain is -inf.
+        min_branch: the fewest examples a branch may have; with fewer the gain is -inf.
     """
     n = int(totals.sum())
     table = _n_log_n(n)
@@ -55,7 +55,7 @@ def two_way_gains(inside: Integers, totals: Integers, min_branch: int) -> tuple[
 
 
 def best_of(gains: Floats, smaller: Integers) -> int | None:
-    """Return the index of the largest gain, of equal ones that with the largest smaller side."""
+    """Return the index of the largest gain; on a tie, that with the largest smaller side."""
     best = gains.max()
     if best == -np.inf:
         return None

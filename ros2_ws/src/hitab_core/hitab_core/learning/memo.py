@@ -1,8 +1,7 @@
-"""Remembering what was learned, so that the same examples are learned from once.
+"""A cache of learned functions, so that the same examples are learned from only once.
 
-To save a behavior is to learn from the same examples again and again: to show it, to trim it, to
-read its file back, to perform it. What is learned depends on nothing but what it is learned from,
-and is not changed afterwards.
+Saving a behavior learns from the same examples repeatedly: to show it, trim it, read its file back
+and perform it. A learned function depends only on its examples and never changes.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ from hitab_core.domain import Scale
 from hitab_core.transition_function import LearnedTransition
 
 KEPT = 64
-"""How many functions are remembered although nobody has them any more."""
+"""How many functions are kept after their last user is gone."""
 
 
 class LearningMemo:
-    """Transition functions by what they were learned from, as long as somebody has them.
+    """Transition functions by what they were learned from, as long as they are in use.
 
-    The last ones are kept a little longer, since one who has learned may learn again soon.
+    The most recent ones are kept a little longer, since they are often learned again soon.
     """
 
     def __init__(self, kept: int = KEPT) -> None:
@@ -41,15 +40,15 @@ class LearningMemo:
         default: Sequence[bool],
         learn: Callable[[], LearnedTransition],
     ) -> LearnedTransition:
-        """Return what ``learn`` would learn from these examples; call it if that is not known.
+        """Return what ``learn`` learns from these examples; call it only if that is not cached.
 
         Args:
-            classifier: which, with its parameters.
-            scales: for each of the m features how its values compare.
+            classifier: its name and parameters.
+            scales: how the values of each of the m features compare.
             X: shape (n, m), feature values.
             y: labels of the next states, n of them.
             default: whether each example is a default one.
-            learn: learns from them; what it raises is raised.
+            learn: learns from them; its exceptions propagate.
         """
         text = repr((classifier, tuple(scales), X.shape, tuple(y), tuple(default)))
         values = np.ascontiguousarray(X, np.float64).tobytes()

@@ -1,6 +1,6 @@
 """The transition tree as a scikit-learn classifier, for model selection and comparison.
 
-Optional: the only module of this package that imports scikit-learn when it is imported.
+Optional: the only module of this package that imports scikit-learn at import time.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hitab_core.learning.transition_tree import TransitionTree
 
 
 class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """`TransitionTree` as scikit-learn wants it: inputs checked its way, its errors, its tags.
+    """`TransitionTree` with scikit-learn's input checks, errors and tags.
 
     Parameters:
         scales, min_samples_leaf, max_depth, prune, confidence: see `TransitionTree`.

@@ -1,16 +1,16 @@
 """The splits that a transition tree chooses from, and how it chooses: C4.5's gain ratio.
 
-For each feature the split with the largest information gain is its candidate. Of the candidates
-whose gain is at least the average candidate's, the one with the largest gain ratio is taken. The
-ratio is used only to compare features, as Quinlan does: used to place a threshold it would cut
-off single examples at the ends. The penalty on continuous features of C4.5's release 8 is left
-out; it refuses splits when examples are few, and a demonstrator gives few, each for a reason.
-Through the average, a feature that is not taken can still matter to which one is.
+The candidate of each feature is its split with the largest information gain. Of the candidates
+with at least average gain, the one with the largest gain ratio is taken. The ratio is used only to
+compare features, as Quinlan does: used to place a threshold it would cut off single examples at
+the ends. The penalty on continuous features of C4.5's release 8 is left out: it refuses splits
+when examples are few, and a demonstrator gives few, each for a reason. Through the average, a
+feature that is not chosen can still affect the choice.
 
 Ties (differences below `gain_ratio.TIE`, so that they are the same on all machines) are broken
 
 - within a feature by the larger smallest branch, then on a line by the lower threshold, on a
-  circle by the place counted upwards from the node's first example, so never by where zero is;
+  circle by the distance upwards from the node's first example, so never by where zero is;
 - between features in favour of boolean and categorical ones, since a measured value nearly
   always differs a little between two examples, then in favour of the lower index.
 
@@ -52,7 +52,7 @@ class Arc:
 
 @dataclass(frozen=True, slots=True)
 class Categories:
-    """One branch for each of these categories."""
+    """One branch per category."""
 
     categories: tuple[int, ...]
 
@@ -62,10 +62,10 @@ class Split:
     """A way to split the examples of a node by one feature.
 
     Attributes:
-        test: what is asked of the feature's value.
+        test: of the feature's value.
         gain: information gain in bits, at least 0.
         ratio: gain over split information.
-        parts: for each branch the positions of its examples, ascending.
+        parts: the positions of each branch's examples, ascending.
     """
 
     test: Threshold | Arc | Categories
@@ -76,13 +76,13 @@ class Split:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Examples:
-    """The examples of a node, as one feature shows them.
+    """The examples of a node, seen through one feature.
 
     Attributes:
         values: shape (n,), the feature's values; toroidal ones in [0, period).
         classes: shape (n,), the classes as 0 .. n_classes - 1.
         default: shape (n,), whether an example is a default one.
-        n_classes: number of classes, those that this node lacks included.
+        n_classes: number of classes, including those absent from this node.
     """
 
     values: Floats
@@ -93,7 +93,7 @@ class Examples:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Groups:
-    """The distinct values, ascending, with what is there: class counts, only default examples."""
+    """The distinct values, ascending, with their class counts and whether all are default."""
 
     values: list[float]
     group_of: Integers
@@ -143,14 +143,14 @@ def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Sp
 
     An end of an arc lies between two values that are neighbours on the circle; the inside is the
     side without the node's first example. All pairs of ends are compared, so the time grows with
-    the square of the number of ends; those within a run of one class are left out where they
-    cannot gain most (Fayyad and Irani, 1992, whose argument holds for each end by itself).
+    the square of the number of ends. Ends within a run of one class are skipped where they cannot
+    gain most (Fayyad and Irani, 1992; their argument holds for each end by itself).
     """
     groups = _Groups.of(examples)
     k = len(groups.values)
     if k < 2:
         return None
-    # Places on the circle are counted from the first example's, which rotates with the others.
+    # Places are measured from the first example's, so rotating all values changes nothing.
     origin = int(groups.group_of[0])
     counts = np.roll(groups.counts, -origin, axis=0)
     ends = np.arange(k)
@@ -158,7 +158,7 @@ def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Sp
         only = np.where((counts > 0).sum(axis=1) == 1, counts.argmax(axis=1), -1)
         ends = np.flatnonzero((only != np.roll(only, -1)) | (only < 0))
         if len(ends) < 2:
-            return None  # there is but one class
+            return None  # there is only one class
     found = _best_arc(counts.cumsum(axis=0)[ends], counts.sum(axis=0), min_branch)
     if found is None:
         return None
@@ -180,18 +180,18 @@ def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Sp
 
 
 def _best_arc(up_to: Integers, totals: Integers, min_branch: int) -> tuple[int, int] | None:
-    """Return which two ends, in ascending order, make the best arc.
+    """Return the two ends, in ascending order, of the best arc.
 
     Args:
         up_to: shape (n_ends, n_classes), the examples of each class before each end.
         totals, min_branch: as in `two_way_gains`.
     """
     n_ends = len(up_to)
-    at_once = max(1, 10_000 // n_ends)  # first ends; a block of pairs should fit in a cache
+    at_once = max(1, 10_000 // n_ends)  # first ends; a block of pairs should fit in the cache
     best, found = -np.inf, []
     for start in range(0, n_ends - 1, at_once):
         firsts, seconds = up_to[start : start + at_once].T, up_to[start + 1 :].T
-        # Where the second end is not behind the first, nothing is inside.
+        # If the second end does not come after the first, nothing is inside.
         inside = np.maximum(seconds[:, None, :] - firsts[:, :, None], 0)
         gains, smaller = two_way_gains(inside, totals, min_branch)
         best = max(best, gains.max())
@@ -216,7 +216,7 @@ def split_boolean(examples: Examples, min_branch: int = 1) -> Split | None:
 def split_categorical(examples: Examples, min_branch: int = 1) -> Split | None:
     """Return the split into all categories seen, if two of them were seen often enough.
 
-    Two and not all, as in C4.5: else one rare category would make the feature useless.
+    Two, not all, as in C4.5: otherwise one rare category would make the feature useless.
     """
     groups = _Groups.of(examples)
     if np.count_nonzero(groups.counts.sum(axis=1) >= min_branch) < 2:
@@ -230,9 +230,9 @@ def split_by(examples: Examples, scale: Scale, min_branch: int = 1) -> Split | N
     """Return the best split by a feature of this scale; None if there is none.
 
     Args:
-        examples: the node's examples, as the feature shows them.
-        scale: how the feature's values compare.
-        min_branch: the fewest examples that a branch may have.
+        examples: the node's examples, seen through the feature.
+        scale: of the feature.
+        min_branch: the fewest examples a branch may have.
     """
     if scale.kind is FeatureKind.TOROIDAL:
         return split_toroidal(examples, scale.period, min_branch)
@@ -249,8 +249,8 @@ def choose_split(
     """Return the feature to split by and its split: C4.5's gain-ratio criterion.
 
     Args:
-        candidates: for each feature its best split; None where it has none.
-        scales: for each feature how its values compare.
+        candidates: each feature's best split; None where it has none.
+        scales: how the values of each feature compare.
     """
     found = [(f, split) for f, split in enumerate(candidates) if split is not None]
     if not found:

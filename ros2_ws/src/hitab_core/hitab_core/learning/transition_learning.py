@@ -1,4 +1,4 @@
-"""From examples to transition functions: one per state, from that state's examples alone."""
+"""Learns transition functions: one per state, from that state's examples alone."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from hitab_core.transition_function import LearnedTransition
 TREE = "tree"
 
 _MEMO = LearningMemo()
-"""Of the process. It changes nothing but how long learning takes."""
+"""Shared by the process; affects only how long learning takes."""
 
 
 Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
@@ -30,14 +30,14 @@ Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
 
 
 def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | None = None) -> Learn:
-    """Return what learns the transition function of a state.
+    """Return a function that learns the transition function of a state.
 
     Args:
-        classifier: ``tree``, with `TransitionTree`'s keywords where wanted, such as
+        classifier: ``tree``, optionally with `TransitionTree`'s keywords, such as
             ``tree(prune=True)``, or a scikit-learn classifier such as
-            ``sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)``. To the latter a default
-            example is an example like any other.
-        scales: for each feature how its values compare.
+            ``sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)``, which treats default
+            examples like any others.
+        scales: how the values of each feature compare.
         names: names of the features, for errors.
 
     Raises:
@@ -74,10 +74,10 @@ def learn_transition(
 
     Args:
         classifier: see `learner`.
-        scales: for each of the m features how its values compare.
+        scales: how the values of each of the m features compare.
         X: shape (n, m), feature values, n at least 1.
         y: labels of the next states, n of them.
-        default: whether each example is a default one; None: none is.
+        default: whether each example is a default one; None: none are.
         names: names of the features, for errors.
 
     Raises:
@@ -95,22 +95,22 @@ def learn_transitions(
     classifier: str = TREE,
     names: Sequence[str] | None = None,
 ) -> dict[str, LearnedTransition]:
-    """Learn one transition function for each state that has examples, in order of appearance.
+    """Learn a transition function for each state that has examples, in order of appearance.
 
-    A function that is learned from the same again is the same object, which nobody must change;
-    see `hitab_core.learning.memo`.
+    Learning from equal examples returns the same object, so do not modify it; see
+    `hitab_core.learning.memo`.
 
     Args:
         examples: of any states.
-        scales: for each feature how its values compare.
+        scales: how the values of each feature compare.
         classifier: see `learner`.
         names: names of the features, for errors.
 
     Raises:
         FeatureValueError: naming a feature and an example whose value is missing or impossible.
         VocabularyError: if there is no such classifier.
-        TrainingError: if an example has not one value per feature, or if the classifier cannot
-            learn from a state's examples, naming the state.
+        TrainingError: if an example does not have one value per feature, or, naming the state, if
+            the classifier cannot learn from its examples.
     """
     learn = learner(classifier, scales, names)
     by_state: dict[str, list[Example]] = {}
@@ -125,7 +125,7 @@ def learn_transitions(
     for state, own in by_state.items():
         X = np.array([example.features for example in own], dtype=np.float64)
         rows = [f'example {example.number} of state "{state}"' for example in own]
-        feature_values(X, scales, names, rows)  # here errors can name the example
+        feature_values(X, scales, names, rows)  # checked here so that errors name the example
         y = [example.next_state for example in own]
         default = [example.is_default for example in own]
         try:
@@ -139,7 +139,7 @@ def learn_transitions(
 
 
 def _named(function: LearnedTransition, names: Sequence[str] | None) -> LearnedTransition:
-    """Return a function that calls its features so in errors."""
+    """Return a function with these feature names in its errors."""
     if not isinstance(function, TransitionTree) or function.feature_names == names:
         return function
     renamed = copy(function)

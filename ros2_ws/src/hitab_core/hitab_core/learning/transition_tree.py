@@ -1,7 +1,7 @@
 """The classifier that learns a transition function: a C4.5 tree with probabilities at its leaves.
 
-In behavior a scikit-learn estimator, but it does not import scikit-learn; `sklearn_compat` has the
-same tree as one that is checked to be.
+It behaves like a scikit-learn estimator without importing scikit-learn; `scikit_learn` wraps it as
+a checked one.
 """
 
 from __future__ import annotations
@@ -38,29 +38,29 @@ from hitab_core.transition_function import Decide, Explanation
 
 
 class TransitionTree:
-    """A decision tree that maps feature values to a distribution over next states.
+    """Decision tree that maps feature values to a distribution over next states.
 
-    It follows C4.5 with the two differences that HiTAB makes: a leaf keeps the distribution of
-    its examples, and a boundary between a default example and another lies beside the other
+    It is C4.5 with HiTAB's two changes: a leaf keeps the distribution of its examples, and a
+    boundary between a default and a demonstrated example lies beside the latter
     (`hitab_core.learning.boundaries`). `hitab_core.learning.splits` lists and rates the splits.
 
-    The same examples in the same order give the same tree on any machine. Their order matters
-    only where two arcs of a toroidal feature are equally good.
+    The same examples in the same order give the same tree on any machine. The order matters only
+    between equally good arcs of a toroidal feature.
 
     Parameters:
-        scales: for each feature how its values compare; None: all are continuous.
-        min_samples_leaf: the fewest examples that a branch may have; of the branches of a
-            categorical feature two must have as many.
+        scales: how the values of each feature compare; None: all are continuous.
+        min_samples_leaf: the fewest examples a branch may have; for a categorical feature, at
+            least two branches must have as many.
         max_depth: the most tests on a path; None: no limit.
-        prune: whether to prune as C4.5 does. Without, all examples that do not contradict each
-            other are reproduced.
-        confidence: of pruning, in (0, 0.5]; smaller prunes more.
+        prune: whether to prune as C4.5 does. An unpruned tree reproduces all examples that do not
+            contradict each other.
+        confidence: of pruning, in (0, 0.5]; smaller values prune more.
         feature_names: names of the features, for errors.
 
     Attributes:
         classes_: shape (n_classes,), the labels seen, sorted.
         n_features_in_: number of features, m.
-        scales_: for each feature how its values compare.
+        scales_: how the values of each feature compare.
         root_: the tree, see `hitab_core.learning.tree_nodes`.
 
     References:
@@ -86,14 +86,14 @@ class TransitionTree:
         self.feature_names = feature_names
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Return the parameters by name; ``deep`` is there for scikit-learn."""
+        """Return the parameters by name; ``deep`` is for scikit-learn and has no effect."""
         return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}
 
     def set_params(self, **params: Any) -> Self:
         """Set parameters by name.
 
         Raises:
-            ValueError: naming one that there is not.
+            ValueError: naming an unknown parameter.
         """
         known = self.get_params()
         for name in params:
@@ -104,7 +104,7 @@ class TransitionTree:
         return self
 
     def __repr__(self) -> str:
-        """Return how to make it, leaving out what is as it is by default."""
+        """Return the constructor call, without default parameters."""
         defaults = inspect.signature(type(self)).parameters
         given = ", ".join(
             f"{name}={value!r}"
@@ -119,13 +119,12 @@ class TransitionTree:
         Args:
             X: shape (n, m), feature values in the features' own units, n at least 1.
             y: shape (n,), labels of the next states.
-            default: shape (n,), whether an example is a default one; None: none is.
+            default: shape (n,), whether an example is a default one; None: none are.
 
         Raises:
-            FeatureValueError: naming a feature with a value that is missing, infinite or none
-                that its scale has.
+            FeatureValueError: naming a feature with a missing, infinite or out-of-scale value.
             VocabularyError: naming a toroidal feature without a period.
-            ValueError: if shapes do not fit or a parameter is out of range.
+            ValueError: if shapes do not match or a parameter is out of range.
         """
         deepest = 0 if self.max_depth is None else self.max_depth
         if self.min_samples_leaf < 1 or deepest < 0 or not 0 < self.confidence <= 0.5:
@@ -173,7 +172,7 @@ class TransitionTree:
 
     @property
     def labels(self) -> list[str]:
-        """The labels of the next states it knows, in the order of ``classes_``."""
+        """The labels of the next states, in the order of ``classes_``."""
         self._fitted()
         return [str(label) for label in self.classes_.tolist()]
 
@@ -204,7 +203,7 @@ class TransitionTree:
         return probabilities
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
-        """Return the most probable class; of equally probable ones the first in ``classes_``.
+        """Return the most probable class; on a tie, the first in ``classes_``.
 
         Args:
             X: shape (n, m).
@@ -220,9 +219,9 @@ class TransitionTree:
     ) -> Decide:
         """Return the decision as a fast function; see `TransitionFunction.compile`.
 
-        A leaf with several classes takes one draw and goes through its states in the order of
-        their indices; a leaf with one class takes none. Of equally probable states
-        ``most_probable`` takes the one with the lowest index.
+        A leaf with several classes takes one draw, over its states in the order of their indices;
+        a leaf with one class takes none. Among equally probable states ``most_probable`` takes the
+        lowest index.
 
         Raises:
             VocabularyError: if the tree leads to a state that is not in ``states``.
@@ -232,7 +231,7 @@ class TransitionTree:
     def compile_batch(
         self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
     ) -> Compiled:
-        """Return the tree as `compiled_tree.ends` walks it for many agents; see `compile`.
+        """Return the tree in the form of `compiled_tree.ends`, for many agents; see `compile`.
 
         Raises:
             VocabularyError: if the tree leads to a state that is not in ``states``.
@@ -247,12 +246,12 @@ class TransitionTree:
         *,
         most_probable: bool = False,
     ) -> Integers:
-        """Return decisions for many agents at once: what `compile` decides for each.
+        """Decide for many agents at once, each as `compile` would.
 
         Args:
             X: shape (n, m), the feature values of each agent.
-            draws: shape (n,), a number on [0, 1) for each agent.
-            states: the index of each state, by label; None: as in ``classes_``.
+            draws: shape (n,), a number in [0, 1) per agent.
+            states: index of each state, by label; None: as in ``classes_``.
             most_probable: always take the most probable state.
 
         Returns:
@@ -293,10 +292,10 @@ class TransitionTree:
         return self.retrace(values, names)
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
-        """Explain a decision that has been made; see `TransitionFunction.retrace`.
+        """Explain a past decision; see `TransitionFunction.retrace`.
 
-        Only values on the path are looked at. Where one is None the explanation ends, with the
-        distribution of the examples that came so far.
+        Only values on the path are used. At a value of None the explanation ends with the
+        distribution of the examples that got that far.
         """
         node = self._fitted()
         tests: list[str] = []
@@ -316,11 +315,11 @@ class TransitionTree:
         )
 
     def rules(self, names: Sequence[str]) -> list[Rule]:
-        """Return one readable rule per leaf, what a path says of one feature merged."""
+        """Return one readable rule per leaf, with the tests of a feature merged."""
         return tree_text.rules(self._fitted(), self.labels, self.scales_, names)
 
     def as_text(self, names: Sequence[str]) -> str:
-        """Return a drawing of the tree, a line per branch."""
+        """Return a drawing of the tree, one line per branch."""
         return tree_text.drawing(self._fitted(), self.labels, self.scales_, names)
 
     def to_dict(self) -> dict[str, Any]:
@@ -334,7 +333,7 @@ class TransitionTree:
     def digest(self) -> str:
         """Return a SHA-256 in hexadecimal of the tree: labels, structure, counts, exact numbers.
 
-        Equal trees have the same one on all machines.
+        Equal trees have equal digests on all machines.
         """
         plain = [
             {**described(node), "branches": len(node.branches)} for node in nodes(self._fitted())

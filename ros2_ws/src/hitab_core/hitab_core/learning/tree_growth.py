@@ -16,7 +16,7 @@ from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, Th
 
 @dataclass(slots=True)
 class _Place:
-    """A node to be: its examples, and once it is split, by what and where its branches are."""
+    """A node under construction: its examples and, once split, its split and branches."""
 
     rows: Integers
     depth: int
@@ -35,24 +35,24 @@ def grow(
     min_samples_leaf: int = 1,
     max_depth: int | None = None,
 ) -> Node:
-    """Return the root of a tree that is split as far as examples differ.
+    """Return the root of a tree that separates all examples that differ.
 
-    A node is split even if no split gains anything, as where two features matter only together
-    (one true, the other false): what a demonstrator showed is not to be ignored. It is not split
-    if that could never gain anything: if at each point the classes are as they are in the node.
+    A node is split even if no single split gains anything, as when two features matter only
+    together (one true, the other false), so that no demonstration is ignored. It is not split if
+    no further splits could gain either: if every point has the node's class proportions.
 
     Args:
         X: shape (n, m), the values; toroidal ones in [0, period).
         classes: shape (n,), classes as 0 .. n_classes - 1.
         default: shape (n,), whether an example is a default one.
         n_classes: number of classes.
-        scales: for each of the m features how its values compare.
-        min_samples_leaf: the fewest examples that a branch may have; for a categorical feature
-            that at least two of the branches must have.
+        scales: how the values of each of the m features compare.
+        min_samples_leaf: the fewest examples a branch may have; for a categorical feature, at
+            least two branches must have as many.
         max_depth: the most tests on a path.
     """
     places = [_Place(np.arange(len(X)), 0)]
-    for place in places:  # which grows while it is gone through
+    for place in places:  # the list grows during this loop
         rows = place.rows
         if place.depth == max_depth or len(np.unique(classes[rows])) < 2:
             continue
@@ -75,7 +75,7 @@ def grow(
         places.extend(_Place(rows[part], place.depth + 1) for part in split.parts)
 
     made: dict[int, Node] = {}
-    for index in range(len(places) - 1, -1, -1):  # branches stand behind their node
+    for index in range(len(places) - 1, -1, -1):  # branches come after their node
         place = places[index]
         counts = tuple(np.bincount(classes[place.rows], minlength=n_classes).tolist())
         made[index] = _node(place, counts, [made.pop(branch) for branch in place.branches])
@@ -83,7 +83,7 @@ def grow(
 
 
 def _points_differ(X: Floats, classes: Integers, n_classes: int) -> bool:
-    """Return whether some distinct point of X has other proportions of classes than the rest."""
+    """Return whether the class proportions at some distinct point of X differ from the rest."""
     points, point_of = np.unique(X, axis=0, return_inverse=True)
     counts = np.zeros((len(points), n_classes), np.int64)
     np.add.at(counts, (point_of.reshape(-1), classes), 1)

@@ -1,6 +1,6 @@
-"""The nodes of a learned transition tree: frozen, comparable, and nothing but structure.
+"""The nodes of a learned transition tree: frozen, comparable, without behavior.
 
-A tree may be as deep as it has examples, so it is walked by `fold` and loops, never by recursion.
+A tree may be as deep as it has examples, so use `fold` and loops, never recursion.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """The end of a path: how many examples of each class came here."""
+    """The end of a path: the number of examples of each class."""
 
     counts: tuple[int, ...]
 
@@ -42,7 +42,7 @@ class ThresholdNode:
         return (self.low, self.high)
 
     def branch_for(self, value: float) -> int | None:
-        """Return which of the branches the value takes."""
+        """Return the index of the branch that the value takes."""
         return 0 if value <= self.threshold else 1
 
 
@@ -50,8 +50,8 @@ class ThresholdNode:
 class ArcNode:
     """A value in the arc ``[start, end)`` goes to ``inside``, else to ``outside``.
 
-    The arc is counted upwards from ``start`` and may lead through zero, then ``end < start``.
-    What is outside is the arc ``[end, start)``. Both ends are in [0, period).
+    The arc runs upwards from ``start``; if it passes zero, ``end < start``. The outside is the arc
+    ``[end, start)``. Both ends are in [0, period).
     """
 
     feature: int
@@ -68,7 +68,7 @@ class ArcNode:
         return (self.inside, self.outside)
 
     def branch_for(self, value: float) -> int | None:
-        """Return which of the branches the value takes."""
+        """Return the index of the branch that the value takes."""
         place = on_circle(value, self.period)
         if self.start < self.end:
             return 0 if self.start <= place < self.end else 1
@@ -77,7 +77,7 @@ class ArcNode:
 
 @dataclass(frozen=True, slots=True)
 class CategoryNode:
-    """One branch for each category seen; another category gets this node's own distribution."""
+    """One branch per category seen; other categories get this node's own distribution."""
 
     feature: int
     categories: tuple[int, ...]
@@ -86,11 +86,11 @@ class CategoryNode:
 
     @property
     def fallback(self) -> Leaf:
-        """What a category that was not seen gets."""
+        """The leaf for categories that were not seen."""
         return Leaf(self.counts)
 
     def branch_for(self, value: float) -> int | None:
-        """Return which of the branches the value takes; None if its category was not seen."""
+        """Return the index of the branch that the value takes; None for an unseen category."""
         return self.categories.index(int(value)) if value in self.categories else None
 
 
@@ -98,7 +98,7 @@ Node = Leaf | ThresholdNode | ArcNode | CategoryNode
 
 
 def fold(root: Node, make: Callable[[Node, list[T]], T]) -> T:
-    """Return ``make(root, parts)``, where parts are what it made of the root's branches."""
+    """Return ``make(root, parts)``, where parts are its results for the root's branches."""
     made: list[T] = []
     waiting: list[tuple[Node, bool]] = [(root, False)]
     while waiting:
@@ -126,7 +126,7 @@ def nodes(root: Node) -> list[Node]:
 
 
 def described(node: Node) -> dict[str, object]:
-    """Return a node without its branches as plain data, numbers exact (``float.hex``)."""
+    """Return a node, without its branches, as plain data with exact numbers (``float.hex``)."""
     plain: dict[str, object] = {"counts": list(node.counts)}
     if isinstance(node, ThresholdNode):
         plain |= {"feature": node.feature, "threshold": node.threshold.hex()}

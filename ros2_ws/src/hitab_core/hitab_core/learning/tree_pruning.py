@@ -10,11 +10,11 @@ from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, Th
 
 
 def pessimistic_errors(errors: int, n: int, confidence: float) -> float:
-    """Return how many of ``n`` examples a leaf may get wrong that got ``errors`` wrong, < ``n``.
+    """Return a pessimistic error count for a leaf that gets ``errors`` < ``n`` of ``n`` wrong.
 
-    This is ``n`` times the upper limit of the error rate: with a chance of ``confidence`` the
-    rate is higher still. It is C4.5's approximation (normal, continuity-corrected; exact without
-    errors), except that the normal quantile is exact, where C4.5 interpolates in a table.
+    This is ``n`` times the upper limit of the error rate: the true rate is higher with probability
+    ``confidence``. It is C4.5's approximation (normal, continuity-corrected; exact without
+    errors), except that the normal quantile is exact; C4.5 interpolates in a table.
 
     References:
         J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapter 4 and
@@ -29,14 +29,14 @@ def pessimistic_errors(errors: int, n: int, confidence: float) -> float:
 
 
 def prune(root: Node, confidence: float = 0.25) -> Node:
-    """Return the tree with each subtree replaced by a leaf where that is not expected to be worse.
+    """Return the tree with subtrees replaced by leaves that are not expected to be worse.
 
     From the leaves upwards, a node becomes a leaf if the leaf's pessimistic errors exceed those of
     the subtree by no more than 0.1, as in C4.5. Subtree raising is not done.
 
     Args:
         root: the tree.
-        confidence: in (0, 0.5]; smaller prunes more.
+        confidence: in (0, 0.5]; smaller values prune more.
     """
 
     def pruned(node: Node, parts: list[tuple[Node, float]]) -> tuple[Node, float]:

@@ -1,9 +1,9 @@
 """A transition tree in words: conditions, one rule per leaf, and a drawing.
 
-Numbers are rounded to six digits. One that lies just beside a short number, as thresholds next to
-an example do, is written as that number, with ``<`` or a bracket that says on which side it is.
-Arcs are written ``[start, end)``, counted upwards, in the half circle either side of zero:
-``[-10, 10)`` degrees leads through zero, ``[170, -170)`` through 180.
+Numbers are rounded to six digits. A number just beside a short one, such as a threshold next to an
+example, is written as the short one, and ``<`` or a bracket gives the side. Arcs are written
+``[start, end)``, upwards, within half a circle on either side of zero: ``[-10, 10)`` degrees
+contains zero, ``[170, -170)`` contains 180.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What a tree decides where all of some conditions hold.
+    """What a tree decides where a set of conditions holds.
 
     Attributes:
-        conditions: readable; at most one for each feature.
-        distribution: probability of each next state that is possible, by label.
+        conditions: readable; at most one per feature.
+        distribution: probability of each possible next state, by label.
         examples: how many examples it was learned from.
     """
 
@@ -58,7 +58,7 @@ def distribution(counts: Sequence[int], labels: Sequence[str]) -> dict[str, floa
 def conditions(
     path: Sequence[Step], scales: Sequence[Scale], names: Sequence[str]
 ) -> tuple[str, ...]:
-    """Return what holds on a path, all that it says of one feature merged into one condition."""
+    """Return the conditions on a path, with all tests of a feature merged into one."""
     by_feature: dict[int, list[Step]] = {}
     for step in path:
         by_feature.setdefault(step[0].feature, []).append(step)
@@ -77,7 +77,7 @@ def _condition(steps: Sequence[Step], scale: Scale, name: str) -> str:
             start, end = (node.start, node.end) if branch == 0 else (node.end, node.start)
             arcs = _common(arcs, _intervals(start, end, node.period))
         elif branch == 0:
-            high = node.threshold  # on a path each threshold lies between those before
+            high = node.threshold  # each threshold on a path lies between earlier ones
         else:
             low = node.threshold
     if scale.kind is FeatureKind.TOROIDAL:
@@ -101,11 +101,11 @@ def _range(low: float, high: float, name: str) -> str:
 
 
 def _short(number: float, negligible: float = 1e-300) -> tuple[str, int]:
-    """Return a number in six digits, and 1 or -1 if it lies just above or below what is written.
+    """Return a number in six digits, and 1 or -1 if it lies just above or below that.
 
     Args:
         number: what to write.
-        negligible: how far from zero a number still counts as zero.
+        negligible: magnitude up to which a number counts as zero.
     """
     text = "0" if abs(number) < negligible else f"{number:.6g}"
     written = float(text)
@@ -154,7 +154,7 @@ def _arc(start: float, end: float, period: float) -> str:
 
 
 def _ways_on(node: ThresholdNode | ArcNode | CategoryNode, scale: Scale) -> list[int | None]:
-    """Return the branches of a node, and None if there are categories that it has not seen."""
+    """Return the branches of a node, plus None if it has not seen all categories."""
     ways: list[int | None] = list(range(len(node.branches)))
     if isinstance(node, CategoryNode) and len(scale.categories) != len(node.categories):
         ways.append(None)
@@ -162,7 +162,7 @@ def _ways_on(node: ThresholdNode | ArcNode | CategoryNode, scale: Scale) -> list
 
 
 def _paths(root: Node, scales: Sequence[Scale]) -> Iterator[tuple[Node, tuple[Step, ...]]]:
-    """Yield all nodes, each before its branches, and how one comes there."""
+    """Yield all nodes, each before its branches, with the path to each."""
     waiting: list[tuple[Node, tuple[Step, ...]]] = [(root, ())]
     while waiting:
         node, path = waiting.pop()

@@ -1,4 +1,4 @@
-"""A behavior as it is stored: the automaton, how it was learned, and where it comes from."""
+"""A stored behavior: the automaton, how it was learned, and where it comes from."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.use import Use
 
 BASIC = "basic"
-"""What a file says of a used behavior that is hard-coded in the robot."""
+"""Marks a used behavior that is hard-coded in the robot."""
 
 HAND_WRITTEN = "hand-written"
-"""What a file says of a used automaton that comes with the domain."""
+"""Marks a used automaton that comes with the domain."""
 
 
 @dataclass(frozen=True, slots=True, weakref_slot=True)
 class BehaviorFile:
-    """A behavior with all that its file says. Those with the same checksum say the same.
+    """The contents of a behavior file. Equal checksums mean equal contents.
 
     Attributes:
-        automaton: with the transition functions that are learned from its examples.
-        classifier: what learns them, see `hitab_core.learning.transition_learning`.
+        automaton: with transition functions learned from its examples.
+        classifier: that learns them, see `hitab_core.learning.transition_learning`.
         trees: digest of each state's transition function.
-        uses: for each behavior that it uses the checksum of its file when this one was saved, or
-            ``"basic"``, or ``"hand-written"``. For information: a used behavior may be retrained.
+        uses: checksum of each used behavior's file when this one was saved, or ``"basic"``, or
+            ``"hand-written"``. For information only: a used behavior may be retrained.
         provenance: where it comes from.
-        checksum: SHA-256 of all that the file says.
-        text: the file.
-        state_lines: line of each state, in the order of the automaton's.
+        checksum: SHA-256 of the contents.
+        text: of the file.
+        state_lines: line of each state, in the automaton's order.
     """
 
     automaton: Automaton = field(compare=False)
@@ -66,7 +66,7 @@ def scale_of(feature: Use, domain: Domain) -> Scale:
 
 
 def feature_record(use: Use, domain: Domain) -> dict[str, Any]:
-    """Return what a file says of a feature: all that is needed to understand its values."""
+    """Return a feature's entry in a file: all that is needed to interpret its values."""
     if use.name in FLAGS:
         return {"feature": str(use), "kind": FLAG}
     feature = domain.features[use.name]
@@ -91,7 +91,7 @@ def text_of(
     """Return the file of an automaton.
 
     Raises:
-        LibraryError: if a transition function was not learned and so cannot be stored.
+        LibraryError: if a transition function was not learned, which cannot be stored.
     """
     content: dict[str, Any] = {
         "format": FORMAT,

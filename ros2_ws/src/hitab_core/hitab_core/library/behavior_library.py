@@ -1,11 +1,11 @@
-"""The library: a folder with one readable file for each trained behavior, and all versions.
+"""The library: a folder with a readable file per trained behavior, and all versions.
 
-    Keepaway.hfa.yaml                   the behaviors there are
+    Keepaway.hfa.yaml                   the current behaviors
     ControlBall.hfa.yaml
-    .versions/Keepaway/0001.hfa.yaml    what they were before, and are now
+    .versions/Keepaway/0001.hfa.yaml    all versions, including the current one
 
-A change happens whole or not at all, also when the power fails, and several processes may use
-one library at the same time.
+Changes are atomic, even if the power fails, and several processes may use a library at the same
+time.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from hitab_core.library.provenance import Provenance, time_now
 
 
 def accept_edit(path: Path, domain: Domain) -> Path:
-    """Take a file as somebody has edited it; see `BehaviorLibrary.accept_edit`."""
+    """Accept a file edited by hand; see `BehaviorLibrary.accept_edit`."""
     if not path.name.endswith(SUFFIX):
-        raise LibraryError(f"{path}: is not a behavior file; these end in {SUFFIX}")
+        raise LibraryError(f"{path}: is not a behavior file; their names end in {SUFFIX}")
     return BehaviorLibrary(path.parent, domain).accept_edit(path.name.removesuffix(SUFFIX))
 
 
@@ -41,11 +41,11 @@ class BehaviorLibrary:
     """The behaviors in a folder, trained in one domain.
 
     Attributes:
-        folder: where they are; made when first something is saved.
-        domain: with which they were trained.
-        problems: what was wrong with files when the library was last loaded, by behavior.
-        editions: what reads its files.
-        generation: counts the changes that were made through this object.
+        folder: that holds them; made on the first save.
+        domain: in which they were trained.
+        problems: with files at the last load, by behavior.
+        editions: reads the files.
+        generation: number of changes made through this object.
     """
 
     def __init__(
@@ -56,13 +56,13 @@ class BehaviorLibrary:
         clock: Callable[[], str] = time_now,
         editions: Editions | None = None,
     ) -> None:
-        """Name a library; nothing is read yet.
+        """Open a library without reading anything yet.
 
         Args:
-            folder: where its files are.
-            domain: with which they were trained.
-            clock: the time, ISO 8601, that is put into what is saved.
-            editions: what reads files; libraries that hold the same should have one in common.
+            folder: that holds its files.
+            domain: in which they were trained.
+            clock: returns the time, ISO 8601, to record in saved files.
+            editions: reads the files; libraries with equal contents should share one.
         """
         self.folder = Path(folder)
         self.domain = domain
@@ -79,15 +79,15 @@ class BehaviorLibrary:
         """Read all behaviors.
 
         Args:
-            strict: raise if anything is wrong. Otherwise behaviors with something wrong, and
-                those that use them, are left out, and `problems` tells what it is.
+            strict: raise if anything is wrong. Otherwise leave out faulty behaviors and those that
+                use them, and list the faults in `problems`.
 
         Returns:
             The automata, by name.
 
         Raises:
-            LibraryError: if the folder cannot be read; if strict, naming all that is wrong with
-                all files.
+            LibraryError: if the folder cannot be read; if strict, naming every fault in every
+                file.
         """
         with self._folder.held(alone=False):
             loaded, problems = self._read()
@@ -100,8 +100,8 @@ class BehaviorLibrary:
         """Read all behaviors, and return them with those of the domain.
 
         Raises:
-            LibraryError: naming all that is wrong with all files.
-            VocabularyError: if they do not fit to the domain.
+            LibraryError: naming every fault in every file.
+            VocabularyError: if they do not fit the domain.
         """
         self.load()
         return self.editions.of(self.files)
@@ -116,7 +116,7 @@ class BehaviorLibrary:
 
     @property
     def files(self) -> Mapping[str, BehaviorFile]:
-        """What was loaded last, with what was changed here since; loaded now if nothing was."""
+        """The files of the last load plus later changes; loads them if there was none."""
         if self._loaded is None:
             self.load()
         return self._loaded or {}
@@ -126,7 +126,7 @@ class BehaviorLibrary:
         return sorted(self.files)
 
     def file(self, name: str) -> BehaviorFile:
-        """Return one behavior with all that its file says.
+        """Return one behavior file.
 
         Raises:
             LibraryError: if there is none.
@@ -136,7 +136,7 @@ class BehaviorLibrary:
         return self.files[name]
 
     def texts(self) -> dict[str, str]:
-        """Return the text of each file, by the behavior's name."""
+        """Return the text of each file, by behavior name."""
         return {name: file.text for name, file in self.files.items()}
 
     @property
@@ -157,14 +157,14 @@ class BehaviorLibrary:
 
     @contextmanager
     def change(self, *, patience: float = PATIENCE, sync: bool = True) -> Iterator[LibraryChange]:
-        """Hold the library to change it; nothing is written unless the change is committed.
+        """Lock the library to change it; nothing is written unless the change is committed.
 
         Args:
             patience: seconds to wait for another process to finish with it.
-            sync: whether the change will be committed, and not only announced.
+            sync: whether the change will be committed rather than only announced.
 
         Raises:
-            LibraryError: if it cannot be read, or another process does not let go of it.
+            LibraryError: if it cannot be read, or another process keeps it locked.
         """
         with self._folder.held(alone=True, patience=patience, sync=sync):
             there, problems = self._read()
@@ -185,17 +185,17 @@ class BehaviorLibrary:
 
         Args:
             automaton: trained; its transition functions must be what its examples teach.
-            classifier: what learned them.
+            classifier: that learned them.
             agent: the agent that was trained.
             author: who trained it.
-            note: anything else worth telling.
+            note: free text.
 
         Returns:
             Its file.
 
         Raises:
-            LibraryError: if it does not fit to what is there, or cannot be written; then nothing
-                has changed.
+            LibraryError: if it does not fit the library, or cannot be written; nothing has
+                changed.
         """
         with self.change() as change:
             change.save(automaton, classifier, Provenance(agent=agent, author=author, note=note))
@@ -206,22 +206,22 @@ class BehaviorLibrary:
         """Remove a behavior; its versions stay and can be restored.
 
         Raises:
-            LibraryError: if there is none, or others use it.
+            LibraryError: if it is missing, or other behaviors use it.
         """
         with self.change() as change:
             change.remove(name)
             change.commit()
 
     def accept_edit(self, name: str) -> Path:
-        """Take a file as somebody has edited it: check it, and state its digests anew.
+        """Accept a file edited by hand: check it and update its digests.
 
-        It becomes a new version. Comments that were put into it are lost.
+        It becomes a new version. Comments added by hand are lost.
 
         Returns:
             Its file.
 
         Raises:
-            LibraryError: naming what is wrong with it; then nothing has changed.
+            LibraryError: naming what is wrong with it; nothing has changed.
         """
         path = self._folder.file(name)
         with self.change() as change:
@@ -235,18 +235,18 @@ class BehaviorLibrary:
         return path
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
-        """Put files of another library into this one as they are: all, or none.
+        """Copy files of another library into this one unchanged: all or none.
 
         Args:
-            texts: the files' texts, by the behaviors' names.
+            texts: of the files, by behavior name.
 
         Returns:
-            The names of the behaviors that have changed, sorted.
+            The names of the changed behaviors, sorted.
 
         Raises:
-            LibraryError: naming what is wrong; then nothing has changed.
+            LibraryError: naming what is wrong; nothing has changed.
         """
-        # Before the folder is made; kept until then, so that they are read once.
+        # Read before making the folder, and kept so that each is read only once.
         read = [self.editions.read(t, self._folder.file(n).name) for n, t in texts.items()]
         with self.change() as change:
             changed = change.install(texts)
@@ -255,7 +255,7 @@ class BehaviorLibrary:
         return changed
 
     def has_saved(self, name: str, checksum: str) -> bool:
-        """Return whether a behavior is, or was, saved with this checksum."""
+        """Return whether any version of a behavior has this checksum."""
         if name in self.files and self.files[name].checksum == checksum:
             return True
         for number in reversed(self.versions(name)):
@@ -267,14 +267,14 @@ class BehaviorLibrary:
     # -- versions ---------------------------------------------------------------------------
 
     def versions(self, name: str) -> list[int]:
-        """Return the numbers of all versions of a behavior that there were, ascending."""
+        """Return the numbers of all versions of a behavior, ascending."""
         return self._folder.versions(name)
 
     def version(self, name: str, number: int) -> BehaviorFile:
         """Return one version of a behavior.
 
         Raises:
-            LibraryError: if there is none, or something is wrong with it.
+            LibraryError: if it is missing or faulty.
         """
         return read_version(self._folder, self.editions, name, number)
 
@@ -285,7 +285,7 @@ class BehaviorLibrary:
             Its file.
 
         Raises:
-            LibraryError: if there is no such version, or it does not fit to what is there now.
+            LibraryError: if there is no such version, or it does not fit the library now.
         """
         with self.change() as change:
             earlier = change.version(name, number)
@@ -307,7 +307,7 @@ class BehaviorLibrary:
                 self._loaded[name] = file
 
     def _read(self) -> tuple[dict[str, BehaviorFile], dict[str, str]]:
-        """Read all files, those only that have changed; the folder is held."""
+        """Read all files, reusing unchanged ones; the folder must be locked."""
         files: dict[str, BehaviorFile] = {}
         problems: dict[str, str] = {}
         for name in self._folder.names():

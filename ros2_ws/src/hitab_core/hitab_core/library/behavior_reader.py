@@ -1,4 +1,4 @@
-"""Reading a behavior file, trusting nothing in it: all that is wrong is told, by line."""
+"""Reads a behavior file without trusting it; reports every fault by line."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from hitab_core.use import Use
 
 
 def read_behavior_file(path: Path, domain: Domain) -> BehaviorFile:
-    """Read a behavior from a file, called like the behavior.
+    """Read a behavior from the file named after it.
 
     Raises:
-        LibraryError: naming all that is wrong, with lines.
+        LibraryError: naming every fault, by line.
     """
     return read_behavior(read_text(path), path.name, domain)
 
@@ -35,21 +35,21 @@ def read_text(path: Path) -> str:
     """Return the text of a behavior file.
 
     Raises:
-        LibraryError: if it cannot be read, is not text or is too large to be a behavior.
+        LibraryError: if it cannot be read, is not text or is too large.
     """
     with file_errors(path, "read"):
         if path.is_fifo():
-            raise LibraryError(f"{path}: is a pipe, which cannot be read as a file; remove it")
+            raise LibraryError(f"{path}: is a pipe, not a file; remove it")
         with path.open("rb") as file:
             data = file.read(4 * LARGEST + 1)
     return text_in(data, path)
 
 
 def text_in(data: bytes, path: Path) -> str:
-    """Return the text of a behavior file of which the first bytes were read.
+    """Return the text of a behavior file, given its first bytes.
 
     Raises:
-        LibraryError: if it is not text or is too large to be a behavior.
+        LibraryError: if it is not text or is too large.
     """
     if len(data) > 4 * LARGEST:
         raise LibraryError(f"{path.name}: has more than {4 * LARGEST} bytes; it is no behavior")
@@ -68,17 +68,17 @@ def read_behavior(
     """Read a behavior from the text of its file.
 
     The transition functions are learned again from the examples and compared with the digests in
-    the file. Whether the behaviors exist that it uses is not looked at; a library does that.
+    the file. Whether the used behaviors exist is not checked here; the library does that.
 
     Args:
         text: of the file.
-        file: what errors call it.
-        domain: with which it must have been trained.
-        name: what it must be called; by default as the file is.
-        accepting: take the text as it was edited, whatever digests it states.
+        file: its name, for errors.
+        domain: in which it must have been trained.
+        name: that it must have; by default that of the file.
+        accepting: accept an edited text whatever its digests.
 
     Raises:
-        LibraryError: naming all that is wrong, with lines.
+        LibraryError: naming every fault, by line.
     """
     document = read_yaml(text, file)
     check_format(document)
@@ -100,7 +100,7 @@ def _check_checksum(document: Document, complaints: Complaints) -> None:
     if stated != checksum(document.value):
         complaints.add(
             ("checksum",),
-            "the checksum is not that of the file: it was edited or damaged; if it was edited on "
+            "the checksum does not match the file: it was edited or damaged; if it was edited on "
             f"purpose, run: hitab library accept {document.file}; "
             "if not, restore an earlier version",
         )
@@ -130,7 +130,7 @@ class _Reader:
         self._check_parameters()
         states = self._states()
         features, scales = self._features()
-        self._stop_if_wrong()  # examples cannot be understood without these
+        self._stop_if_wrong()  # examples make no sense without these
         examples = self._examples([str(state) for state in states], scales)
         self._stop_if_wrong()
         functions = self._learn(examples, features, scales)
@@ -161,17 +161,17 @@ class _Reader:
         )
 
     def _stop_if_wrong(self) -> None:
-        """Stop if what was read is wrong; that the checksum is need not stop anything."""
+        """Stop if anything but the checksum is wrong."""
         if len(self._complaints) > self._before:
             self._complaints.raise_any()
 
     def _check_domain(self) -> None:
         stated, domain = self._content["domain"], self._domain
         if stated["name"] != domain.name:
-            # Nothing else can be right, so nothing else is looked at.
+            # Nothing else can be right, so stop here.
             self._complaints.add(
                 ("domain", "name"),
-                f'was trained in domain "{stated["name"]}", and this is "{domain.name}"; '
+                f'was trained in domain "{stated["name"]}", but this is "{domain.name}"; '
                 "use a library of this domain",
             )
             self._complaints.raise_any()
@@ -181,8 +181,8 @@ class _Reader:
             self._complaints.add(
                 ("domain",),
                 f'was trained with domain "{domain.name}" version {theirs[0]} (signature '
-                f"{theirs[1]}), and this is version {ours[0]} (signature {ours[1]}); if what it "
-                f"uses means the same as then, run: {self._accept}; if not, train it again",
+                f"{theirs[1]}), but this is version {ours[0]} (signature {ours[1]}); if what it "
+                f"uses still means the same, run: {self._accept}; if not, train it again",
             )
 
     def _check_name(self, expected: str) -> None:
@@ -208,7 +208,7 @@ class _Reader:
             if parameter in self._domain.targets:
                 self._complaints.add(
                     ("parameters", i),
-                    f'parameter "{parameter}" is also a target; call it something else',
+                    f'parameter "{parameter}" is also a target; rename it',
                 )
             if parameter in parameters[:i]:
                 self._complaints.add(
@@ -221,7 +221,7 @@ class _Reader:
         for i, state in enumerate(states):
             if state.name == START:
                 self._complaints.add(
-                    ("states", i), f"{START} is always there and not listed; remove it"
+                    ("states", i), f"{START} is implicit; remove it from the states"
                 )
             elif state.name in FLAGS and state.arguments:
                 self._complaints.add(
@@ -255,8 +255,8 @@ class _Reader:
                 if key != "feature" and record.get(key) != value:
                     self._complaints.add(
                         ("features", i),
-                        f'"{key}" of feature "{use}" is {record.get(key)} here and {value} in '
-                        "the domain, so that its values mean something else; train it again",
+                        f'"{key}" of feature "{use}" is {record.get(key)} here but {value} in '
+                        "the domain, so its values mean something else; train it again",
                     )
         return features, scales
 
@@ -295,8 +295,8 @@ class _Reader:
                 first = self._document.line(("examples", numbers[example.number]))
                 self._complaints.add(
                     ("examples", i),
-                    f"there is another example {example.number} at line {first}; "
-                    "give each its own number",
+                    f"example number {example.number} is already used at line {first}; "
+                    "give each example its own number",
                 )
             numbers.setdefault(example.number, i)
             examples.append(example)
@@ -321,7 +321,7 @@ class _Reader:
                 self._complaints.add(
                     ("trees", state),
                     f'what is learned for state "{state}" from the examples differs from what was '
-                    "saved: they were edited, or this version of HiTAB learns otherwise; "
+                    "saved: they were edited, or this version of HiTAB learns differently; "
                     f"test the behavior, then run: {self._accept}",
                 )
         for state in stated:

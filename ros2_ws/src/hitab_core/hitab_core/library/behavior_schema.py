@@ -1,7 +1,7 @@
-"""The form of a behavior file: which keys there are and what may stand there.
+"""The schema of a behavior file: its keys and their values.
 
-What cannot be said by a schema (that an example has one value per feature, that a target exists)
-is checked by `hitab_core.library.behavior_reader`.
+`hitab_core.library.behavior_reader` checks what a schema cannot express, such as that an example
+has one value per feature and that a target exists.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from hitab_core.example import ExampleKind
 from hitab_core.library.yaml_places import Complaints, Document
 
 FORMAT = 1
-"""The version of the form that is written."""
+"""The format version that is written."""
 
 FLAG = "flag"
-"""The kind of a feature that tells whether the active sub-behavior has raised a flag."""
+"""The kind of a feature that is true if the active sub-behavior has raised a flag."""
 
 SUFFIX = ".hfa.yaml"
 """Ending of a behavior file's name."""
 
 MIGRATIONS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {}
-"""For each older format a function that returns the content of a file in the next one."""
+"""For each older format, a function that converts a file's content to the next one."""
 
 _NAME = {"type": "string", "pattern": r"^[A-Za-z][A-Za-z0-9_]*\Z"}
 _TEXT = {"type": "string"}
@@ -114,7 +114,7 @@ _TYPES = {
 
 @cache
 def _validator() -> Any:
-    from jsonschema import Draft202012Validator  # here, since it takes long to import
+    from jsonschema import Draft202012Validator  # here because importing it is slow
 
     return Draft202012Validator(SCHEMA)
 
@@ -123,7 +123,7 @@ def check_format(document: Document) -> int:
     """Return the format of a document.
 
     Raises:
-        LibraryError: if it is none, or newer than what can be read.
+        LibraryError: if it has none, or one that cannot be read.
     """
     if not isinstance(document.value, dict):
         raise LibraryError(
@@ -137,8 +137,8 @@ def check_format(document: Document) -> int:
         )
     if found > FORMAT:
         raise LibraryError(
-            f"{document.place(('format',))}: has format {found}, and this HiTAB reads formats up "
-            f"to {FORMAT}; update HiTAB, or save the behavior again with an older one"
+            f"{document.place(('format',))}: has format {found}, but this HiTAB reads formats up "
+            f"to {FORMAT}; update HiTAB, or save the behavior with an older version"
         )
     if found < FORMAT and found not in MIGRATIONS:
         raise LibraryError(
@@ -149,14 +149,14 @@ def check_format(document: Document) -> int:
 
 
 def migrated(content: dict[str, Any]) -> dict[str, Any]:
-    """Return the content of a file of any format that can be read in the present one."""
+    """Return the content of a file, converted to the current format."""
     while content["format"] < FORMAT:
         content = MIGRATIONS[content["format"]](content)
     return content
 
 
 def check_schema(content: Mapping[str, Any], complaints: Complaints) -> bool:
-    """Complain about all that has another form than `SCHEMA`; return whether there is none."""
+    """Complain about every violation of `SCHEMA`; return whether there are none."""
     well = True
     for error in _validator().iter_errors(content):
         complaints.add(tuple(error.absolute_path), _in_words(error))
@@ -177,7 +177,7 @@ def _in_words(error: Any) -> str:
         case "additionalProperties" if isinstance(limit, bool):
             known = error.schema["properties"]
             unknown = [key for key in value if key not in known]
-            return f"{subject} has {_quoted(unknown)}; only known are {', '.join(known)}"
+            return f"{subject} has {_quoted(unknown)}; the known keys are {', '.join(known)}"
         case "type":
             return f"{subject} must be {_TYPES[limit]}, not {_shown(value)}"
         case "enum":

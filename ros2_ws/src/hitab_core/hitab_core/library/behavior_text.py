@@ -1,4 +1,4 @@
-"""How a behavior file looks: made to be read by people, one line for each thing."""
+"""Writes a behavior file for people to read, one line per item."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import yaml
 from hitab_core.library.yaml_places import means_itself
 
 Rules = Mapping[str, Sequence[str]]
-"""For each state what is learned for it, in words; shown as comments."""
+"""What is learned for each state, in words; written as comments."""
 
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.()-]*\Z", re.ASCII)
 
@@ -20,7 +20,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
     """Return the text of a behavior file.
 
     Args:
-        content: what it says, in the form of `hitab_core.library.behavior_schema.SCHEMA`.
+        content: in the form of `hitab_core.library.behavior_schema.SCHEMA`.
         rules: readable rules by state.
     """
     lines = [
@@ -70,14 +70,14 @@ def _block(head: str, lines: Sequence[str], empty: str) -> list[str]:
 def _trees(digests: Mapping[str, str], rules: Rules) -> list[str]:
     lines = []
     for state, digest in digests.items():
-        # A name that YAML would break a line at must not become part of the file.
+        # A line break in a name must not end the comment.
         lines += [f"# {' '.join(rule.split())}" for rule in rules.get(state, ())]
         lines.append(f"{scalar(state)}: {scalar(digest)}")
     return lines
 
 
 def _table(examples: Sequence[Mapping[str, Any]]) -> Iterable[str]:
-    """Return a line for each example, what belongs together one below the other."""
+    """Return one line per example, with aligned columns."""
     rows = [
         [
             [scalar(value) for value in cell] if isinstance(cell, list) else [scalar(cell)]
@@ -113,13 +113,13 @@ def _flow(value: Any) -> str:
 
 
 def scalar(value: str | int | float) -> str:
-    """Return a value so that it is read back exactly, by readers of YAML 1.1 too."""
+    """Return a value that reads back exactly, also in YAML 1.1."""
     if isinstance(value, int):
         return str(value)
     if isinstance(value, float):
         text = repr(value)
         digits, e, exponent = text.partition("e")
-        # Without a point, "1e-05" is text to many readers.
+        # Many readers take "1e-05", without a point, for text.
         return f"{digits}.0e{exponent}" if e and "." not in digits else text
     if _WORD.match(value) and means_itself(value):
         return value

@@ -1,4 +1,4 @@
-"""A behavior with all that it is made of, for other agents: all of it arrives, or none."""
+"""A behavior and everything it is made of, to send to other agents: all or none."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from hitab_core.repertoire import Repertoire
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Behavior files, each after those that it uses; the last is what the bundle is for.
+    """Behavior files, each after those that it uses; the last is the behavior to send.
 
     Attributes:
-        files: names of behaviors and the texts of their files.
-        digest: SHA-256, in hexadecimal, of all of it.
+        files: pairs of behavior name and file text.
+        digest: SHA-256, in hexadecimal, of all files.
     """
 
     files: tuple[tuple[str, str], ...]
@@ -31,12 +31,12 @@ class Bundle:
 
     @property
     def name(self) -> str:
-        """The behavior that the bundle is for; empty if there is none."""
+        """The behavior to send; empty if there is none."""
         return self.files[-1][0] if self.files else ""
 
 
 def bundle_digest(files: tuple[tuple[str, str], ...]) -> str:
-    """Return the digest of names and texts, byte by byte and in their order."""
+    """Return the digest of names and texts, in order."""
     whole = hashlib.sha256()
     for name, text in files:
         for part in (name, text):
@@ -51,12 +51,12 @@ def make_bundle(
     """Pack a behavior.
 
     Args:
-        library: where trained behaviors are saved, or their files' texts by name.
-        repertoire: what these behaviors use.
+        library: of the trained behaviors, or the texts of their files by name.
+        repertoire: that these behaviors use.
         name: of the behavior.
 
     Raises:
-        LibraryError: if the behavior, or one that it uses, was trained but not saved.
+        LibraryError: if the behavior, or one that it uses, has not been saved.
     """
     texts = library.texts() if isinstance(library, BehaviorLibrary) else library
     try:
@@ -73,7 +73,7 @@ def make_bundle(
             )
     if not files:
         raise LibraryError(
-            f'"{name}" need not be sent: it comes with domain "{repertoire.domain.name}"'
+            f'"{name}" does not need to be sent: it comes with domain "{repertoire.domain.name}"'
         )
     made = tuple(files)
     return Bundle(made, bundle_digest(made))
@@ -83,33 +83,33 @@ def unpack(bundle: Bundle, domain: Domain) -> dict[str, Automaton]:
     """Return the automata of a bundle by name, each after those that it uses.
 
     Raises:
-        LibraryError: naming all that is wrong with it.
+        LibraryError: naming everything wrong with it.
     """
     return {name: file.automaton for name, file in read_bundle(bundle, Editions(domain)).items()}
 
 
 def install(bundle: Bundle, library: BehaviorLibrary) -> list[str]:
-    """Put the behaviors of a bundle into a library: all, or none.
+    """Add the behaviors of a bundle to a library: all or none.
 
     Returns:
-        The names of those that have changed.
+        The names of the changed behaviors.
 
     Raises:
-        LibraryError: naming all that is wrong; then nothing has changed.
+        LibraryError: naming everything wrong; nothing has changed.
     """
     read_bundle(bundle, library.editions)
     return library.install(dict(bundle.files))
 
 
 def plan_bundle(change: LibraryChange, bundle: Bundle, editions: Editions) -> Edition:
-    """Plan to put the behaviors of a bundle that was read into a library: all, or none.
+    """Plan to add the behaviors of a bundle to a library: all or none.
 
     Returns:
-        What the library will hold.
+        The library's edition after the change.
 
     Raises:
-        LibraryError: naming all that is wrong with it or with other files in the library.
-        VocabularyError: if they do not fit to the domain.
+        LibraryError: naming everything wrong with it or with other files in the library.
+        VocabularyError: if they do not fit the domain.
     """
     change.install(dict(bundle.files))
     if change.problems:
@@ -118,7 +118,7 @@ def plan_bundle(change: LibraryChange, bundle: Bundle, editions: Editions) -> Ed
 
 
 def digest_in(edition: Edition, names: Iterable[str]) -> str:
-    """Return the digest over the files of these behaviors, in their order, in an edition."""
+    """Return the digest of these behaviors' files in an edition, in the order given."""
     return bundle_digest(tuple((name, edition.files[name].text) for name in names))
 
 
@@ -127,10 +127,10 @@ def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
 
     Args:
         bundle: what was received.
-        editions: reads them; what it has read before costs nothing.
+        editions: reads the files, and caches them.
 
     Raises:
-        LibraryError: naming all that is wrong with it.
+        LibraryError: naming everything wrong with it.
     """
     if not bundle.files:
         raise LibraryError("the bundle is empty; send it again")
@@ -138,7 +138,7 @@ def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
     if found != bundle.digest:
         raise LibraryError(
             f'the bundle of "{bundle.name}" has digest {found[:16]}… instead of '
-            f"{bundle.digest[:16]}…: it has changed on its way; send it again"
+            f"{bundle.digest[:16]}…: it was corrupted in transit; send it again"
         )
     files: dict[str, BehaviorFile] = {}
     problems: list[str] = []

@@ -1,4 +1,4 @@
-"""One change of a library: planned and checked whole, then made, or not made at all."""
+"""One change to a library: planned, checked, then made as a whole or not at all."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from hitab_core.library.provenance import Provenance, tool_name
 
 
 class LibraryChange:
-    """A change that is being planned, while nobody else can change the library.
+    """A change being planned while the library is locked.
 
-    Plan with one of `save`, `install`, `remove` and `restore`, look at `after`, then `commit` or
-    leave it. Nothing is written before. Get one from `BehaviorLibrary.change`.
+    Get one from `BehaviorLibrary.change`. Plan with `save`, `install` or `remove`, inspect
+    `after`, then `commit` or drop it. Nothing is written before the commit.
 
     Attributes:
-        after: the files that can be used, by name, once the change is made.
-        problems: what is wrong with other files, by name.
+        after: the usable files after the change, by name.
+        problems: with other files, by name.
     """
 
     def __init__(
@@ -35,14 +35,14 @@ class LibraryChange:
         clock: Callable[[], str],
         done: Callable[[LibraryChange], None],
     ) -> None:
-        """Begin to plan.
+        """Start planning.
 
         Args:
-            folder: held alone as long as this is used.
+            folder: locked exclusively as long as this is used.
             editions: reads behavior files, of one domain.
-            there: the files that can be used, by name.
-            problems: what is wrong with the others.
-            clock: the time, ISO 8601, that is put into what is saved.
+            there: the usable files, by name.
+            problems: with the other files.
+            clock: returns the time, ISO 8601, to record in saved files.
             done: called once the change is made.
         """
         self.after = dict(there)
@@ -69,11 +69,11 @@ class LibraryChange:
         """Plan to add a behavior, or a new version of it; return its file.
 
         Raises:
-            LibraryError: if it does not fit to what is there.
+            LibraryError: if it does not fit the library.
         """
         name = automaton.name
         path = self._folder.file(name)
-        # What was edited becomes the new version and need not be kept as one before it.
+        # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
         number = self._folder.next_number(name, kept)
         text = text_of(
@@ -99,10 +99,10 @@ class LibraryChange:
         return new
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
-        """Plan to put files of another library into this one as they are.
+        """Plan to copy files of another library into this one unchanged.
 
         Returns:
-            The names of the behaviors that will have changed, sorted.
+            The names of the behaviors that will change, sorted.
 
         Raises:
             LibraryError: naming what is wrong.
@@ -112,7 +112,7 @@ class LibraryChange:
             for name, text in texts.items()
         }
         self._check_fit(new)
-        # By their texts, comments included: senders and receivers compare these.
+        # Compare texts, comments included, as senders and receivers do.
         changed = sorted(
             name
             for name in new
@@ -130,7 +130,7 @@ class LibraryChange:
         """Plan to remove a behavior; its versions stay.
 
         Raises:
-            LibraryError: if there is none, or others use it.
+            LibraryError: if it is missing, or other behaviors use it.
         """
         names = self._folder.names()
         if name not in names:
@@ -138,8 +138,8 @@ class LibraryChange:
         users = sorted(n for n, f in self.after.items() if name in f.automaton.behaviors_used)
         if users and name not in self._domain.automata:
             raise LibraryError(
-                f'{self._folder.path}: "{name}" cannot be removed, since {", ".join(users)} '
-                "cannot do without it; remove that first"
+                f'{self._folder.path}: "{name}" cannot be removed: it is used by '
+                f"{', '.join(users)}; remove its users first"
             )
         self._plan({**self._unkept(name), file_name(name): None}, {name: None})
 
@@ -147,7 +147,7 @@ class LibraryChange:
         """Return one version of a behavior.
 
         Raises:
-            LibraryError: if there is none, or something is wrong with it.
+            LibraryError: if it is missing or faulty.
         """
         return read_version(self._folder, self._editions, name, number)
 
@@ -157,18 +157,18 @@ class LibraryChange:
         """Make the change; when this returns, it is on disk.
 
         Raises:
-            LibraryError: if it cannot be written; then nothing has changed.
+            LibraryError: if it cannot be written; nothing has changed.
         """
         self._folder.change(self._changes)
         self._done(self)
 
     def announce(self) -> None:
-        """Make the change, but leave it to the caller to force it to disk and to carry it out.
+        """Write only the note of the change; the caller syncs the disk and carries it out.
 
-        `note` is then what `hitab_core.library.commit` knows it by; empty if nothing changes.
+        `note` then identifies the change to `hitab_core.library.commit`; empty if nothing changes.
 
         Raises:
-            LibraryError: if it cannot be written; then nothing has changed.
+            LibraryError: if it cannot be written; nothing has changed.
         """
         if self._changes:
             self.note = self._folder.announce(self._changes)
@@ -206,7 +206,7 @@ class LibraryChange:
         return ""
 
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
-        """Refuse what would not fit together, so that a library never gets worse."""
+        """Refuse files that do not fit together, so that a library never gets worse."""
         others = {name: text for name, text in self.problems.items() if name not in new}
         together = {**self.after, **new}
         if not others and self._editions.knows(together):
@@ -225,7 +225,7 @@ def read_version(
     """Return one version of a behavior in a folder.
 
     Raises:
-        LibraryError: if there is none, or something is wrong with it.
+        LibraryError: if it is missing or faulty.
     """
     versions = folder.versions(name)
     if number not in versions:

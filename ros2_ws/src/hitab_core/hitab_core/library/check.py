@@ -1,4 +1,4 @@
-"""Whether behavior files fit together: what they use exists, and none uses itself."""
+"""Checks that behavior files fit together: what they use exists, and none is recursive."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from hitab_core.library.behavior_file import BehaviorFile, file_name
 def misfits(
     files: Mapping[str, BehaviorFile], domain: Domain, unreadable: Mapping[str, str] | None = None
 ) -> dict[str, str]:
-    """Return what keeps behaviors from being used, by name, each a text with a line per complaint.
+    """Return why behaviors cannot be used, by name, each a text with one line per complaint.
 
     Args:
         files: the behaviors that could be read, by name.
         domain: gives the basic behaviors and the hand-written automata.
-        unreadable: names of those that could not; what uses them cannot be used either.
+        unreadable: names of the others; behaviors that use them cannot be used either.
     """
     lost = set(unreadable or ())
     users: dict[str, list[str]] = {}
@@ -43,7 +43,7 @@ def misfits(
         }
         found |= more
         lost |= set(more)
-        # Only what uses one of these may have become wrong by that.
+        # Only the users of these can become faulty.
         asked = {user: None for name in more for user in users.get(name, ()) if user not in found}
     return found
 
@@ -69,10 +69,10 @@ def _complaints(
                 "a behavior cannot use itself: remove the state from one of these"
             )
         elif state.name in lost:
-            complaints.append(f"{place}, which is not right either; mend that first")
+            complaints.append(f"{place}, which is faulty itself; fix that first")
         elif parameters is None:
             complaints.append(
-                f"{place} which is not in the library {has(files)} nor a behavior of domain "
+                f"{place}, which is neither in the library {has(files)} nor a behavior of domain "
                 f'"{domain.name}" {has([*domain.behaviors, *domain.automata])}; '
                 f"put {file_name(state.name)} into the folder, or take the state out"
             )
@@ -95,7 +95,7 @@ def _parameters(
 
 
 def _circle(name: str, used: str, uses: Uses) -> list[str]:
-    """Return the shortest way from ``name`` over ``used`` back to ``name``; there is one."""
+    """Return the shortest path from ``name`` via ``used`` back to ``name``; it must exist."""
     came_from = {used: name}
     waiting = deque([used])
     while name not in came_from:

@@ -1,8 +1,8 @@
-"""Several files of a folder changed at once: all of them, or none, also when the power fails.
+"""Changes several files of a folder atomically, even if the power fails.
 
-What is to be done is first written down whole in one file, the note. Once that is in its place
-the change counts as made: whoever comes to the folder next and finds the note carries it out
-again from the beginning and, where the disk does not let him, reads as if it were carried out.
+The whole change is first written to one file, the note. Once the note is in place the change
+counts as made. The next process that opens the folder and finds the note carries it out again from
+the beginning; on a read-only disk it reads the folder as if the change were carried out.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ from hitab_core.library.durable_files import (
 )
 
 COMMIT = ".commit.json"
-"""The note, which says what is to be done."""
+"""The note, which describes the change to make."""
 
 _INSIDE = re.compile(r"(\.?[A-Za-z0-9][A-Za-z0-9_.-]*/)*\.?[A-Za-z0-9][A-Za-z0-9_.-]*\Z")
 _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")
 
 
 def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
-    """Write and remove files, all or none. The caller holds the folder alone.
+    """Write and remove files, all or none. The caller must hold the exclusive lock.
 
-    When this returns, the note is on disk and the change is made, even if the files themselves
-    could not be written yet.
+    When this returns, the note is on disk and the change counts as made, even if the files
+    themselves could not be written yet.
 
     Args:
-        folder: where.
-        changes: new contents by path inside the folder; None: the file is removed.
+        folder: of the files.
+        changes: new contents by path inside the folder; None: remove the file.
 
     Raises:
-        LibraryError: if it cannot be written; then nothing has changed.
+        LibraryError: if it cannot be written; nothing has changed.
     """
     finish(folder)
     if not changes:
@@ -52,23 +52,23 @@ def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
             write_durably(folder / COMMIT, _note(changes))
         except OSError:
             if not _withdrawn(folder):
-                return  # whoever comes next finds the note: the change is made
+                return  # the next process finds the note: the change is made
             raise
-    # What cannot be carried out now is done by whoever comes next.
+    # The next process carries out what fails here.
     with suppress(OSError, LibraryError):
         _carry_out(folder, pending(folder))
         _remove_note(folder)
 
 
 def announce(folder: Path, changes: Mapping[str, bytes | None]) -> bytes:
-    """Put a note into its place without waiting for the disk; return what it says.
+    """Put a note in place without syncing the disk; return its contents.
 
-    The caller holds the folder alone, and has carried out what was to be done there before. The
-    change survives this process from now on, and a power failure once the caller has forced the
-    file system to disk. Then come `carry_out`, the disk again, and `forget`.
+    The caller must hold the exclusive lock and have carried out earlier changes. From now on the
+    change survives this process, and a power failure once the caller has synced the file system.
+    Then call `carry_out`, sync again, and call `forget`.
 
     Raises:
-        LibraryError: if it cannot be written; then nothing has changed.
+        LibraryError: if it cannot be written; nothing has changed.
     """
     note = _note(changes)
     with file_errors(folder, "write to"):
@@ -77,7 +77,7 @@ def announce(folder: Path, changes: Mapping[str, bytes | None]) -> bytes:
 
 
 def withdraw(folder: Path, note: bytes) -> bool:
-    """Take back a note that was announced; return whether that was still possible."""
+    """Withdraw an announced note; return whether that was still possible."""
     try:
         with file_errors(folder, "use"), locked(folder, alone=True, patience=0.0):
             return _is_there(folder, note) and _withdrawn(folder)
@@ -86,9 +86,9 @@ def withdraw(folder: Path, note: bytes) -> bool:
 
 
 def carry_out(folder: Path, note: bytes) -> None:
-    """Do what a note says, unless somebody has done so, without waiting for the disk.
+    """Carry out a note, unless that is done already, without syncing the disk.
 
-    Whoever holds the folder, or comes after a disk error, does it himself.
+    If the folder is locked or the disk fails, a later process carries it out.
     """
     with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
         if _is_there(folder, note):
@@ -96,22 +96,22 @@ def carry_out(folder: Path, note: bytes) -> None:
 
 
 def forget(folder: Path, note: bytes) -> None:
-    """Remove a note that was carried out, on disk too, unless somebody has done so."""
+    """Remove a note that was carried out, also on disk, unless that is done already."""
     with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
         if _is_there(folder, note):
             (folder / COMMIT).unlink()
 
 
 def is_unfinished(folder: Path) -> bool:
-    """Return whether changes are written down but perhaps not all done."""
+    """Return whether there is a note that may not be carried out yet."""
     return (folder / COMMIT).exists()
 
 
 def finish(folder: Path) -> None:
-    """Do what is written down, if anything is. The caller holds the folder alone.
+    """Carry out the note, if there is one. The caller must hold the exclusive lock.
 
     Raises:
-        LibraryError: if what is written down makes no sense, or cannot be done.
+        LibraryError: if the note makes no sense, or cannot be carried out.
     """
     note = folder / COMMIT
     with file_errors(folder, "write to"):
@@ -125,7 +125,7 @@ def finish(folder: Path) -> None:
             left_over.unlink(missing_ok=True)
         plan = pending(folder)
         if plan:
-            # It may have been announced only, and must not get lost while it is half done.
+            # The note may only be announced; it must not get lost half-way through.
             descriptor = os.open(note, os.O_RDONLY | os.O_CLOEXEC)
             try:
                 os.fsync(descriptor)
@@ -137,7 +137,7 @@ def finish(folder: Path) -> None:
 
 
 def pending(folder: Path) -> dict[str, bytes | None]:
-    """Return what a note says that perhaps is not done yet; empty if there is none.
+    """Return the changes of a note that may not be carried out yet; empty if there is none.
 
     Raises:
         LibraryError: if the note makes no sense.
@@ -151,10 +151,10 @@ def pending(folder: Path) -> dict[str, bytes | None]:
     head = _HEAD.match(data)
     body = data[head.end() :] if head is not None else b""
     if b"\0" in data or not data or (head is not None and len(body) < int(head[2])):
-        return {}  # the power failed before it was on disk: the change was never made
+        return {}  # the power failed before the note was on disk: the change was never made
     try:
         if head is None or zlib.crc32(body) != int(head[1], 16):
-            raise ValueError("check sum")
+            raise ValueError("checksum mismatch")
         plan = json.loads(body)
         for path, content in plan.items():
             if _INSIDE.match(path) is None or not isinstance(content, str | None):
@@ -165,8 +165,8 @@ def pending(folder: Path) -> dict[str, bytes | None]:
         }
     except (ValueError, AttributeError, TypeError, RecursionError) as error:
         raise LibraryError(
-            f"{note}: does not say what is to be done ({error}); "
-            "it was changed by hand: remove it and check the folder's files"
+            f"{note}: is not a valid note of a change ({error}); "
+            "it was edited by hand: remove it and check the folder's files"
         ) from None
 
 
@@ -186,7 +186,7 @@ def _is_there(folder: Path, note: bytes) -> bool:
 
 
 def _withdrawn(folder: Path) -> bool:
-    """Remove the note, if it is there; return whether it is not there any more."""
+    """Remove the note, if any; return whether it is gone."""
     try:
         (folder / COMMIT).unlink(missing_ok=True)
     except OSError:

@@ -1,4 +1,4 @@
-"""What has changed between two versions of a behavior, for people to read."""
+"""Differences between two versions of a behavior, for people to read."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from hitab_core.library.behavior_file import BehaviorFile
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """What there is in only one of two versions.
+    """What only one of two versions has.
 
     Attributes:
-        added, removed: states, features and parameters, and other things that a file tells, by
-            name, such as ``state GetOpen``.
+        added, removed: states, features, parameters and other contents, by name, such as
+            ``state GetOpen``.
         added_examples, removed_examples: examples, as text.
-        added_rules, removed_rules: what the transition functions say, as text, such as
+        added_rules, removed_rules: rules of the transition functions, as text, such as
             ``GetOpen: if IWasYelledAt: ControlBall``.
     """
 
@@ -32,11 +32,11 @@ class Difference:
     removed_rules: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
-        """Return whether anything has changed."""
+        """Return whether the versions differ."""
         return self != Difference()
 
     def __str__(self) -> str:
-        """Return a line for each thing, ``-`` before what is gone, ``+`` before what is new."""
+        """Return one line per difference: ``-`` before removals, ``+`` before additions."""
         lines = []
         for title, removed, added in (
             ("", self.removed, self.added),
@@ -51,9 +51,9 @@ class Difference:
 
 
 def difference(before: BehaviorFile, after: BehaviorFile) -> Difference:
-    """Return what has changed from one version of a behavior to another.
+    """Return the differences between two versions of a behavior.
 
-    The numbers of examples and when they were recorded do not count.
+    Example numbers and recording times are ignored.
     """
     removed, added = _only(_facts(before), _facts(after))
     removed_examples, added_examples = _only(_examples(before), _examples(after))
@@ -62,7 +62,7 @@ def difference(before: BehaviorFile, after: BehaviorFile) -> Difference:
 
 
 def _only(before: Sequence[str], after: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return what is only in the one and only in the other, each as often as it is there more."""
+    """Return the multiset differences of two sequences, in both directions."""
     gone, new = Counter(before) - Counter(after), Counter(after) - Counter(before)
     return tuple(gone.elements()), tuple(new.elements())
 
@@ -85,7 +85,7 @@ def _examples(file: BehaviorFile) -> list[str]:
 
 
 def _as_text(example: Example, names: Sequence[str]) -> str:
-    # By name, so that examples are the same when a feature beside them has been trimmed.
+    # By name, so that examples compare equal after another feature was trimmed.
     seen = ", ".join(
         f"{name} {value!r}" for name, value in zip(names, example.features, strict=True)
     )
@@ -99,6 +99,6 @@ def _rules(file: BehaviorFile) -> list[str]:
         function = file.automaton.transitions.get(label)
         if isinstance(function, TransitionTree):
             for rule in function.rules(names):
-                words, _, _ = str(rule).rpartition(" (")  # without how many examples there are
+                words, _, _ = str(rule).rpartition(" (")  # without the number of examples
                 rules.append(f"{label}: {words}")
     return rules

@@ -1,4 +1,4 @@
-"""Digests by which behaviors are compared: SHA-256, in hexadecimal."""
+"""Digests for comparing behaviors: SHA-256, in hexadecimal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def checksum(content: Mapping[str, Any]) -> str:
-    """Return the digest of all that a behavior file says but its own checksum.
+    """Return the digest of a behavior file's content, without its own checksum.
 
     Comments, spaces and the order of keys do not matter.
     """
@@ -21,7 +21,7 @@ def checksum(content: Mapping[str, Any]) -> str:
 def digest_of(checksums: Mapping[str, str]) -> str:
     """Return the digest of several behaviors, given the checksum of each by name.
 
-    Libraries with the same digest hold the same behaviors. An empty one has a digest too.
+    Libraries with equal digests hold the same behaviors. An empty library has a digest too.
     """
     lines = "".join(f"{name} {checksums[name]}\n" for name in sorted(checksums))
     return hashlib.sha256(lines.encode()).hexdigest()

@@ -1,7 +1,7 @@
-"""Files that are there whole or not at all, also when the power fails in the middle.
+"""Writes files atomically, even if the power fails.
 
-A file is written beside its place, forced to disk and renamed into place; then the folder, which
-holds the name, is forced to disk too.
+A file is written beside its destination, synced to disk and renamed into place; then the folder,
+which holds the name, is synced too.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from pathlib import Path
 from hitab_core.errors import FolderInUseError, LibraryError
 
 UNFINISHED = ".tmp"
-"""Ending of a file that is being written; what is left of it after a crash means nothing."""
+"""Suffix of a file that is being written; leftovers after a crash mean nothing."""
 
 FEW_FOLDERS = 20
-"""So many are forced to disk one by one; of more, their file systems."""
+"""Up to this many are synced file by file; for more, the whole file system is synced."""
 
 PATIENCE = 10.0
 """Seconds to wait for another process to finish with a folder."""
 
 _REMEDIES = {
-    errno.EACCES: "give yourself the right to, or use another folder",
-    errno.EPERM: "give yourself the right to, or use another folder",
-    errno.EROFS: "copy it to a disk that can be written",
+    errno.EACCES: "check its permissions, or use another folder",
+    errno.EPERM: "check its permissions, or use another folder",
+    errno.EROFS: "the disk is read-only; copy it to a writable one",
     errno.ENOSPC: "make room on the disk",
     errno.EDQUOT: "make room on the disk",
-    errno.ENOENT: "look for a mistyped name",
-    errno.ENOTDIR: "a part of the path is a file; look for a mistyped name",
-    errno.EISDIR: "it is a folder; look for a mistyped name",
+    errno.ENOENT: "check the path",
+    errno.ENOTDIR: "a part of the path is a file; check the path",
+    errno.EISDIR: "it is a folder; check the path",
     errno.ENAMETOOLONG: "use a shorter name",
 }
 
@@ -45,8 +45,8 @@ def file_errors(path: Path, doing: str) -> Iterator[None]:
     """Turn an error of the operating system into one that names the file and the way out.
 
     Args:
-        path: what is being worked on.
-        doing: what cannot be done, such as "read".
+        path: the file or folder in use.
+        doing: the operation, such as "read".
 
     Raises:
         LibraryError: instead of OSError.
@@ -56,12 +56,12 @@ def file_errors(path: Path, doing: str) -> Iterator[None]:
     except OSError as error:
         code = error.errno or 0
         reason = os.strerror(code) if code else str(error)
-        remedy = _REMEDIES.get(code, "look after the disk and try again")
+        remedy = _REMEDIES.get(code, "check the disk and try again")
         raise LibraryError(f"{path}: cannot {doing} it: {reason}; {remedy}") from error
 
 
 def sync_folder(folder: Path) -> None:
-    """Force the names in a folder to disk."""
+    """Sync the names in a folder to disk."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(descriptor)
@@ -70,11 +70,11 @@ def sync_folder(folder: Path) -> None:
 
 
 def make_folder(folder: Path, *, sync: bool = True) -> None:
-    """Make a folder, and those it is in, and force their names to disk; it may be there.
+    """Make a folder and its parents, if missing, and sync their names to disk.
 
     Args:
-        folder: what to make.
-        sync: force the names to disk; otherwise that is left to the caller.
+        folder: to make.
+        sync: sync the names to disk; otherwise the caller must.
     """
     if not folder.is_dir():
         make_folder(folder.parent, sync=sync)
@@ -84,20 +84,20 @@ def make_folder(folder: Path, *, sync: bool = True) -> None:
 
 
 def write_all(descriptor: int, data: bytes) -> None:
-    """Write all of ``data``; the operating system may take several goes."""
+    """Write all of ``data``; the operating system may need several calls."""
     view = memoryview(data)
     while view:
         view = view[os.write(descriptor, view) :]
 
 
 def sync_trees(folders: Iterable[Path]) -> None:
-    """Force all that was written into some folders, and those inside them, to disk.
+    """Sync everything in some folders, and in the folders inside them, to disk.
 
-    Of a few folders each file is forced: that does not wait for what other programs have written.
-    Of many the whole file system is, which takes about as long as `os.fsync` of one file.
+    For a few folders each file is synced, which does not wait for other programs' writes. For many
+    the whole file system is synced, which takes about as long as `os.fsync` of one file.
 
     Raises:
-        OSError: if that cannot be done.
+        OSError: if that fails.
     """
     folders = list(folders)
     if len(folders) <= FEW_FOLDERS:
@@ -137,16 +137,15 @@ def _sync_filesystem(descriptor: int) -> None:
 
 
 def write_durably(path: Path, data: bytes, *, sync: bool = True) -> None:
-    """Put ``data`` into a file, in the place of what was there, whole or not at all.
+    """Replace the contents of a file by ``data`` atomically.
 
     Args:
-        path: of the file.
-        data: all that it will hold.
-        sync: force it to disk; otherwise the caller does, with `sync_trees`.
+        path: of the file, which may be missing.
+        data: the new contents.
+        sync: sync it to disk; otherwise the caller must, with `sync_trees`.
 
     Raises:
-        OSError: if it cannot be done; then what was there still is, unless only the new name
-            could not be forced to disk.
+        OSError: if it fails; the old contents are kept, unless only syncing the new name failed.
     """
     make_folder(path.parent, sync=sync)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}{UNFINISHED}")
@@ -169,12 +168,12 @@ def write_durably(path: Path, data: bytes, *, sync: bool = True) -> None:
 
 @contextmanager
 def locked(folder: Path, *, alone: bool, patience: float = PATIENCE) -> Iterator[None]:
-    """Hold a folder: many may hold it to read, or one ``alone`` to write.
+    """Lock a folder: shared, to read, or exclusively (``alone``), to write.
 
-    The lock is the kernel's: it ends with the process, however that ends.
+    It is a kernel lock, so it ends with the process, however that ends.
 
     Raises:
-        FolderInUseError: if somebody else does not let go for ``patience`` seconds.
+        FolderInUseError: if another process keeps it locked for ``patience`` seconds.
     """
     with file_errors(folder, "lock"):
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -194,7 +193,7 @@ def locked(folder: Path, *, alone: bool, patience: float = PATIENCE) -> Iterator
                     ) from None
                 time.sleep(0.001)
             except OSError:
-                break  # a file system without locks; single files are still whole or not there
+                break  # a file system without locks; single files are still written atomically
         yield
     finally:
         os.close(descriptor)

@@ -1,4 +1,4 @@
-"""All that a library held at one moment, shared by the agents that have learned the same."""
+"""Immutable contents of a library, shared by agents with the same behaviors."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from hitab_core.repertoire import Repertoire
 
 @dataclass(frozen=True, eq=False)
 class Edition:
-    """What an agent has learned: files, and the behaviors that they make. Nothing in it changes.
+    """Everything an agent has learned: files and their behaviors. Immutable.
 
     Attributes:
         files: the behavior files, by name.
-        repertoire: these behaviors with those of the domain.
+        repertoire: these behaviors and those of the domain.
     """
 
     files: Mapping[str, BehaviorFile]
@@ -28,27 +28,27 @@ class Edition:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of all behaviors in it."""
+        """Digest of all its behaviors."""
         return digest_of({name: file.checksum for name, file in self.files.items()})
 
     @property
     def texts(self) -> dict[str, str]:
-        """The text of each file, by the behavior's name."""
+        """The text of each file, by behavior name."""
         return {name: file.text for name, file in self.files.items()}
 
 
 class Editions:
-    """Reads each text once and makes each edition once, however many libraries hold them.
+    """Reads each text once and makes each edition once, for any number of libraries.
 
-    Reading a behavior means to learn it again from its examples. What no library holds any more
-    is forgotten.
+    Reading a behavior means learning it again from its examples, so this is a cache. Entries that
+    no library uses are dropped.
 
     Attributes:
-        domain: with which behaviors were trained.
+        domain: in which behaviors were trained.
     """
 
     def __init__(self, domain: Domain) -> None:
-        """Begin with nothing."""
+        """Start empty."""
         self.domain = domain
         self._files: WeakValueDictionary[tuple[str, str], BehaviorFile] = WeakValueDictionary()
         self._editions: WeakValueDictionary[frozenset[tuple[str, str]], Edition] = (
@@ -56,10 +56,10 @@ class Editions:
         )
 
     def read(self, text: str, file: str) -> BehaviorFile:
-        """Return what a behavior file says; see `read_behavior`.
+        """Return a behavior file; see `read_behavior`.
 
         Raises:
-            LibraryError: naming all that is wrong with it.
+            LibraryError: naming everything wrong with it.
         """
         found = self._files.get((file, text))
         if found is None:
@@ -67,14 +67,14 @@ class Editions:
         return found
 
     def knows(self, files: Mapping[str, BehaviorFile]) -> bool:
-        """Return whether these files make an edition that there is, so that they fit together."""
+        """Return whether there is an edition of these files, so that they are known to fit."""
         return _key(files) in self._editions
 
     def of(self, files: Mapping[str, BehaviorFile]) -> Edition:
-        """Return the edition of some files.
+        """Return the edition of these files.
 
         Raises:
-            VocabularyError: if they do not fit together, or to the domain.
+            VocabularyError: if they do not fit together, or do not fit the domain.
         """
         key = _key(files)
         found = self._editions.get(key)

@@ -1,4 +1,4 @@
-"""Whether an example that somebody may have edited makes sense in its automaton."""
+"""Checks that an example, which may be edited by hand, makes sense in its automaton."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from hitab_core.example import Example
 
 
 def wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale]) -> Iterable[str]:
-    """Yield what is wrong with an example, each as words that follow ``example 7``.
+    """Yield the faults of an example, worded to follow ``example 7``.
 
     Args:
-        example: to look at.
+        example: to check.
         labels: of the automaton's states, without Start.
-        scales: for each feature of the automaton how its values compare.
+        scales: how the values of each feature of the automaton compare.
     """
     if example.state not in (START, *labels):
         yield f'is of state "{example.state}", which is not listed {has([START, *labels])}'

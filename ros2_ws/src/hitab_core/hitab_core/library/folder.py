@@ -1,4 +1,4 @@
-"""The files of a library: what is where, and how it is changed. What they say is not looked at."""
+"""The files of a library: where they are and how they change, whatever their contents."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from hitab_core.use import NAME, NAME_RULE
 VERSIONS = ".versions"
 
 Changes = Mapping[str, bytes | None]
-"""New contents of files, by path in the folder; None: the file is removed."""
+"""New contents of files, by path in the folder; None: remove the file."""
 
 
 class LibraryFolder:
-    """A folder of behavior files and, beside them, of all their versions.
+    """A folder of behavior files and all their versions.
 
-    All that reads or writes more than one file is done while it is `held`.
+    Anything that reads or writes more than one file must hold the lock, see `held`.
     """
 
     def __init__(self, path: Path) -> None:
-        """Name a folder, which need not be there yet."""
+        """Open a folder, which may be missing."""
         self.path = path
         self._pending: Changes = {}
 
@@ -37,18 +37,17 @@ class LibraryFolder:
     def held(
         self, *, alone: bool, patience: float = PATIENCE, sync: bool = True
     ) -> Iterator[None]:
-        """Hold the folder: ``alone`` to write, or with others to read. Not to be nested.
+        """Lock the folder: exclusively (``alone``) to write, or shared to read. Do not nest.
 
-        A change that was made but not carried out is carried out first. Who only reads does not
-        need that: where the disk does not allow it, he reads as if it were.
+        A pending change is carried out first. A reader on a read-only disk reads as if it were.
 
         Args:
-            alone: to write, and not only to read.
-            patience: seconds to wait for others to let go of it.
-            sync: if the folder is made, force it to disk.
+            alone: lock exclusively, to write.
+            patience: seconds to wait for other processes.
+            sync: if the folder is made, sync it to disk.
 
         Raises:
-            LibraryError: if it cannot be made, or another process does not let go of it.
+            LibraryError: if it cannot be made, or another process keeps it locked.
         """
         with file_errors(self.path, "use"):
             if alone:
@@ -76,14 +75,14 @@ class LibraryFolder:
             yield
 
     def names(self) -> list[str]:
-        """Return the names of the behaviors for which there is a file, sorted."""
+        """Return the names of the behaviors that have a file, sorted."""
         return self._names(".")
 
     def text(self, path: Path) -> str:
         """Return the text of a file in the folder.
 
         Raises:
-            LibraryError: if it cannot be read, is not text or is too large to be a behavior.
+            LibraryError: if it cannot be read, is not text or is too large.
         """
         coming = None
         if self._pending:
@@ -110,13 +109,13 @@ class LibraryFolder:
         return self.path / _version(name, number)
 
     def unkept(self, name: str, number: int = 0) -> Changes:
-        """Return what keeps the present file of a behavior as a version, if none is like it.
+        """Return the change that keeps a behavior's file as a version, unless one equals it.
 
-        A file may have been put into the folder or edited by other means.
+        Files may be added or edited by other means.
 
         Args:
             name: of the behavior.
-            number: what the version should be called if that is not taken.
+            number: preferred number of the version, if it is free.
         """
         path = self.file(name)
         with file_errors(path, "read"):
@@ -124,43 +123,43 @@ class LibraryFolder:
                 return {}
             data = path.read_bytes()
             numbers = self.versions(name)
-            newest = [n for n in (number,) if n in numbers]  # probably, and then that will do
+            newest = [n for n in (number,) if n in numbers]  # the likely match, so check it first
             for n in (*newest, *reversed(numbers)):
                 if self.version_file(name, n).read_bytes() == data:
                     return {}
         return {_version(name, max([number, 1, *(n + 1 for n in numbers)])): data}
 
     def next_number(self, name: str, planned: Changes) -> int:
-        """Return the number of the next version, if ``planned`` is done before."""
+        """Return the number of the next version after the ``planned`` changes."""
         kept = [int(Path(p).name.removesuffix(SUFFIX)) for p in planned if _is_of(p, name)]
         return 1 + max([0, *self.versions(name), *kept])
 
     def addition(self, name: str, number: int, text: str) -> Changes:
-        """Return what makes ``text`` the file of a behavior and keeps it as a version."""
+        """Return the change that makes ``text`` a behavior's file and keeps it as a version."""
         data = text.encode()
         return {_version(name, number): data, self.file(name).name: data}
 
     def change(self, changes: Changes) -> None:
-        """Make changes: all, or none.
+        """Make changes: all or none.
 
         Raises:
-            LibraryError: if they cannot be made; then nothing has changed.
+            LibraryError: if they cannot be made; nothing has changed.
         """
         commit(self.path, changes)
 
     def announce(self, changes: Changes) -> bytes:
-        """Make changes that others see already and that are carried out later.
+        """Make changes that other processes see at once and that are carried out later.
 
         Returns:
-            The note by which they are known; see `hitab_core.library.commit.announce`.
+            The note that identifies them; see `hitab_core.library.commit.announce`.
 
         Raises:
-            LibraryError: if they cannot be made; then nothing has changed.
+            LibraryError: if they cannot be made; nothing has changed.
         """
         return announce(self.path, changes)
 
     def _names(self, inner: str) -> list[str]:
-        """Return the names of behavior files in a folder in this one, sorted."""
+        """Return the names of behavior files in an inner folder, sorted."""
         found = set(_names(self.path / inner))
         for path, content in self._pending.items():
             place = Path(path)

@@ -12,13 +12,13 @@ class Provenance:
     """Where a behavior comes from.
 
     Attributes:
-        version: counts how often it was saved, from 1.
+        version: number of times it was saved.
         created: when this version was saved, ISO 8601.
         author: who trained it.
         agent: the agent that was trained.
         tool: what wrote the file.
-        earlier: checksum of the version before; empty for the first.
-        note: anything else worth telling.
+        earlier: checksum of the previous version; empty for the first.
+        note: free text.
     """
 
     version: int = 1
@@ -31,7 +31,7 @@ class Provenance:
 
 
 def time_now() -> str:
-    """Return the time as files state it: ISO 8601, in UTC, to the second."""
+    """Return the current time as ISO 8601, in UTC, to the second."""
     return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 

@@ -1,4 +1,4 @@
-"""What happens to an automaton on saving: what it does not need is trimmed, its targets bound.
+"""Prepares an automaton for saving: trims what it does not need and binds its targets.
 
 Source: the paper, section 3, "Running HiTAB": before a behavior is saved, unused states and
 features are trimmed, and parameters bound to a target or to a parameter of the automaton itself.
@@ -25,20 +25,19 @@ from hitab_core.use import NAME, NAME_RULE, Use
 def trim(
     automaton: Automaton, repertoire: Repertoire, *, classifier: str = "tree"
 ) -> tuple[Automaton, list[str]]:
-    """Return an automaton without states and features that it does not need.
+    """Return an automaton without the states and features that it does not need.
 
-    A state is needed if an example mentions it, a feature if a transition function can look at
-    it. What is learned from the trimmed examples decides exactly as before: the tree that C4.5
-    grows depends a little on features that it does not use in the end, and where leaving one out
-    would change a decision, it stays.
+    A state is needed if an example mentions it, a feature if a transition function can look at it.
+    The trimmed automaton decides exactly as before. A C4.5 tree depends a little even on features
+    that it does not use in the end: if leaving one out would change a decision, it is kept.
 
     Args:
-        automaton: as it was trained.
-        repertoire: the behaviors and features that there are.
-        classifier: what learned it.
+        automaton: as trained.
+        repertoire: the available behaviors and features.
+        classifier: that learned it.
 
     Returns:
-        The trimmed automaton and, for people to read, what was trimmed.
+        The trimmed automaton and readable notes on what was trimmed.
 
     Raises:
         VocabularyError: if something is bound to neither a target nor a parameter.
@@ -59,8 +58,8 @@ def trim(
             notes.append(f'feature "{feature}" is not used by any transition function')
         elif i not in used:
             notes.append(
-                f'kept feature "{feature}": no transition function uses it, but without it '
-                "other ones would be learned"
+                f'kept feature "{feature}": no transition function uses it, but without it the '
+                "learned functions would differ"
             )
     mentioned = {a for use in (*trimmed.states, *trimmed.features) for a in use.arguments}
     notes += [
@@ -78,20 +77,21 @@ def rebind(
     *,
     classifier: str = "tree",
 ) -> Automaton:
-    """Return an automaton that does the same with other targets.
+    """Return the same automaton for other targets.
 
-    ``{"ball": "A"}`` makes a behavior for the ball one for anything: ``A`` becomes a parameter.
-    ``{"A": "ball"}`` binds its parameter to the ball; it is a parameter no longer. A whole use
-    such as ``{"DistanceTo(ball)": "DistanceTo(A)"}`` is for that place alone and comes first.
+    ``{"ball": "A"}`` generalizes a behavior for the ball: ``A`` becomes a parameter.
+    ``{"A": "ball"}`` binds the parameter ``A`` to the ball, which removes the parameter. A whole
+    use, such as ``{"DistanceTo(ball)": "DistanceTo(A)"}``, applies to that use alone and takes
+    precedence.
 
     Args:
-        automaton: whose states, features and examples are to be bound.
-        bindings: targets or parameters, or whole uses, and what to put in their place.
-        repertoire: the behaviors, features and targets that there are.
-        classifier: what learned it.
+        automaton: to bind in its states, features and examples.
+        bindings: targets, parameters or whole uses, and their replacements.
+        repertoire: the available behaviors, features and targets.
+        classifier: that learned it.
 
     Raises:
-        VocabularyError: if a binding is of nothing that there is, or two states or two features
+        VocabularyError: if a binding replaces something unknown, or two states or two features
             would become the same.
     """
     targets = repertoire.domain.targets
@@ -139,7 +139,7 @@ def rebind(
 
 
 def check_bound(automaton: Automaton, domain: Domain) -> None:
-    """Check that everything is bound.
+    """Check that every argument is bound.
 
     Raises:
         VocabularyError: naming what is bound to neither a target nor a parameter.
@@ -155,7 +155,7 @@ def check_bound(automaton: Automaton, domain: Domain) -> None:
 
 
 def _arguments(bindings: Mapping[str, str]) -> list[str]:
-    """Return the arguments in bindings of whole uses."""
+    """Return the arguments of the whole uses in bindings."""
     return [a for old, new in bindings.items() if "(" in old for a in Use.parse(new).arguments]
 
 
@@ -198,7 +198,7 @@ def _with_columns(automaton: Automaton, columns: Sequence[int]) -> Automaton:
 
 
 def _needed_columns(complete: Automaton, repertoire: Repertoire, classifier: str) -> list[int]:
-    """Return the features without which something else would be learned, by index."""
+    """Return the indices of the features that affect what is learned."""
 
     def suffice(columns: Sequence[int]) -> bool:
         fewer = _learned(_with_columns(complete, columns), repertoire, classifier)
@@ -223,10 +223,10 @@ def _needed_columns(complete: Automaton, repertoire: Repertoire, classifier: str
 def _decide_alike(
     before: TransitionFunction, after: TransitionFunction, columns: Sequence[int]
 ) -> bool:
-    """Return whether two functions decide the same if ``after`` sees only some features."""
+    """Return whether two functions decide alike when ``after`` sees only some features."""
     if isinstance(before, TransitionTree) and isinstance(after, TransitionTree):
         return before.labels == after.labels and _nodes(before) == _nodes(after, columns)
-    # Another classifier looks at all features, or at none where there is nothing to decide.
+    # Other classifiers use all features, or none if there is nothing to decide.
     return len(columns) == len(before.features_used) or before.features_used == ()
 
 

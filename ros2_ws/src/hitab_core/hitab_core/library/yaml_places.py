@@ -1,8 +1,8 @@
-"""YAML read with care: plain data only, and the line of everything, for complaints to name.
+"""Strict YAML: plain data only, with the line of every item for error messages.
 
-What YAML allows beyond plain data is refused: tags, anchors and aliases (a few lines of which can
-unfold to gigabytes), duplicate keys (of which the earlier would be ignored in silence), several
-documents in one file. Scalars follow YAML 1.2: ``no`` and ``2012-01-01`` are text.
+Everything beyond plain data is refused: tags, anchors and aliases (a few lines can expand to
+gigabytes), duplicate keys (the earlier one would be ignored silently), and several documents in
+one file. Scalars follow YAML 1.2: ``no`` and ``2012-01-01`` are text.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ import yaml
 from hitab_core.errors import HitabError, LibraryError
 
 Path = tuple[str | int, ...]
-"""Where something is in a document: keys and indices from the root inwards."""
+"""A place in a document: keys and indices from the root inwards."""
 
 LARGEST = 16 * 1024 * 1024
-"""Characters that a document may have. A behavior of 10,000 examples has about two million."""
+"""Maximum characters of a document. A behavior with 10,000 examples has about two million."""
 
 DEEPEST = 20
-"""Lists and mappings within one another that a document may have."""
+"""Maximum nesting of lists and mappings in a document."""
 
 _INTEGER = re.compile(r"[-+]?[0-9]{1,18}\Z", re.ASCII)
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]{1,9})?\Z", re.ASCII)
@@ -41,12 +41,12 @@ _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 @dataclass(frozen=True)
 class Document:
-    """What a YAML text says, and where.
+    """The content of a YAML text, with line numbers.
 
     Attributes:
-        file: what the text is called in complaints.
+        file: name of the text, for complaints.
         value: the content, of dict, list, str, int, float, bool and None.
-        lines: the line, counting from 1, of everything in it, by path.
+        lines: line number, from 1, of every item, by path.
     """
 
     file: str
@@ -54,21 +54,21 @@ class Document:
     lines: Mapping[Path, int]
 
     def line(self, path: Path = ()) -> int:
-        """Return the line of what is at ``path``, or of the nearest thing around it."""
+        """Return the line of the item at ``path``, or of the nearest item around it."""
         while path not in self.lines:
             path = path[:-1]
         return self.lines[path]
 
     def place(self, path: Path = ()) -> str:
-        """Return ``file:line`` of what is at ``path``."""
+        """Return ``file:line`` of the item at ``path``."""
         return f"{self.file}:{self.line(path)}"
 
 
 class Complaints:
-    """All that is wrong with a document, gathered so that it can be mended in one go."""
+    """All faults of a document, gathered so that a user can fix them in one go."""
 
     def __init__(self, document: Document, error: type[HitabError] = LibraryError) -> None:
-        """Begin with no complaint about ``document``."""
+        """Start without complaints about ``document``."""
         self._document = document
         self._error = error
         self._found: list[tuple[int, str]] = []
@@ -78,13 +78,13 @@ class Complaints:
         return len(self._found)
 
     def add(self, path: Path, text: str) -> None:
-        """Note that what is at ``path`` is wrong; ``text`` says how, and the way out."""
+        """Note a fault at ``path``; ``text`` gives the fault and the way out."""
         found = (self._document.line(path), text)
         if found not in self._found:
             self._found.append(found)
 
     def raise_any(self) -> None:
-        """Raise one error with all complaints, in the order of their lines, if there are any."""
+        """Raise one error with all complaints, sorted by line, if there are any."""
         if self._found:
             raise self._error(
                 "\n".join(
@@ -96,24 +96,26 @@ class Complaints:
 def read_yaml(
     text: str, file: str, *, error: type[HitabError] = LibraryError, largest: int = LARGEST
 ) -> Document:
-    """Read a text of one YAML document.
+    """Read a text that is one YAML document.
 
     Args:
         text: the document.
-        file: what to call it in errors.
-        error: what to raise.
-        largest: the most characters that it may have.
+        file: its name, for errors.
+        error: type of the error to raise.
+        largest: maximum number of characters.
 
     Raises:
-        error: naming file and line of what is not YAML, or not plain data.
+        error: naming the file and line of anything that is not YAML, or not plain data.
     """
     if len(text) > largest:
-        raise error(f"{file}: has {len(text)} characters, more than the {largest} that are read")
+        raise error(f"{file}: has {len(text)} characters; the limit is {largest}")
     try:
         text.encode()
         return _Reader(file, error).document(text)
     except UnicodeEncodeError as wrong:
-        raise error(f"{file}: has a lone surrogate at character {wrong.start}") from None
+        raise error(
+            f"{file}: has a lone surrogate at character {wrong.start}; remove it"
+        ) from None
     except yaml.MarkedYAMLError as wrong:
         mark = wrong.problem_mark or wrong.context_mark
         line = mark.line + 1 if mark else 1
@@ -125,15 +127,15 @@ def read_yaml(
     except yaml.reader.ReaderError as wrong:
         line = text.count("\n", 0, wrong.position) + 1 if wrong.position >= 0 else 1
         raise error(
-            f"{file}:{line}: not YAML: a character that text cannot have "
+            f"{file}:{line}: not YAML: a character that is not allowed "
             f"(code {wrong.character}); remove it"
         ) from None
-    except (ValueError, OverflowError) as wrong:  # PyYAML lets escapes of no character through
+    except (ValueError, OverflowError) as wrong:  # PyYAML accepts escapes that are no characters
         raise error(f"{file}: not YAML: {wrong}; look for a wrong escape such as \\U") from None
 
 
 def resolved_scalar(text: str) -> Any:
-    """Return what an unquoted scalar means."""
+    """Return the value of an unquoted scalar."""
     if text in _SPECIAL:
         return _SPECIAL[text]
     if _INTEGER.match(text):
@@ -142,7 +144,7 @@ def resolved_scalar(text: str) -> Any:
 
 
 def means_itself(text: str) -> bool:
-    """Return whether a word without quotes is this text, to us and to readers of YAML 1.1."""
+    """Return whether an unquoted word reads as this text, here and in YAML 1.1."""
     tag = _OTHERS.resolve(yaml.ScalarNode, text, (True, False))
     return resolved_scalar(text) == text and bool(tag == "tag:yaml.org,2002:str")
 
@@ -166,12 +168,14 @@ class _Reader:
                     raise self._refusal(event, "a second document; put it into a file of its own")
                 value = self._value(next(events), events, ())
         if not documents:
-            raise self._error(f"{self._file}:1: is empty; it was cut off, or never written")
+            raise self._error(f"{self._file}:1: is empty; write it again or restore a copy")
         return Document(self._file, value, self._lines)
 
     def _value(self, event: Any, events: Iterator[Any], path: Path) -> Any:
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
-            raise self._refusal(event, "an anchor or alias (& or *); write it out, or quote it")
+            raise self._refusal(
+                event, "an anchor or alias (& or *); write out the value, or quote it"
+            )
         if event.tag is not None and event.tag != "!":
             raise self._refusal(event, f'the tag "{event.tag}"; leave it out, or quote the value')
         if len(path) > DEEPEST:

@@ -1,8 +1,7 @@
-"""Many agents that perform the same behavior, decided for together and acting each by itself.
+"""Many agents that perform the same behavior: decided together, acting individually.
 
-A member of a batch takes the place of the agent's own `RunningAutomaton` and does the same with
-the agent's body. `AgentBatch.decide` is called first, with the percepts of all; the members'
-ticks then carry out what was decided.
+A member of a batch replaces the agent's own `RunningAutomaton`. Call `AgentBatch.decide` first,
+with all percepts; the members' ticks then carry out the decisions on the agents' bodies.
 """
 
 from __future__ import annotations
@@ -25,17 +24,17 @@ class AgentBatch:
     """Agents that perform the same automaton with the same repertoire.
 
     Attributes:
-        members: by row; each is to be started before it is ticked.
-        batch: what decides for them.
+        members: by row; start each before its first tick.
+        batch: that decides for them.
     """
 
     def __init__(self, stages: Sequence[RunContext], use: Use, percepts: Any = None) -> None:
         """Make a member for each agent.
 
         Args:
-            stages: of the agents, which share a repertoire and how states are chosen.
-            use: the automaton to perform, its arguments targets.
-            percepts: see `BatchSenses`; whoever calls `decide` keeps it up to date.
+            stages: of the agents; they must share a repertoire and ``most_probable``.
+            use: the automaton to perform; its arguments must be targets.
+            percepts: see `BatchSenses`; the caller of `decide` keeps it up to date.
         """
         first = stages[0]
         self.stages = tuple(stages)
@@ -56,18 +55,18 @@ class AgentBatch:
         self.members = [BatchMember(self, row) for row in range(len(stages))]
 
     def forget(self) -> None:
-        """Forget all feature values: new percepts have come."""
+        """Clear all feature values, for new percepts."""
         self.senses.forget()
 
     def decide(self, rows: Integers) -> None:
-        """Decide what some members do in this timestep, on percepts that their bodies have."""
+        """Decide for some members in this timestep, from the percepts in their bodies."""
         for row in rows.tolist() if self.errors else ():
             self.errors.pop(row, None)
         self.errors |= self.batch.tick(rows)
         self.decided[rows] = True
 
     def decide_alone(self, only: Integers) -> None:
-        """Decide for one member by what its own body perceives."""
+        """Decide for one member from its own body's percept."""
         self.senses.forget()
         self.senses.from_bodies = True
         self.decide(only)
@@ -93,7 +92,7 @@ class AgentBatch:
 
 
 class _Raised(set[str]):
-    """The flags of a member, which are taken down where they are kept."""
+    """The flags of a member; clearing them clears the batch's copy."""
 
     def __init__(self, level: BatchLevel, row: int) -> None:
         super().__init__(level.raised_by(row))
@@ -101,7 +100,7 @@ class _Raised(set[str]):
         self._row = row
 
     def clear(self) -> None:
-        """Take down all flags."""
+        """Lower all flags."""
         super().clear()
         self._level.raised[self._row] = 0
 
@@ -125,22 +124,22 @@ class BatchMember:
 
     @property
     def outermost(self) -> LevelOfMember:
-        """The automaton that is performed."""
+        """The automaton being performed."""
         return LevelOfMember(self._batch.batch.top, self._row)
 
     @property
     def active_path(self) -> list[str]:
-        """The active states from the behavior's own inwards."""
+        """The active states, outermost first."""
         return self._batch.batch.active_path(self._row)
 
     def condition(self) -> Condition:
-        """Return where it is; see `RunningAutomaton.condition`."""
+        """Return its current condition; see `RunningAutomaton.condition`."""
         performed = self._performed
         basic = None if performed == NOTHING else self._basic(performed)
         return self._batch.batch.top.condition(self._row), basic
 
     def go_on_from(self, condition: Condition) -> None:
-        """Be where something else that performs the same was."""
+        """Continue from the condition of another performance of the same behavior."""
         levels, basic = condition
         performed = self._batch.batch.go_on_from(self._row, levels)
         self._performed = performed
@@ -154,13 +153,13 @@ class BatchMember:
         self._performed = NOTHING
 
     def stop(self) -> None:
-        """Stop what is performed and fall back to Start."""
+        """Stop the active state and return to Start."""
         if self._performed != NOTHING:
             self._basic(self._performed).stop()
         self.start()
 
     def tick(self) -> None:
-        """Carry out what was decided for this timestep; decide now if that was not done.
+        """Carry out the decision for this timestep; decide now if there is none yet.
 
         Raises:
             FeatureValueError: if a feature that the decision needed had no value.
@@ -191,7 +190,7 @@ class BatchMember:
 
 
 class LevelOfMember:
-    """One agent's automaton in a batch, as those look at it who ask what the agent perceives."""
+    """One agent's automaton in a batch, as `live_features` inspects it."""
 
     def __init__(self, level: BatchLevel, row: int) -> None:
         self._level = level
@@ -219,6 +218,6 @@ class LevelOfMember:
 
     @property
     def child(self) -> LevelOfMember | None:
-        """What its active state performs, if that is an automaton."""
+        """The automaton of its active state; None if that is not an automaton."""
         child = self._level.children[int(self._level.active[self._row])]
         return LevelOfMember(child, self._row) if isinstance(child, BatchLevel) else None

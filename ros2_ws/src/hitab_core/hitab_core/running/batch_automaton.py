@@ -1,9 +1,9 @@
-"""One automaton performed by many agents at once, over arrays.
+"""One automaton performed by many agents at once, on arrays.
 
-A tick does for each agent what `RunningAutomaton.tick` does, by the same comparisons and the same
-draws of its own generator, but level by level: the agents in each state go together down that
-state's tree. What the basic behaviors then do stays the matter of each agent's body: the result
-of a tick is which basic behavior each agent performs.
+A tick does what `RunningAutomaton.tick` does for each agent, with the same comparisons and the
+same draws of its own generator, but level by level: all agents in a state go down that state's
+tree together. The result of a tick is which basic behavior each agent performs; the agents' own
+bodies then perform it.
 """
 
 from __future__ import annotations
@@ -24,40 +24,40 @@ from hitab_core.transition_function import TransitionFunction
 from hitab_core.use import Use
 
 NOTHING = -1
-"""Stands for the basic behavior of an agent that performs none."""
+"""Marks an agent that performs no basic behavior."""
 
 DrawFor = Callable[[Integers], Floats]
-"""Returns a number, uniform on [0, 1), for each of some agents, of the agent's own generator."""
+"""Returns a uniform number on [0, 1) for each row, from that agent's own generator."""
 
 Observe = Callable[["BatchLevel", Integers, int, int], None]
-"""Told of agents (rows) that change state: the level, from which state, to which, by index."""
+"""Called for rows that change state, with the level and the source and destination indices."""
 
 _FLAG_BITS = {flag: 1 << i for i, flag in enumerate(FLAGS)}
 
 
 def draws_of(generators: Sequence[Callable[[], float]]) -> DrawFor:
-    """Return what draws from each agent's own generator, only for those that have to."""
+    """Return a function that draws from the own generators of the given rows only."""
     return lambda rows: np.array([generators[row]() for row in rows.tolist()])
 
 
 class _Decision(Protocol):
-    """Decides for agents in one state: yields next states with the rows that go there."""
+    """Decides for agents in one state; yields each next state with its rows."""
 
     def __call__(self, rows: Integers) -> Iterator[tuple[int, Integers]]:
-        """Decide for some agents; those whose features cannot be read are left out."""
+        """Decide for some agents, leaving out those with unreadable features."""
 
 
 class BatchLevel:
-    """An automaton in the hierarchy, being performed by those agents whose path leads to it.
+    """An automaton in the hierarchy, performed by the agents whose path leads to it.
 
     Attributes:
-        label: how the automaton is used.
-        path: labels of the automata from the top-level behavior's to this one.
+        label: of the automaton's use.
+        path: labels of the automata from the top level to this one.
         labels: of its states, Start first.
-        above: the level of the automaton that uses it.
-        active: shape (n,), index of each agent's active state; of meaning only where this level
-            is being performed.
-        slots: of its features, in the senses.
+        above: the parent level.
+        active: shape (n,), index of each agent's active state; valid only for agents that perform
+            this level.
+        slots: of its features in the senses.
         raised: shape (n,), the flags that each agent's automaton has raised, as bits.
     """
 
@@ -97,12 +97,12 @@ class BatchLevel:
             self._decisions[index[label]] = batch.decision(function, self.slots, index)
 
     def start(self, rows: Integers) -> None:
-        """Have some agents begin in Start, with no flag raised."""
+        """Put some agents in Start, with no flag raised."""
         self.active[rows] = 0
         self.raised[rows] = 0
 
     def tick(self, rows: Integers) -> None:
-        """Have some agents query, change state and perform what is active then."""
+        """Let some agents query, change state and perform the active state."""
         active = self.active.take(rows)
         groups: list[tuple[int, Integers]] = []
         blank = []
@@ -162,14 +162,14 @@ class BatchLevel:
             self.raised[rows] |= self._bits[chosen]
 
     def active_path(self, row: int) -> list[str]:
-        """Return the labels of one agent's active states, from this level's inwards."""
+        """Return the labels of one agent's active states, from this level inwards."""
         state = int(self.active[row])
         child = self.children[state]
         inner = child.active_path(row) if isinstance(child, BatchLevel) else []
         return [self.labels[state], *inner]
 
     def condition(self, row: int) -> list[tuple[int, frozenset[str]]]:
-        """Return one agent's active states and raised flags, from this level's inwards."""
+        """Return one agent's active states and raised flags, from this level inwards."""
         state = int(self.active[row])
         child = self.children[state]
         inner = child.condition(row) if isinstance(child, BatchLevel) else []
@@ -182,15 +182,15 @@ class BatchLevel:
 
 
 class BatchAutomaton:
-    """A behavior performed by n agents; see the module.
+    """A behavior performed by n agents; see the module docstring.
 
-    What an agent has to do after a tick is told by `performed` before and after it: if the two
-    differ, it stops the one, if any, and starts the other, if any; then it pulses the latter.
+    Compare `performed` before and after a tick: if an agent's entry changed, stop the old
+    behavior, if any, and start the new one, if any. Then pulse the current one.
 
     Attributes:
-        basics: the basic behaviors that can be performed, bound to targets.
-        performed: shape (n,), which of these each agent performs, or `NOTHING`.
-        top: the level of the behavior itself.
+        basics: the available basic behaviors, bound to targets.
+        performed: shape (n,), index of each agent's basic behavior, or `NOTHING`.
+        top: the top level.
     """
 
     def __init__(
@@ -204,14 +204,14 @@ class BatchAutomaton:
         most_probable: bool = False,
         observe: Observe | None = None,
     ) -> None:
-        """Prepare; the agents are in Start.
+        """Put all agents in Start.
 
         Args:
-            repertoire: the behaviors that there are.
-            use: the automaton to perform, its arguments targets.
-            senses: the agents' features; whoever ticks has it forget them before.
-            draw: draws for the agents at a leaf with more than one state.
-            size: how many agents, n.
+            repertoire: the available behaviors.
+            use: the automaton to perform; its arguments must be targets.
+            senses: the agents' features; clear them before each tick.
+            draw: random numbers for agents at a leaf with more than one state.
+            size: number of agents, n.
             most_probable: take the most probable next state instead of drawing one.
             observe: called at each change of state, before the new state is started.
         """
@@ -231,16 +231,16 @@ class BatchAutomaton:
         self.top = top
 
     def start(self, rows: Integers) -> None:
-        """Have some agents begin at Start; they perform nothing yet."""
+        """Put some agents in Start; they perform nothing yet."""
         self.top.start(rows)
         self.performed[rows] = NOTHING
 
     def tick(self, rows: Integers) -> dict[int, Exception]:
-        """Perform one timestep of some agents, each given once.
+        """Perform one timestep of some agents, each listed once.
 
         Returns:
-            what was wrong with an agent's features, by row. Such an agent stays where the
-            decision that failed found it, and must not pulse.
+            Feature errors by row. Such an agent keeps the state it had before the failed decision,
+            and must not pulse.
         """
         self._moved[rows] = False
         self._arrived[rows] = False
@@ -248,12 +248,12 @@ class BatchAutomaton:
         if not self.senses.errors:
             return {}
         lost = rows[~self._arrived[rows]]
-        # Whoever had left a state when a decision further inside failed performs nothing now.
+        # An agent that left a state before a decision further inside failed performs nothing now.
         self.performed[lost[self._moved[lost]]] = NOTHING
         return {row: self.senses.errors[row] for row in lost.tolist()}
 
     def go_on_from(self, row: int, levels: Sequence[tuple[int, frozenset[str]]]) -> int:
-        """Put one agent where it was elsewhere; return what it performs; see `condition`."""
+        """Restore one agent's condition; return the index of what it performs."""
         child: BatchLevel | int | None = self.top
         for state, raised in levels:
             assert isinstance(child, BatchLevel)
@@ -265,13 +265,13 @@ class BatchAutomaton:
         return performed
 
     def active_path(self, row: int) -> list[str]:
-        """Return the labels of one agent's active states, from the behavior's own inwards."""
+        """Return the labels of one agent's active states, outermost first."""
         return self.top.active_path(row)
 
     # -- for the levels ---------------------------------------------------------------------
 
     def child(self, use: Use, above: BatchLevel | None) -> BatchLevel | int:
-        """Return a new level for an automaton, the index in `basics` for a basic behavior."""
+        """Return a new level for an automaton, or a basic behavior's index in `basics`."""
         behavior = self._repertoire.get(use.name)
         if isinstance(behavior, Automaton):
             return BatchLevel(self, behavior, use, above)
@@ -279,18 +279,18 @@ class BatchAutomaton:
         return len(self.basics) - 1
 
     def arrive(self, rows: Integers, basic: int) -> None:
-        """Note what some agents perform at the end of their paths."""
+        """Record the basic behavior at the end of some agents' paths."""
         self.performed[rows] = basic
         self._arrived[rows] = True
 
     def leave(self, rows: Integers) -> None:
-        """Note that some agents have left a state."""
+        """Record that some agents have left a state."""
         self._moved[rows] = True
 
     def decision(
         self, function: TransitionFunction, slots: Sequence[int], states: dict[str, int]
     ) -> _Decision:
-        """Return what a transition function decides for many agents."""
+        """Return the decision of a transition function for many agents."""
         compile_batch = getattr(function, "compile_batch", None)
         if compile_batch is None:
             return self._one_by_one(function, slots, states)
@@ -311,7 +311,7 @@ class BatchAutomaton:
     def _one_by_one(
         self, function: TransitionFunction, slots: Sequence[int], states: dict[str, int]
     ) -> _Decision:
-        """Return the decision of a function that only decides for one agent at a time."""
+        """Return the decision of a function that can decide only for one agent at a time."""
         decide_one = function.compile(slots, states, most_probable=self._most_probable)
         blank: list[float | None] = [None] * (max(slots, default=0) + 1)
 

@@ -1,7 +1,7 @@
-"""The features of many agents as columns, read when a decision first looks at them.
+"""The features of many agents as columns, read when a decision first needs them.
 
 A feature that its domain can read for all agents at once (`Feature.read_all`) costs one array
-operation; any other is read agent by agent, and only for the agents whose decisions look at it.
+operation; any other is read agent by agent, only where a decision needs it.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class _Column:
 
     Attributes:
         use: of the feature.
-        readers: read it from an agent's body, by row; made when first needed.
-        known: which values have been read since the last percepts, one by one.
-        whole: whether all are known.
-        wrong: why values are missing or impossible, by row; these are NaN.
+        readers: functions that read it from an agent's body, by row; made on first use.
+        known: which values have been read since the last percepts.
+        whole: whether all values are known.
+        wrong: why a value is missing or impossible, by row; such values are NaN.
     """
 
     values: Floats
@@ -46,24 +46,23 @@ class _Column:
 
 
 class BatchSenses:
-    """Feature values of many agents by slot, as `Senses` has those of one.
+    """Feature values of many agents by slot, as in `Senses` for one agent.
 
     Attributes:
-        from_bodies: read everything from bodies, agent by agent.
-        errors: why a feature that an agent's decision looked at could not be read, by row.
+        from_bodies: whether to read everything from bodies, agent by agent.
+        errors: why a feature that a decision needed could not be read, by row.
     """
 
     def __init__(
         self, domain: Domain, size: int, bodies: Sequence[Any] = (), percepts: Any = None
     ) -> None:
-        """Know the agents.
+        """Set up senses for the agents.
 
         Args:
-            domain: whose features they are.
-            size: how many agents, n.
-            bodies: of each agent; not needed for features that are read for all.
-            percepts: what the domain reads for all agents at once, see `Feature.read_all`;
-                None: nothing is read so.
+            domain: of the features.
+            size: number of agents, n.
+            bodies: of the agents; not needed for features that are read for all at once.
+            percepts: passed to `Feature.read_all`; None: read every feature agent by agent.
         """
         self.from_bodies = False
         self.errors: dict[int, Exception] = {}
@@ -99,16 +98,16 @@ class BatchSenses:
         return lambda: read(percepts, *[r(percepts) for r in resolvers if r is not None])
 
     def slot_for_flag(self) -> int:
-        """Return a fresh slot that its automaton fills by itself."""
+        """Return a new slot that the automaton fills itself."""
         self._columns.append(_Column(np.zeros(self._size), whole=True))
         return len(self._columns) - 1
 
     def put(self, slot: int, rows: Integers, values: Any) -> None:
-        """Set the values of a flag's slot."""
+        """Set values in the slot of a flag."""
         self._columns[slot].values[rows] = values
 
     def forget(self) -> None:
-        """Forget all values but flags: new percepts have come."""
+        """Clear all values except flags, for new percepts."""
         self.errors.clear()
         for slot in self._slots.values():
             column = self._columns[slot]
@@ -117,7 +116,7 @@ class BatchSenses:
             column.known = None
 
     def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
-        """Return those of some agents whose value can be read, and their values."""
+        """Return the rows whose value can be read, and their values."""
         column = self._columns[slot]
         if not column.whole and not self._read_all(column):
             self._read(column, rows)
@@ -140,29 +139,29 @@ class BatchSenses:
         return float(values[0])
 
     def known(self, slot: int, row: int) -> float | None:
-        """Return a value that has been read since the last percepts; None if it has not."""
+        """Return a value if it has been read since the last percepts, else None."""
         column = self._columns[slot]
         read = column.whole or (column.known is not None and bool(column.known[row]))
         value = float(column.values[row]) if read else math.nan
         return None if value != value else value
 
     def _read_all(self, column: _Column) -> bool:
-        """Read a column for all agents at once; return whether that can be done."""
+        """Read a column for all agents at once; return whether that is possible."""
         if column.read_all is None or self.from_bodies or column.known is not None:
             return False
         try:
-            # A copy: what is read one by one is written into it.
+            # A copy, since single values are written into it.
             values = np.array(column.read_all(), np.float64)
             if values.shape != (self._size,):
                 raise ValueError(f"shape {values.shape}, not {(self._size,)}")
-        except Exception:  # of the domain's code: reading one by one tells whose it is, and why
+        except Exception:  # domain code: reading one by one finds the agent and the reason
             return False
         column.values = values
         self._inspect(column)
         return True
 
     def _inspect(self, column: _Column) -> None:
-        """Find impossible values in a column that is whole."""
+        """Find impossible values in a complete column."""
         column.whole = True
         values = column.values
         wrong = values != values

@@ -1,7 +1,7 @@
-"""What an agent that performs something perceives at the moment, level by level, for people.
+"""The current feature values of a performing agent, level by level, for people.
 
-They may ask at any time and change nothing: what is read for them is not kept (`Senses.look`), so
-that each decision reads for itself, and a feature that cannot be read is NaN.
+Reading them changes nothing: values are not cached (`Senses.look`), so each decision still reads
+its own. A feature that cannot be read is NaN.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from hitab_core.running.senses import value_or_nan
 from hitab_core.use import Use
 
 Reading = tuple[str, str, float]
-"""Label of an automaton, one of its features bound to targets, and its value now, or NaN."""
+"""Label of an automaton, one of its features bound to targets, and its current value or NaN."""
 
 
 def live_features(
     running: Running | LevelOfMember | None, context: RunContext, also: Sequence[Use] = ()
 ) -> list[Reading]:
-    """Return the features of each active automaton, outermost first, leaving flags up.
+    """Return the features of each active automaton, outermost first; leave flags up.
 
     Args:
-        running: what the agent performs.
-        context: on which it does.
-        also: further features, bound to targets, told under the label "".
+        running: the agent's performance.
+        context: of the agent.
+        also: more features, bound to targets, listed under the label "".
 
     Raises:
-        VocabularyError: if one of these does not exist.
+        VocabularyError: if one of ``also`` does not exist.
     """
     for use in also:
         context.repertoire.check_feature(use)
@@ -45,7 +45,7 @@ def live_features(
             value = float(use.name in raised) if use.name in FLAGS else value_or_nan(look, use)
             readings.append((running.label, str(use), value))
         running = child
-    # A flag is raised by a behavior to the automaton that uses it, and to nobody else.
+    # A behavior raises a flag only to its parent automaton.
     readings += [
         ("", str(use), math.nan if use.name in FLAGS else value_or_nan(look, use)) for use in also
     ]

@@ -1,8 +1,8 @@
-"""What those who watch an agent see of it, so that watching changes nothing.
+"""Observers of an agent, which cannot affect it.
 
-An observer is a guest of the tick. It gets a record of what was decided, with the values that the
-decision had read, and nothing by which it could read more, draw, or change a state; and whatever
-it raises ends with it (`guest`).
+An observer is called during a tick with a record of the decision and the values that it read. It
+cannot read more, draw random numbers or change a state, and its exceptions do not propagate
+(`guest`).
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of state, as it was decided; making one reads nothing.
+    """A change of state as decided; creating one reads no features.
 
     Attributes:
-        automata: labels of the automata, from the top-level behavior's to the one that changes.
+        automata: labels of the automata, from the top level to the one that changes.
         source, destination: labels of the states.
-        commanded: by the demonstrator rather than by a transition function.
-        uses: the automaton's features, as it calls them.
-        bindings: what its parameters are bound to.
-        values: of each feature; None where it had not been read in this tick. Empty if commanded.
-        function: what decided; None if commanded.
+        commanded: whether by the demonstrator rather than by a transition function.
+        uses: the automaton's features, in its own terms.
+        bindings: of its parameters to targets.
+        values: of each feature; None if not read in this tick. Empty if commanded.
+        function: that decided; None if commanded.
     """
 
     automata: Sequence[str]
@@ -49,7 +49,7 @@ class Change:
         return [str(use.bound(self.bindings or {})) for use in self.uses]
 
     def explanation(self) -> Explanation | None:
-        """Return why, by the values that the decision had read; None if it was commanded."""
+        """Return why, from the values that the decision read; None if commanded."""
         if self.function is None:
             return None
         return self.function.retrace(self.values, self.features)
@@ -60,7 +60,7 @@ Observe = Callable[[Change], None]
 
 
 class _Guest:
-    """Calls an observer; logs what it raises, the same error once in a row."""
+    """Calls an observer and logs its exceptions, without repeating the same one in a row."""
 
     __slots__ = ("_last", "_observe")
 
@@ -74,9 +74,9 @@ class _Guest:
         except Exception as error:
             if (why := repr(error)) != self._last:
                 self._last = why
-                _LOG.warning("an observer failed, which changes nothing: %s", why, exc_info=error)
+                _LOG.warning("an observer failed; the agent continues: %s", why, exc_info=error)
 
 
 def guest(observe: Callable[P, None]) -> Callable[P, None]:
-    """Return an observer that calls ``observe`` and never raises into who calls it."""
+    """Return an observer that calls ``observe`` and never raises."""
     return cast(Callable[P, None], observe if isinstance(observe, _Guest) else _Guest(observe))

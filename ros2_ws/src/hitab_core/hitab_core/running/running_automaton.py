@@ -20,14 +20,14 @@ class Running(Protocol):
 
     @property
     def raised(self) -> set[str]:
-        """The flags that it has raised and nobody has taken down."""
+        """The flags that it has raised and that are still up."""
 
     @property
     def active_path(self) -> list[str]:
         """Labels of the active states, outermost first; none in a basic behavior."""
 
     def start(self) -> None:
-        """Begin performing, from the beginning."""
+        """Start performing from the beginning."""
 
     def tick(self) -> None:
         """Perform one timestep."""
@@ -38,16 +38,16 @@ class Running(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class RunContext:
-    """What everything that one agent performs has in common.
+    """The context shared by everything that one agent performs.
 
     Attributes:
-        repertoire: the behaviors that there are.
-        body: the domain's body of this agent.
-        senses: its features, over the same body.
-        draw: uniform random numbers on [0, 1), of the agent's own seeded generator.
+        repertoire: the available behaviors.
+        body: of this agent, made by the domain.
+        senses: its features, read from this body.
+        draw: uniform random numbers on [0, 1) from the agent's own seeded generator.
         most_probable: take the most probable next state instead of drawing one.
-        observe: called at each change of state, after the decision and before the new state is
-            started. What it raises goes no further; see `hitab_core.running.observing`.
+        observe: called at each change of state, after the decision and before the new state
+            starts. Its exceptions do not propagate; see `hitab_core.running.observing`.
     """
 
     repertoire: Repertoire
@@ -58,12 +58,12 @@ class RunContext:
     observe: Observe | None = None
 
     def __post_init__(self) -> None:
-        """Keep what an observer raises out of whatever is performed here."""
+        """Wrap the observer so that its exceptions do not propagate."""
         if self.observe is not None:
             object.__setattr__(self, "observe", guest(self.observe))
 
     def perform(self, use: Use, above: RunningAutomaton | None = None) -> Running:
-        """Return a performance of ``use``, whose arguments must all be targets; not started."""
+        """Return a performance of ``use``, not started; all arguments must be targets."""
         behavior = self.repertoire.get(use.name)
         if isinstance(behavior, BasicBehavior):
             return RunningBasicBehavior(self, behavior, use)
@@ -72,7 +72,7 @@ class RunContext:
 
 
 class RunningBasicBehavior:
-    """A basic behavior being performed; a one-shot one is pulsed once after each start."""
+    """A basic behavior being performed; a one-shot one pulses once per start."""
 
     __slots__ = ("_one_shot", "_pulse", "_pulsed", "_start", "_stop", "raised")
 
@@ -91,7 +91,7 @@ class RunningBasicBehavior:
         return []
 
     def start(self) -> None:
-        """Begin performing."""
+        """Start performing."""
         self._pulsed = False
         self._start()
 
@@ -109,16 +109,16 @@ class RunningBasicBehavior:
 
 
 Condition = tuple[list[tuple[int, frozenset[str]]], RunningBasicBehavior | None]
-"""From outside in, the index of each automaton's active state and the flags that it has raised;
-and the basic behavior that is performed at the end, if any."""
+"""The index of each automaton's active state and its raised flags, outermost first, and the
+basic behavior at the end, if any."""
 
 
 class RunningAutomaton:
     """An automaton being performed: its active state and, inside it, what that performs.
 
-    `tick` is the paper's step: query the transition function of the active state, change state
-    if it says so, pulse the active behavior. A demonstrator who is in control replaces the query:
-    `go_to` and `pulse`.
+    `tick` is the paper's step: query the transition function of the active state, change state if
+    it says so, pulse the active behavior. When a demonstrator is in control, `go_to` and `pulse`
+    replace the query.
     """
 
     def __init__(
@@ -159,7 +159,7 @@ class RunningAutomaton:
         self.set_transitions(automaton.transitions)
 
     def add_state(self, state: Use) -> None:
-        """Add a state, as training does when a behavior is commanded for the first time."""
+        """Add a state, as training does when a behavior is first commanded."""
         label = str(state)
         if label in self._index:
             return
@@ -172,7 +172,7 @@ class RunningAutomaton:
         self._decide.append(None)
 
     def set_transitions(self, transitions: Mapping[str, TransitionFunction]) -> None:
-        """Decide by these transition functions from now on; the active state stays active."""
+        """Use these transition functions from now on; keep the active state."""
         self._functions = dict(transitions)
         self._decide = [None] * len(self._labels)
         for label, function in transitions.items():
@@ -192,13 +192,13 @@ class RunningAutomaton:
 
     @property
     def active_path(self) -> list[str]:
-        """The active states from this automaton's inwards."""
+        """The active states, from this automaton inwards."""
         child = self.child
         inner = child.active_path if isinstance(child, RunningAutomaton) else []
         return [self.active, *inner]
 
     def condition(self) -> Condition:
-        """Return where it is, so that something else can go on from there."""
+        """Return its condition, from which another performance can continue."""
         own = (self._active, frozenset(self.raised))
         child = self.child
         if isinstance(child, RunningAutomaton):
@@ -212,14 +212,14 @@ class RunningAutomaton:
         self.raised.clear()
 
     def stop(self) -> None:
-        """Stop what is active, innermost first, and fall back to Start."""
+        """Stop the active states, innermost first, and return to Start."""
         child = self._children[self._active]
         if child is not None:
             child.stop()
         self._active = 0
 
     def tick(self) -> None:
-        """Query, change state if the transition function says so, pulse."""
+        """Query, change state if the transition function says so, and pulse."""
         active = self._active
         child = self._children[active]
         if child is None:
@@ -235,7 +235,7 @@ class RunningAutomaton:
             child.tick()
 
     def pulse(self) -> None:
-        """Perform one timestep of the active state without querying: a demonstrator decides."""
+        """Perform one timestep of the active state without a query: a demonstrator decides."""
         child = self._children[self._active]
         if child is not None:
             child.tick()
@@ -243,19 +243,19 @@ class RunningAutomaton:
             self._active = 0  # a flag was raised; the flag state is left at once
 
     def go_to(self, label: str) -> None:
-        """Change to a state on a demonstrator's command; the active state is not restarted."""
+        """Change to a state on a demonstrator's command; do not restart the active state."""
         index = self._index[label]
         if index != self._active:
             self._enter(index, commanded=True)
 
     def take_down_flags(self) -> None:
-        """Take down what the active state has raised: a demonstrator's command is the query."""
+        """Lower the flags of the active state, since a demonstrator's command is the query."""
         child = self.child
         if child is not None:
             child.raised.clear()
 
     def peek_features(self) -> list[float]:
-        """Return the values of all features now, leaving raised flags up."""
+        """Return the current values of all features; leave raised flags up."""
         child = self.child
         for slot, flag in self._flag_slots:
             self._values[slot] = 1.0 if child is not None and flag in child.raised else 0.0

@@ -16,7 +16,7 @@ P = ParamSpec("P")
 
 
 def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) -> Any:
-    """Return ``function`` of the body and of ``use``'s targets as they are at each call."""
+    """Return ``function`` bound to the body and to ``use``'s targets, resolved at each call."""
     for argument in use.arguments:
         if argument not in domain.targets:
             raise VocabularyError(f'"{argument}" in "{use}" is not bound to a target')
@@ -30,10 +30,10 @@ def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) 
 
 
 class Senses:
-    """Feature values by slot. All automata that an agent runs share one of these.
+    """Feature values by slot, shared by all automata of an agent.
 
-    ``values[slot]`` is None until :meth:`read` was called in this tick, so that a decision costs
-    only the features that it looks at, and looks at each once however many levels use it.
+    ``values[slot]`` is None until :meth:`read` is called in this tick. So a decision reads only
+    the features that it needs, and each feature is read once however many levels use it.
     """
 
     __slots__ = ("_blank", "_body", "_domain", "_readers", "_slots", "values")
@@ -62,7 +62,7 @@ class Senses:
         )
 
     def slot_for_flag(self) -> int:
-        """Return a fresh slot that its automaton fills by itself."""
+        """Return a new slot that the automaton fills itself."""
         return self._new(None)
 
     def _new(self, reader: Callable[[], float] | None) -> int:
@@ -72,7 +72,7 @@ class Senses:
         return len(self._readers) - 1
 
     def read(self, slot: int) -> float:
-        """Return the value in ``slot``, reading the feature if that was not done in this tick.
+        """Return the value in ``slot``, reading the feature on first use in this tick.
 
         Raises:
             FeatureValueError: if the feature's value is missing or not a number.
@@ -85,10 +85,10 @@ class Senses:
         return value
 
     def look(self, use: Use) -> float:
-        """Return a feature's value to somebody who asks beside the decisions; keep nothing.
+        """Return a feature's value for an observer, without caching it.
 
-        What a decision has read is returned as it was read. Anything else is read now, and the
-        decision that needs it reads it for itself.
+        A value already read by a decision is returned as it is. Any other is read now, and a later
+        decision reads it again.
 
         Raises:
             FeatureValueError: if the feature's value is missing or not a number.
@@ -98,15 +98,15 @@ class Senses:
         return self._reader(use)() if value is None else value
 
     def forget(self) -> None:
-        """Forget all values: a new percept has come."""
+        """Clear all values, for a new percept."""
         self.values[:] = self._blank
 
 
 def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) -> float:
-    """Return a value, such as a feature's; NaN if it has none or cannot be read."""
+    """Return a value, such as a feature's; NaN if it is missing or cannot be read."""
     try:
         return float(read(*args, **kwargs))
-    except Exception:  # of the domain's code
+    except Exception:  # domain code
         return math.nan
 
 
@@ -116,7 +116,7 @@ def checked(read: Callable[[], float], name: str, categories: int) -> float:
     Args:
         read: reads it.
         name: of the feature, for errors.
-        categories: how many there are; 0 for a feature that is not categorical.
+        categories: number of categories; 0 for a feature that is not categorical.
 
     Raises:
         FeatureValueError: if the value is missing, not a number or not a category.

@@ -1,8 +1,7 @@
-"""A training on disk, record by record, so that killing the agent loses nothing acknowledged.
+"""A training on disk, record by record, so that no acknowledged example is ever lost.
 
-One JSON object per line: the version of the form, a number that counts from 1, a check sum and
-what was recorded. A record counts once its line is complete; a line that was cut off was never
-acknowledged and is dropped.
+One JSON object per line: the format version, a number counting from 1, a checksum and the record.
+A record counts once its line is complete; a truncated line was never acknowledged and is dropped.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from hitab_core.errors import LibraryError
 from hitab_core.library.durable_files import file_errors, make_folder, sync_folder, write_all
 
 VERSION = 1
-"""The version of the form that is written."""
+"""The format version that is written."""
 
 
 class ExampleJournal:
-    """The journal of one training; one process at a time has it open.
+    """The journal of one training, opened by one process at a time.
 
-    Use `open`, not the constructor.
+    Use `open` or `begin`, not the constructor.
     """
 
     def __init__(self, path: Path, descriptor: int) -> None:
@@ -38,13 +37,13 @@ class ExampleJournal:
 
     @classmethod
     def open(cls, path: Path | str) -> Self:
-        """Open a journal to go on with it, or begin one.
+        """Open a journal to resume it, or begin one.
 
-        A last line that was cut off is removed.
+        A truncated last line is removed.
 
         Raises:
-            LibraryError: if it cannot be read or written, is open elsewhere, or is damaged,
-                naming the line.
+            LibraryError: if it cannot be read or written, is open in another process, or, naming
+                the line, is damaged.
         """
         path = Path(path)
         with file_errors(path, "open"):
@@ -62,19 +61,19 @@ class ExampleJournal:
 
     @classmethod
     def begin(cls, path: Path | str, first: Mapping[str, Any]) -> Self:
-        """Begin a journal in the place of the one that may be there, which is archived.
+        """Begin a journal; archive an existing one.
 
         Args:
-            path: where it shall be.
+            path: of the journal.
             first: its first record.
 
         Raises:
-            LibraryError: if it cannot be written; then what was there is as before.
+            LibraryError: if it cannot be written; the existing journal is unchanged.
         """
         path = Path(path)
         beside = path.with_name(f"{path.stem}.next{path.suffix}")
         with file_errors(beside, "remove"):
-            beside.unlink(missing_ok=True)  # left over from a process that was killed
+            beside.unlink(missing_ok=True)  # left by a killed process
         journal = cls.open(beside)
         try:
             journal.append(first)
@@ -102,13 +101,13 @@ class ExampleJournal:
         """Write a record; when this returns, it is on disk.
 
         Args:
-            record: anything that JSON can say.
+            record: anything that JSON can represent.
 
         Returns:
             Its number.
 
         Raises:
-            LibraryError: if it cannot be written; then the journal is as before.
+            LibraryError: if it cannot be written; the journal is unchanged.
         """
         number = len(self._records) + 1
         try:
@@ -120,12 +119,12 @@ class ExampleJournal:
             if not os.fstat(self._open()).st_nlink:
                 self._write_afresh()
             if os.fstat(self._descriptor).st_size != self._size:
-                os.ftruncate(self._descriptor, self._size)  # what could not be taken back before
+                os.ftruncate(self._descriptor, self._size)  # what could not be removed before
             try:
                 write_all(self._descriptor, data)
                 os.fsync(self._descriptor)
             except OSError:
-                with suppress(OSError):  # half a line is dropped when it is opened again, too
+                with suppress(OSError):  # half a line is also dropped when the journal is reopened
                     os.ftruncate(self._descriptor, self._size)
                 raise
         self._size += len(data)
@@ -137,11 +136,11 @@ class ExampleJournal:
         yield from list(self._records)
 
     def __len__(self) -> int:
-        """Return how many records there are."""
+        """Return the number of records."""
         return len(self._records)
 
     def close(self) -> None:
-        """Close it, to be gone on with later."""
+        """Close it, to be resumed later."""
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
@@ -150,7 +149,7 @@ class ExampleJournal:
         """Close it and remove its file.
 
         Raises:
-            LibraryError: if that cannot be done.
+            LibraryError: if that fails.
         """
         with file_errors(self.path, "remove"):
             if self.path.exists():
@@ -159,19 +158,19 @@ class ExampleJournal:
         self.close()
 
     def archive(self) -> Path:
-        """Close it and give its file a name under which it is not gone on with.
+        """Close it and rename its file so that it is not resumed.
 
         Returns:
             The file: ``training.jsonl`` becomes ``training.1.jsonl``, or the next free number.
 
         Raises:
-            LibraryError: if that cannot be done.
+            LibraryError: if that fails.
         """
         with file_errors(self.path, "rename"):
             archived = _free_name(self.path)
-            if self.path.exists():  # else somebody has removed it
+            if self.path.exists():  # else it was removed by other means
                 self.path.rename(archived)
-                # Done for everybody now; at worst a power failure brings the old name back.
+                # At worst a power failure restores the old name.
                 with suppress(OSError):
                     sync_folder(self.path.parent)
         self.close()
@@ -179,11 +178,11 @@ class ExampleJournal:
 
     def _open(self) -> int:
         if self._descriptor < 0:
-            raise LibraryError(f"{self.path}: is closed; open it again to write to it")
+            raise LibraryError(f"{self.path}: is closed; reopen it to write to it")
         return self._descriptor
 
     def _write_afresh(self) -> None:
-        """Write everything again, since somebody has removed the file or its folder."""
+        """Rewrite everything after the file or its folder was removed."""
         again = type(self).open(self.path)
         try:
             for record in self._records[len(again) :]:
@@ -198,17 +197,17 @@ class ExampleJournal:
         try:
             fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if not os.path.samestat(os.fstat(self._descriptor), self.path.stat()):
-                raise BlockingIOError  # renamed or removed while it was being opened
+                raise BlockingIOError  # renamed or removed while opening it
         except (BlockingIOError, FileNotFoundError):
             raise LibraryError(
-                f"{self.path}: is in use by another process; end that, or use another folder"
+                f"{self.path}: is in use by another process; end it, or use another folder"
             ) from None
 
     def _resume(self) -> None:
         data = self.path.read_bytes()
         whole, _, torn = data.rpartition(b"\n")
         lines = whole.split(b"\n") if whole else []
-        # Where power fails, a disk may be left with zeros instead of what was last written.
+        # After a power failure the last write may be zeros on disk.
         if lines and b"\0" in lines[-1] and not torn:
             torn = lines.pop()
         for number, line in enumerate(lines, 1):
@@ -237,7 +236,7 @@ def _crc(text: str) -> str:
 
 
 def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
-    damaged = "keep the lines above it in a file of their own, and go on with that"
+    damaged = "copy the lines above it to a new file, and resume from that"
     try:
         entry = json.loads(line)
         version, found, crc, record = (entry[k] for k in ("journal", "number", "crc", "record"))
@@ -245,11 +244,11 @@ def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
         raise LibraryError(f"{place}: is not a record of a journal; {damaged}") from None
     if version != VERSION:
         raise LibraryError(
-            f"{place}: has version {version} of the form, and this HiTAB reads {VERSION}; "
-            "use the HiTAB that wrote it"
+            f"{place}: has format version {version}, but this HiTAB reads {VERSION}; "
+            "use the HiTAB version that wrote it"
         )
     if found != number:
         raise LibraryError(f"{place}: has number {found} instead of {number}; {damaged}")
     if crc != _crc(json.dumps(record)) or not isinstance(record, dict):
-        raise LibraryError(f"{place}: was damaged or edited (check sum); {damaged}")
+        raise LibraryError(f"{place}: was damaged or edited (wrong checksum); {damaged}")
     return record

@@ -1,4 +1,4 @@
-"""The examples of one training with what was done to them, so that it can be undone and redone."""
+"""The examples of one training and the history of edits, for undo and redo."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from hitab_core.errors import TrainingError, has
 from hitab_core.example import Example, ExampleKind
 
 Placed = tuple[int, Example]
-"""An example and its place among the others."""
+"""An example and its index in the list."""
 
 
 class Direction(Enum):
-    """How an edit stands to the history."""
+    """Whether an edit is new, an undo or a redo."""
 
     NEW = auto()
     UNDO = auto()
@@ -23,14 +23,14 @@ class Direction(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """Something done to the examples: only the difference that it makes.
+    """A change of the examples, stored as a difference.
 
     Attributes:
-        gone: what it takes away, by the places before it, ascending.
-        came: what it puts in, by the places after it, ascending.
-        left, entered: labels of the state in which a command was given and of the one that it
-            led to; None for edits that are no commands. Undone, these are swapped.
-        direction: whether it is new, or one of the history is undone or redone.
+        gone: removed examples with their indices before the edit, ascending.
+        came: added examples with their indices after the edit, ascending.
+        left, entered: labels of the states before and after a command; None if the edit is not a
+            command. An undo swaps them.
+        direction: whether it is new, an undo or a redo.
     """
 
     gone: tuple[Placed, ...] = ()
@@ -41,11 +41,11 @@ class Edit:
 
     @property
     def undone(self) -> Edit:
-        """The edit that takes this one back."""
+        """The edit that undoes this one."""
         return Edit(self.came, self.gone, self.entered, self.left, Direction.UNDO)
 
     def apply(self, examples: list[Example]) -> None:
-        """Do it to a list."""
+        """Apply it to a list."""
         for place, _ in reversed(self.gone):
             del examples[place]
         for place, example in self.came:
@@ -53,11 +53,11 @@ class Edit:
 
 
 class ExampleLog:
-    """Examples in the order in which they were recorded.
+    """Examples in the order of recording.
 
-    What is to be done is prepared, which refuses what cannot be done and changes nothing, and
-    then done by `make`. The history holds differences: it grows with what was done, not with how
-    many examples there were.
+    An edit is first prepared, which refuses the impossible and changes nothing, and then made by
+    `make`. The history holds differences, so it grows with the edits, not with the number of
+    examples.
     """
 
     def __init__(self, examples: Iterable[Example] = ()) -> None:
@@ -71,7 +71,7 @@ class ExampleLog:
 
     @property
     def examples(self) -> tuple[Example, ...]:
-        """All examples there are now."""
+        """All current examples."""
         if self._told is None:
             self._told = tuple(self._examples)
         return self._told
@@ -81,17 +81,17 @@ class ExampleLog:
 
     @property
     def defaults(self) -> int:
-        """How many of them are default examples."""
+        """The number of default examples."""
         return self._defaults
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is something to take back."""
+        """Whether there is something to undo."""
         return bool(self._done)
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is something to do again."""
+        """Whether there is something to redo."""
         return bool(self._undone)
 
     def preview(
@@ -104,7 +104,7 @@ class ExampleLog:
         with_default: bool,
         cycle: int = 0,
     ) -> list[Example]:
-        """Return the examples that one command teaches, numbered, without adding them."""
+        """Return the numbered examples that a command teaches, without adding them."""
         command = self._next_command
         taught = [Example(state, features, next_state, kind, self._next_number, command, cycle)]
         if with_default:
@@ -124,7 +124,7 @@ class ExampleLog:
     # -- preparing --------------------------------------------------------------------------
 
     def addition(self, taught: Sequence[Example]) -> Edit:
-        """Prepare to add what one command taught; its first example says where it led."""
+        """Prepare to add what a command taught; its first example gives the states."""
         came = tuple(enumerate(taught, len(self._examples)))
         if not taught:
             return Edit()
@@ -134,15 +134,15 @@ class ExampleLog:
         """Prepare to delete examples.
 
         Raises:
-            TrainingError: if one of the numbers is not there.
+            TrainingError: if one of the numbers is unknown.
         """
         return Edit(self._known(numbers))
 
     def relabelling(self, numbers: Iterable[int], next_state: str) -> Edit:
-        """Prepare to change where examples lead to; a default example becomes an ordinary one.
+        """Prepare to change the next state of examples; a default example becomes an ordinary one.
 
         Raises:
-            TrainingError: if one of the numbers is not there.
+            TrainingError: if one of the numbers is unknown.
         """
         chosen = tuple(p for p in self._known(numbers) if p[1].next_state != next_state)
         changed = tuple(
@@ -159,23 +159,23 @@ class ExampleLog:
         return Edit(chosen, changed)
 
     def undoing(self) -> Edit:
-        """Prepare to take back the last addition, deletion or relabelling.
+        """Prepare to undo the last addition, deletion or relabelling.
 
         Raises:
-            TrainingError: if there is nothing to take back.
+            TrainingError: if there is nothing to undo.
         """
         if not self._done:
             raise TrainingError("nothing to undo")
         return self._done[-1].undone
 
     def redoing(self) -> Edit:
-        """Prepare to do again what was undone last.
+        """Prepare to redo what was undone last.
 
         Raises:
-            TrainingError: if there is nothing, or something new was done since.
+            TrainingError: if nothing was undone, or a new edit came after it.
         """
         if not self._undone:
-            raise TrainingError("nothing to redo: nothing was undone, or something was done since")
+            raise TrainingError("nothing to redo: nothing was undone, or a new edit came after it")
         return replace(self._undone[-1], direction=Direction.REDO)
 
     # -- doing ------------------------------------------------------------------------------
@@ -185,13 +185,13 @@ class ExampleLog:
         self.make(self.addition(taught))
 
     def after(self, edit: Edit) -> tuple[Example, ...]:
-        """Return the examples that there would be."""
+        """Return the examples as they would be after an edit."""
         examples = list(self._examples)
         edit.apply(examples)
         return tuple(examples)
 
     def make(self, edit: Edit) -> None:
-        """Do what was prepared, with nothing done in between."""
+        """Make a prepared edit; no other edit may come in between."""
         edit.apply(self._examples)
         self._told = None
         self._defaults += sum(e.is_default for _, e in edit.came)

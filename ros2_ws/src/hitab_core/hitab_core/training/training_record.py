@@ -1,4 +1,4 @@
-"""What is done in a training as records of its journal, and how they are done again."""
+"""Conversion of a training's steps to journal records, and their replay."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def example_from_record(record: Mapping[str, Any]) -> Example:
 
 
 def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
-    """Return what one record would do to a log; None: nothing.
+    """Return the edit of a log that a record describes; None: no edit.
 
     Raises:
-        TrainingError: if it cannot be done.
+        TrainingError: if it is not possible.
     """
     match record["do"]:
         case "command":
@@ -56,10 +56,10 @@ def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
 
 
 def replay(records: Iterable[Mapping[str, Any]], log: ExampleLog) -> ExampleLog:
-    """Do again to ``log`` everything that a journal tells was done after it was begun.
+    """Replay on ``log`` all records that follow the first one of a journal.
 
     Raises:
-        TrainingError: if something cannot be done.
+        TrainingError: if a record cannot be replayed.
     """
     for record in records:
         edit = prepared(log, record)

@@ -1,4 +1,4 @@
-"""Training one automaton: a demonstrator commands, examples are recorded, functions are learned.
+"""Trains one automaton: a demonstrator commands, examples are recorded, functions learned.
 
 Source: the paper, section 3, "Training with HiTAB".
 """
@@ -28,15 +28,15 @@ def _forget(record: Mapping[str, Any]) -> None:
 
 @dataclass(frozen=True)
 class Curriculum:
-    """What is chosen before training begins.
+    """The choices made before training begins.
 
     Attributes:
         name: of the automaton to be trained.
         features: what its transition functions may look at.
-        states: what may be commanded; empty: anything in the repertoire.
+        states: that may be commanded; empty: anything in the repertoire.
         parameters: its free variables.
-        arguments: the targets to which they are bound while it is being trained.
-        classifier: ``"tree"``, or a scikit-learn classifier (`classifier_replacement`).
+        arguments: the targets that the parameters are bound to during training.
+        classifier: ``"tree"`` or a scikit-learn classifier (`classifier_replacement`).
     """
 
     name: str
@@ -73,13 +73,13 @@ class Curriculum:
 class TrainingSession:
     """One automaton being trained by one agent.
 
-    In training the demonstrator decides: `command` changes the state and records examples. In
-    testing the learned transition functions decide. Changing between the two leaves the active
-    state, and what it performs, as they are.
+    In training mode the demonstrator decides: `command` changes the state and records examples. In
+    testing mode the learned transition functions decide. Switching between the two keeps the
+    active state and what it performs.
 
-    Taking back a command has the agent perform again what it performed when it was given, so
-    that the next command is recorded in that state; doing it again, what it led to. After a
-    crash the agent is in Start, and that can be done to all that the journal tells.
+    Undoing a command returns the agent to the state before it, so that the next command is
+    recorded in that state; redoing it performs the commanded behavior. After a crash the agent is
+    in Start, and everything in the journal can still be undone.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class TrainingSession:
         examples: Iterable[Example] = (),
         journal: Journal = _forget,
     ) -> None:
-        """Begin in training mode, in Start.
+        """Start in training mode, in Start.
 
         Raises:
             VocabularyError: if the curriculum names what does not exist.
@@ -120,12 +120,12 @@ class TrainingSession:
 
     @property
     def examples(self) -> tuple[Example, ...]:
-        """What has been recorded so far."""
+        """The examples recorded so far."""
         return self.log.examples
 
     @property
     def states(self) -> list[str]:
-        """Labels of the states that examples mention, in order of appearance, without Start."""
+        """Labels of the states in the examples, in order of appearance, without Start."""
         return _labels(self.log.examples)
 
     def tick(self) -> None:
@@ -136,31 +136,31 @@ class TrainingSession:
             self.running.pulse()
 
     def restart(self) -> None:
-        """Stop what is active and go back to Start, as at the beginning of an episode."""
+        """Stop the active state and return to Start, as at the beginning of an episode."""
         self.running.stop()
         self.running.start()
         self._left = False
 
     def leave(self) -> None:
-        """Stop, since the agent performs something else; `restart` is how to come back."""
+        """Stop, since the agent performs something else; come back with `restart`."""
         self.running.stop()
         self._left = True
 
     def check_on(self, context: RunContext) -> None:
-        """Check that the training could go on with another repertoire.
+        """Check that the training could continue with another repertoire.
 
         Raises:
-            VocabularyError: naming what that does not have.
+            VocabularyError: naming what is missing there.
         """
         check(context, self.curriculum)
         for label in _labels(self.log.examples):
             context.repertoire.check_state(Use.parse(label), self.curriculum.parameters)
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> None:
-        """Do again what a journal tells was done since the training was begun.
+        """Replay the journal of the training.
 
         Raises:
-            VocabularyError: if an example is of a behavior that there is not any more.
+            VocabularyError: if an example uses a behavior that no longer exists.
         """
         records = list(records)
         replay(records, self.log)
@@ -169,22 +169,22 @@ class TrainingSession:
         self.rebuild(self.context)
 
     def rebuild(self, context: RunContext) -> None:
-        """Perform afresh, at Start, since behaviors of the repertoire may have changed."""
+        """Restart at Start, since behaviors of the repertoire may have changed."""
         self.context = context
         self.running = self._perform(())
         if self.testing:
             self.running.set_transitions(self.automaton().transitions)
 
     def command(self, state: Use, cycle: int = 0) -> list[Example]:
-        """Perform a behavior now, and record the examples that this teaches.
+        """Perform a behavior now and record the resulting examples.
 
         Args:
             state: the behavior with its arguments, or a flag.
-            cycle: the world's cycle, kept with the examples.
+            cycle: of the world, stored with the examples.
 
         Returns:
-            The examples recorded: one, and a default one unless the behavior is one-shot or
-            was running already.
+            The recorded examples: one, plus a default example unless the behavior is one-shot or
+                was already running.
 
         Raises:
             TrainingError: in testing mode, or if the behavior is not among the chosen ones.
@@ -193,7 +193,7 @@ class TrainingSession:
         """
         if self.testing:
             raise TrainingError(
-                f'"{self.curriculum.name}" is being tested; take over by going to training mode '
+                f'"{self.curriculum.name}" is being tested; go to training mode to take over '
                 "before commanding"
             )
         self._check_state(state)
@@ -210,7 +210,7 @@ class TrainingSession:
             with_default=not again and not self.context.repertoire.is_one_shot(state),
             cycle=cycle,
         )
-        # On disk first: what is acknowledged must survive the agent.
+        # On disk first: acknowledged examples must survive a crash.
         self._journal({"do": "command", "examples": [example_record(e) for e in taught]})
         self.log.make(self.log.addition(taught))
         running.take_down_flags()
@@ -219,7 +219,7 @@ class TrainingSession:
         return taught
 
     def test(self, *, restart: bool = False) -> None:
-        """Learn the transition functions and let them decide from now on.
+        """Learn the transition functions and let them decide.
 
         Raises:
             TrainingError: if no example leaves Start.
@@ -237,20 +237,20 @@ class TrainingSession:
         self.testing = False
 
     def undo(self) -> None:
-        """Take back the last command, deletion or relabelling.
+        """Undo the last command, deletion or relabelling.
 
-        Of a command, the agent performs again what it performed when the command was given.
+        Undoing a command returns the agent to the state before it.
 
         Raises:
-            TrainingError: if there is nothing to take back.
+            TrainingError: if there is nothing to undo.
         """
         self._edit({"do": "undo"})
 
     def redo(self) -> None:
-        """Do again what was taken back last; of a command, perform what it led to.
+        """Redo what was undone last; for a command, perform the commanded behavior.
 
         Raises:
-            TrainingError: if there is nothing, or something else was done since.
+            TrainingError: if nothing was undone, or a new edit came after it.
         """
         self._edit({"do": "redo"})
 
@@ -258,15 +258,15 @@ class TrainingSession:
         """Delete examples by number.
 
         Raises:
-            TrainingError: if one of them is not there.
+            TrainingError: if one of the numbers is unknown.
         """
         self._edit({"do": "delete", "numbers": sorted(set(numbers))})
 
     def relabel(self, numbers: Iterable[int], next_state: Use) -> None:
-        """Change where examples lead to.
+        """Change the next state of examples.
 
         Raises:
-            TrainingError: if one of them is not there.
+            TrainingError: if one of the numbers is unknown.
             VocabularyError: if there is no such behavior.
         """
         self._check_state(next_state)
@@ -275,7 +275,7 @@ class TrainingSession:
         )
 
     def _edit(self, record: Mapping[str, Any]) -> None:
-        # Whatever is refused is refused before it is written.
+        # Refuse before writing anything.
         edit = prepared(self.log, record)
         assert edit is not None
         learned = self._learned(self.log.after(edit)) if self.testing else None
@@ -291,7 +291,7 @@ class TrainingSession:
         self._perform_again(edit)
 
     def _perform_again(self, edit: Edit) -> None:
-        """Perform what was performed before a command that was undone, or after a redone one."""
+        """Perform the state before an undone command, or the one after a redone command."""
         if edit.entered is None or self._left:
             return
         self.running.raised.discard(str(edit.left))
@@ -340,15 +340,15 @@ class TrainingSession:
         if chosen and state not in chosen:
             raise TrainingError(
                 f'"{state}" is not among the states chosen for "{self.curriculum.name}" '
-                f"{has(chosen)}; begin again with it, or without choosing states"
+                f"{has(chosen)}; begin again with this state, or without a choice of states"
             )
 
 
 def check(context: RunContext, curriculum: Curriculum) -> None:
-    """Check that all that a curriculum names exists, its classifier included.
+    """Check that everything a curriculum names exists, including its classifier.
 
     Raises:
-        VocabularyError: naming what does not.
+        VocabularyError: naming what does not exist.
     """
     repertoire = context.repertoire
     name = curriculum.name
@@ -371,14 +371,14 @@ def check(context: RunContext, curriculum: Curriculum) -> None:
         repertoire.check_feature(feature, curriculum.parameters)
     for state in curriculum.states:
         repertoire.check_state(state, curriculum.parameters)
-    # The empty automaton is checked as any other: reserved names, parameters that are targets.
+    # Check an empty automaton for reserved names and for parameters that are targets.
     blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
     repertoire.check_new(blank)
     learner(curriculum.classifier, [repertoire.scale_of(f) for f in curriculum.features])
 
 
 def _labels(examples: Iterable[Example]) -> list[str]:
-    """Return the states that examples mention, in order of appearance, without Start."""
+    """Return the states in the examples, in order of appearance, without Start."""
     seen: dict[str, None] = {}
     for example in examples:
         for label in (example.state, example.next_state):

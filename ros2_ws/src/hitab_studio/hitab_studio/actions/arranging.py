@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_client.errors import SwarmError
+from hitab_client import SwarmError
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.session import Session

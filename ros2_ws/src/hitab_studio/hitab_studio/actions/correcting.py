@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hitab_client.errors import SwarmError
+from hitab_client import SwarmError
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from hitab_client.errors import SwarmError
+from hitab_client import SwarmError
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.recording import new_recording, recordings_folder
 from hitab_studio.replay import Player, Recording

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_studio.session import Session
 
 Data = Mapping[str, Any]

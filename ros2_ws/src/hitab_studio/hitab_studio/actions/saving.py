@@ -6,8 +6,7 @@ from typing import Any
 
 from hitab_msgs.srv import GetBehavior
 
-from hitab_client.errors import SwarmError
-from hitab_client.swarm_client import DistributionReport
+from hitab_client import DistributionReport, SwarmError
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.learned import learned_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_client.errors import SwarmError
-from hitab_core.use import Use
+from hitab_client import SwarmError
+from hitab_core import Use
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Asked, Session, parameters_of
 

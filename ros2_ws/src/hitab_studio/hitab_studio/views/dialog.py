@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core.automaton import FLAGS
-from hitab_core.use import Use
+from hitab_core import FLAGS, Use
 from hitab_studio.session import Session
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core.example import Example
+from hitab_core import Example
 from hitab_studio.learned import Learned, is_contradicted, most_probable
 from hitab_studio.session import Session, Table
 

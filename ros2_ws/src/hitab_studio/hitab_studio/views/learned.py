@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core.automaton import FLAGS, START
-from hitab_core.use import Use
+from hitab_core import FLAGS, START, Use
 from hitab_studio.graph import graph
 from hitab_studio.learned import Learned
 from hitab_studio.session import Session

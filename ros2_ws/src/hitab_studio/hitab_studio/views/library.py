@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core.drawing.text import automaton_as_text
+from hitab_core import automaton_as_text
 from hitab_studio.session import Session
 
 

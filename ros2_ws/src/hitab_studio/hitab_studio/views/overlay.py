@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core.automaton import FLAGS
-from hitab_core.use import Use
+from hitab_core import FLAGS, Use
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session

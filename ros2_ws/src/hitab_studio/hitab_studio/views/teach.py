@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core.example import Example
+from hitab_core import Example
 from hitab_studio.session import Session
 
 

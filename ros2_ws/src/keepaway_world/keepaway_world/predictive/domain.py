@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hitab_core.domain import Domain
+from hitab_core import Domain
 from keepaway_world.domain import DOMAIN as KEEPAWAY
 from keepaway_world.predictive.behaviors import BEHAVIORS
 from keepaway_world.predictive.body import PredictiveBody

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from hitab_core.domain import Feature, FeatureKind, Target
+from hitab_core import Feature, FeatureKind, Target
 from keepaway_world import percept
 from keepaway_world.body import NOBODY
 from keepaway_world.features import NAN

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from hitab_world.world import Action
+from hitab_world import Action
 from keepaway_world import action
 from keepaway_world.interception import Order
 from keepaway_world.parameters import KeepawayParameters

@@ -12,8 +12,8 @@ from dataclasses import replace
 from random import Random
 from typing import Any, TypeAlias
 
+from hitab_world import Entity, Placement, WorldError
 from hitab_world.parameters import ParameterError
-from hitab_world.world import Entity, Placement, WorldError
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.percept import CYCLES_PER_SECOND
 from keepaway_world.physics import Mover, Physics

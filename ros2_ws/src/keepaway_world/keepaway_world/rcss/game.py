@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from hitab_world.world import Sensed
+from hitab_world import Sensed
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.percept import perceive
 from keepaway_world.rcss.episode_watch import EpisodeWatch

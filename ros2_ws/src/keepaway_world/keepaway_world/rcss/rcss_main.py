@@ -16,9 +16,9 @@ import sys
 
 from rclpy.node import Node
 
-from hitab_ros.spinning import Loop, Spinner, run
+from hitab_ros import Loop, Spinner, run
+from hitab_world import run_world
 from hitab_world.figures import declare_all_figures
-from hitab_world.world_node import run_world
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import ServerSettings

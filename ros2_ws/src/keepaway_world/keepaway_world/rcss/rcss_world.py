@@ -12,17 +12,8 @@ from collections.abc import Iterable, Mapping
 from random import Random
 from typing import Any
 
-from hitab_core.seeding import world_seed
-from hitab_world.world import (
-    LOOK,
-    RESTART,
-    Action,
-    Entity,
-    EpisodeResult,
-    Placement,
-    Sensed,
-    WorldError,
-)
+from hitab_core import world_seed
+from hitab_world import LOOK, RESTART, Action, Entity, EpisodeResult, Placement, Sensed, WorldError
 from keepaway_world import referee
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.rcss import sentences

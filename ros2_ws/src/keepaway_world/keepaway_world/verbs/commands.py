@@ -191,8 +191,7 @@ def picture(
 
       hitab keepaway picture field.png
     """
-    from hitab_bringup.field_picture import draw_field
-    from hitab_bringup.verbs.connection import connection
+    from hitab_bringup import connection, draw_field
 
     with connection(swarm) as swarm_up:
         swarm_up.world.wait()

@@ -9,15 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.field_picture import draw_field
-from hitab_bringup.libraries import copy_library
-from hitab_bringup.opened_library import open_library
+from hitab_bringup import RunningSwarm, copy_library, draw_field, open_library, temporary_swarm
 from hitab_bringup.shipped import find_file
 from hitab_client import console
-from hitab_client.lessons.lesson_file import read_lesson
-from hitab_client.lessons.lesson_player import LessonPlayer, LessonReport
-from hitab_core.errors import HitabError
+from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
+from hitab_core import HitabError
 from keepaway_world.verbs import paper
 from keepaway_world.verbs.demo_studio import play_on, studio_beside
 from keepaway_world.verbs.evaluation import (
@@ -168,7 +164,7 @@ def _keep_library(source: Path, destination: Path) -> None:
 
 
 def _draw_automata(library: Path, path: Path) -> None:
-    from hitab_core.drawing.picture import draw_automata
+    from hitab_core import draw_automata
 
     loaded = open_library(library).load()
     draw_automata([loaded[name] for name in paper.TABLE_1 if name in loaded], path)

@@ -8,9 +8,8 @@ import sys
 import time
 from collections.abc import Iterator
 
-from hitab_bringup.bringing_up import RunningSwarm
-from hitab_client import console
-from hitab_client.errors import SwarmError
+from hitab_bringup import RunningSwarm
+from hitab_client import SwarmError, console
 
 START_SECONDS = 20.0
 

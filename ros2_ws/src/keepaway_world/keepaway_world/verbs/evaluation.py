@@ -16,16 +16,21 @@ from pathlib import Path
 from statistics import fmean, stdev
 from typing import TYPE_CHECKING, Any
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.opened_library import open_library
-from hitab_bringup.swarm_description import AgentDescription, SwarmDescription, WorldDescription
-from hitab_bringup.swarm_file import world_module
-from hitab_core.errors import HitabError, LibraryError, has
+from hitab_bringup import (
+    AgentDescription,
+    RunningSwarm,
+    SwarmDescription,
+    WorldDescription,
+    open_library,
+    temporary_swarm,
+    world_module,
+)
+from hitab_core import HitabError, LibraryError, has
 
 if TYPE_CHECKING:
     from hitab_client.console import Advance
+    from hitab_world import World
     from hitab_world.inprocess import Player
-    from hitab_world.world import World
 
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
@@ -248,7 +253,7 @@ def play_lockstep(
 @contextlib.contextmanager
 def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World]:
     """Make a world in this process; what it refuses is told as a user's error."""
-    from hitab_world.world import WorldError
+    from hitab_world import WorldError
     from keepaway_world.parameters import KeepawayParameters
     from keepaway_world.rcss.rcss_world import RcssWorld
     from keepaway_world.rcss.server_settings import settings_from_dict
@@ -272,7 +277,7 @@ def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World
 
 
 def _trained(world: World, library: Path, behavior: str) -> Mapping[str, Player]:
-    from hitab_core.repertoire import Repertoire
+    from hitab_core import Repertoire
     from hitab_world.inprocess import perform
 
     opened = open_library(library)

@@ -1,4 +1,4 @@
-"""An agent under a commander: it obeys orders, and reports what it does."""
+"""An agent under a commander: it obeys orders and reports what it is doing."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from contextlib import suppress
 from dataclasses import replace
 
 from hitab_core.agent import Agent, Mode
+from hitab_core.commanding.order import Order, Report
 from hitab_core.errors import HitabError
-from hitab_core.order import Order, Report
 from hitab_core.running.senses import resolved, value_or_nan
 from hitab_core.use import Use
 
@@ -17,20 +17,20 @@ NAN = math.nan
 
 
 class Subordinate:
-    """The side of one agent that obeys and reports; knows no middleware.
+    """The part of an agent that obeys and reports, independent of the middleware.
 
-    An order has the agent perform a top-level behavior. One that is not newer than the last
-    changes nothing, and what is performed already is not restarted. An order waits as long as a
-    demonstrator trains or tests the agent, or it cannot be obeyed, such as for want of the
-    behavior; `settle` takes it up as soon as nothing is in the way any more.
+    An order sets the agent's top-level behavior. An order that is not newer than the last changes
+    nothing, and a behavior that is already performed is not restarted. An order waits while a
+    demonstrator trains or tests the agent, or while it cannot be obeyed, for example because the
+    behavior is missing; `settle` carries it out once nothing prevents it.
 
     Attributes:
-        order: the newest that was heard; None: none yet.
-        ordered: what the agent is to perform by it; None: nothing was ordered.
-        waits: whether that has not been taken up yet.
-        refusal: why it cannot be obeyed, and the way out; empty if it can.
+        order: the newest one received; None: none yet.
+        ordered: what the agent should perform according to it; None: nothing was ordered.
+        waits: whether the order is still pending.
+        refusal: why the order cannot be obeyed, and the way out; empty if it can.
         episode, seed, seconds: of the last percept, for the reports.
-        round: in lockstep, the number of the last percept; 0: in real time.
+        round: in lockstep, number of the last percept; 0: in real time.
     """
 
     def __init__(self, agent: Agent, role: str = "") -> None:
@@ -53,12 +53,12 @@ class Subordinate:
     # -- obeying ----------------------------------------------------------------------------
 
     def take(self, order: Order) -> bool:
-        """Hear an order, and obey if nothing is in the way; return whether it was newer.
+        """Receive an order and obey if nothing prevents it; return whether it was newer.
 
-        In lockstep an order that is given out of turn, such as by a person while the world is
-        paused, is obeyed at the end of the next round, which repeats it: whether it arrives
-        before or after a percept must make no difference. Until then it is only known from it
-        what a commander that has been started again wants to have reported.
+        In lockstep an order given outside a round, for example by a person while the world is
+        paused, is obeyed at the end of the next round, which repeats it: it must not matter
+        whether it arrives before or after a percept. Until then only its report requests take
+        effect, as a restarted commander needs them.
         """
         if self.round and not order.round:
             order = replace(order, sequence=0)
@@ -69,7 +69,7 @@ class Subordinate:
             self._asked = order.report
             self._readers = [self._reader(text) for text in order.report]
         if not order.sequence:
-            return True  # a commander that has ordered nothing yet: go on
+            return True  # a commander that has ordered nothing yet: continue
         behavior = order.behavior_for(self.agent.name, self.role)
         self.agent.lower_flags()
         if behavior is None:
@@ -80,7 +80,7 @@ class Subordinate:
         return True
 
     def settle(self) -> bool:
-        """Take up the order if one waits and nothing is in the way; return whether it was."""
+        """Carry out a pending order if nothing prevents it; return whether it was carried out."""
         if not self.waits or self.ordered is None:
             return False
         agent = self.agent
@@ -91,13 +91,13 @@ class Subordinate:
             use = Use.parse(self.ordered) if self.ordered else None
             if not self._performs(use):
                 agent.perform(use)
-        except Exception as error:  # starting and stopping run a domain's code, a user's
+        except Exception as error:  # starting and stopping run domain code
             name = self.order.name if self.order is not None else ""
             why = str(error)
             if not isinstance(error, HitabError):
-                why = f'"{self.ordered}" could not be begun: {error!r}'
+                why = f'"{self.ordered}" could not be started: {error!r}'
                 with suppress(Exception):
-                    agent.perform(None)  # rather than something that is only half begun
+                    agent.perform(None)  # rather than a half-started behavior
             self.refusal = f'cannot obey the order "{name}": {why}'
             return False
         self.waits, self.refusal = False, ""
@@ -110,51 +110,52 @@ class Subordinate:
 
     @property
     def is_asked(self) -> bool:
-        """Whether the commander has asked for values or the position."""
+        """Whether the commander has requested values or the position."""
         return self.order is not None and bool(self.order.report or self.order.report_position)
 
     # -- reporting --------------------------------------------------------------------------
 
     def news(self, seconds: float) -> Report | None:
-        """Return a report if the commander has to be told something now.
+        """Return a report if there is something to report now.
 
-        That is so when what the agent does has changed and, if it asked for values, once in a
-        while; see `Order.report_period`.
+        That is the case when the agent's activity has changed and, if values are requested,
+        periodically; see `Order.report_period`.
 
         Args:
-            seconds: the agent's own time, as its percepts tell it.
+            seconds: the agent's own time, from its percepts.
         """
         doing = self._doing()
         if doing == self._told:
             order = self.order
             if order is None or not (order.report or order.report_position):
                 return None
-            # Half a millisecond is forgiven: times are sums of cycles.
+            # Tolerate half a millisecond, since times are sums of cycles.
             if 0.0 <= seconds - self._told_at < order.report_period - 5e-4:
                 return None
         self._told_at = seconds
         return self._report(doing)
 
     def round_begins(self, number: int, *, look: bool, restart: bool) -> Report:
-        """Return the report that the commander is owed in a round of lockstep.
+        """Return the report that is due in a round of lockstep.
 
         Args:
-            number: of the round, that of its percept.
-            look: whether the percept is only to be looked at.
+            number: of the round and of its percept.
+            look: whether the percept is for observation only.
             restart: whether it begins an episode.
         """
         self.round = number
         return replace(self._report(self._doing()), look=look, restart=restart)
 
     def rounds_end(self) -> bool:
-        """Go over to real time; return whether it was in lockstep."""
+        """Switch to real time; return whether it was in lockstep."""
         was, self.round = self.round, 0
         return bool(was)
 
     def heartbeat(self) -> Report | None:
-        """Return a report unless there was one since the last call: a sign of life.
+        """Return a heartbeat report, unless there was a report since the last call.
 
-        In lockstep there is none: there a subordinate is silent that owes the report of a round.
+        There is none in lockstep, where only a missing report of a round makes a subordinate
+        silent.
         """
         if self.round:
             return None
@@ -166,11 +167,11 @@ class Subordinate:
         return report
 
     def report(self) -> Report:
-        """Return what the agent does now."""
+        """Return a report of what the agent is doing now."""
         return self._report(self._doing())
 
     def _doing(self) -> Report:
-        """Return what the agent does, but for values and the cycle, which change all the time."""
+        """Return the report without values and the cycle, which change all the time."""
         agent = self.agent
         epoch, sequence = self.order.number if self.order is not None else (0, 0)
         path: tuple[str, ...] = ()
@@ -193,7 +194,7 @@ class Subordinate:
     def _report(self, doing: Report) -> Report:
         self._told = doing
         self._beaten = True
-        # Written out: `dataclasses.replace` costs as much again, for each agent at each order.
+        # Written out, since `dataclasses.replace` doubles the cost, per agent and order.
         return Report(
             doing.agent,
             doing.epoch,
@@ -212,7 +213,7 @@ class Subordinate:
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:
-        """Return how to read a feature; None if this agent has no such feature or target."""
+        """Return a function that reads a feature; None if the feature or target is missing."""
         domain = self.agent.domain
         try:
             use = Use.parse(text)

@@ -1,0 +1,3 @@
+from .lesson_file import read_lesson as read_lesson
+from .lesson_player import LessonPlayer as LessonPlayer
+from .lesson_player import LessonReport as LessonReport

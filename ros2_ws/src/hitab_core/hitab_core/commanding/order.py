@@ -1,0 +1,90 @@
+"""A commander's orders to its subordinates, and their reports."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+Number = tuple[int, int]
+"""Epoch and sequence; the larger one is newer."""
+
+OTHERS = ""
+"""Receiver of an order: every subordinate not addressed by name or role."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A commander's order to all its subordinates.
+
+    Attributes:
+        epoch: of the commander's process; larger after a restart.
+        sequence: counts up within the epoch; 0: no order yet.
+        name: of the order, such as ``Attack``; a behavior of the commander.
+        behaviors: to perform, such as ``GoTo(ball)``, by receiver: a subordinate's name, else a
+            role, else `OTHERS`. Empty text: perform nothing.
+        report: features whose values the subordinates should report.
+        report_position: whether they should report their position.
+        report_states: whether they should report the active states of their top-level behavior.
+        report_period: seconds, in a subordinate's own time, between reports of changing values.
+        round: in lockstep, number of the round that the order ends; 0: given outside a round.
+    """
+
+    epoch: int = 0
+    sequence: int = 0
+    name: str = ""
+    behaviors: Mapping[str, str] = field(default_factory=dict)
+    report: tuple[str, ...] = ()
+    report_position: bool = False
+    report_states: bool = False
+    report_period: float = 0.5
+    round: int = 0
+
+    @property
+    def number(self) -> Number:
+        """Epoch and sequence, to compare orders: the larger is newer."""
+        return self.epoch, self.sequence
+
+    def behavior_for(self, name: str, role: str) -> str | None:
+        """Return what a subordinate should perform; None: continue what it is doing."""
+        for receiver in (name, role, OTHERS):
+            if receiver in self.behaviors:
+                return self.behaviors[receiver]
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A subordinate's report to its commander.
+
+    Attributes:
+        agent: name of the subordinate.
+        epoch, sequence: of the last order received; 0: none.
+        waits: whether that order is still pending.
+        mode: of the agent.
+        path: its top-level behavior and, if requested, the active states inwards; empty if idle.
+        flags: raised by its top-level behavior since that order.
+        values: of the features that the commander requested; NaN: no value.
+        position: x and y, m; empty: not requested, or unknown.
+        cycle, episode, seed: of its last percept.
+        seconds: the agent's own time, s.
+        round: in lockstep, number of the last percept; 0: in real time.
+        look: whether that percept was for observation only.
+        restart: whether it began an episode.
+    """
+
+    agent: str
+    epoch: int = 0
+    sequence: int = 0
+    waits: bool = False
+    mode: str = ""
+    path: Sequence[str] = ()
+    flags: Sequence[str] = ()
+    values: Sequence[float] = ()
+    position: Sequence[float] = ()
+    cycle: int = 0
+    episode: int = 0
+    seed: int = 0
+    seconds: float = 0.0
+    round: int = 0
+    look: bool = False
+    restart: bool = False

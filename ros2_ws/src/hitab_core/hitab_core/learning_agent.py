@@ -1,0 +1,234 @@
+"""Training an agent by demonstration from a notebook or a script: no ROS, no files needed."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Self
+
+from hitab_core.agent import Agent, Mode
+from hitab_core.automaton import Automaton
+from hitab_core.domain import Domain
+from hitab_core.errors import FeatureValueError, TrainingError
+from hitab_core.example import Example
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.training.training_session import Curriculum
+from hitab_core.use import Use
+
+
+class LearningAgent:
+    """An agent that is trained step by step, in the process of who trains it.
+
+    A step gives it a percept and, while it is being trained, the name of a behavior that it
+    should perform; each command records an example. `learn` turns the examples into an automaton
+    that then decides; a command after that corrects it. `save` adds the automaton to the library,
+    so that the next training can use it as a state.
+
+    It is the engine's `Agent`, which also runs inside a ROS node: what is saved in a library
+    folder here can be performed by a swarm whose agents have the same domain.
+
+    Attributes:
+        agent: the engine's agent.
+
+    Example:
+        >>> from hitab_core import LearningAgent, plain_domain
+        >>> cart = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
+        >>> agent = LearningAgent(cart).train("Shuttle")
+        >>> agent.step([0.0], command="Right")
+        (1.0,)
+        >>> agent.step([5.0], command="Left")
+        (-1.0,)
+        >>> agent.step([0.0], command="Right")
+        (1.0,)
+        >>> automaton = agent.learn()
+        >>> agent.decide([4.0]), agent.decide([5.0]), agent.decide([1.0])
+        ('Right', 'Left', 'Left')
+    """
+
+    def __init__(
+        self,
+        domain: Domain,
+        library: Path | str | None = None,
+        *,
+        name: str = "agent",
+        seed: int = 0,
+    ) -> None:
+        """Make an agent with the behaviors of a domain and of a library.
+
+        Args:
+            domain: its basic behaviors, features and targets; see `plain_domain`.
+            library: the folder of its trained behaviors, made when first one is saved. None: a
+                folder that is deleted with the agent.
+            name: of the agent.
+            seed: of its random numbers.
+
+        Raises:
+            LibraryError, VocabularyError: if the library cannot be read or does not fit.
+        """
+        if library is None:
+            self._temporary = tempfile.TemporaryDirectory(prefix="hitab-")
+            library = self._temporary.name
+        self.agent = Agent(name, domain, BehaviorLibrary(library, domain), seed=seed)
+        self._cycle = 0
+        self._size: int | None = None
+
+    def train(
+        self,
+        behavior: str,
+        features: Iterable[str] | None = None,
+        *,
+        states: Iterable[str] = (),
+        parameters: Mapping[str, str] | None = None,
+        classifier: str = "tree",
+        discard: bool = False,
+    ) -> Self:
+        """Begin to train a behavior.
+
+        Args:
+            behavior: its name.
+            features: what its decisions may depend on, such as ``["DistanceTo(ball)"]``; None:
+                all features of the domain that have no parameter.
+            states: what may be commanded; empty: every behavior there is.
+            parameters: its own parameters, with the targets that they stand for while it is
+                being trained.
+            classifier: see `hitab_core.learning.transition_learning.learner`.
+            discard: give up a training that has not been saved.
+
+        Returns:
+            The agent itself.
+
+        Raises:
+            TrainingError: if another training has not been saved.
+            VocabularyError: naming what does not exist, and what does.
+        """
+        if features is None:
+            words = self.agent.domain.features.values()
+            features = [feature.name for feature in words if not feature.parameters]
+            if not features:
+                raise TrainingError(
+                    f'all features of domain "{self.agent.domain.name}" have parameters; say '
+                    'which to use, for example features=["DistanceTo(ball)"]'
+                )
+        bound = dict(parameters or {})
+        curriculum = Curriculum(
+            behavior,
+            tuple(map(Use.parse, features)),
+            tuple(map(Use.parse, states)),
+            tuple(bound),
+            tuple(bound.values()),
+            classifier,
+        )
+        self.agent.begin(curriculum, discard=discard)
+        return self
+
+    def step(
+        self,
+        percept: Sequence[float],
+        command: str | None = None,
+        heard: Sequence[str] = (),
+    ) -> tuple[float, ...]:
+        """Perform one timestep.
+
+        Args:
+            percept: its values, in the layout of the domain.
+            command: the behavior to perform from now on, such as ``"GoTo(ball)"``, or a flag. It
+                is recorded as an example; after `learn` as a correction, and the demonstrator
+                stays in control until `learn` is called again.
+            heard: messages that it hears.
+
+        Returns:
+            The action, in the layout of the domain; empty: none.
+
+        Raises:
+            TrainingError: if nothing is being trained; if no behavior has been commanded yet.
+            VocabularyError: if there is no such behavior or target, naming what there is.
+            FeatureValueError: if the percept has another number of values than before, or a
+                feature has no value.
+        """
+        agent = self.agent
+        self._sense(percept, heard)
+        if command is not None:
+            use = Use.parse(command)
+            if agent.mode is not Mode.TRAINING and agent.session is not None:
+                agent.take_over()
+            agent.command(use)
+        elif agent.mode is Mode.IDLE or (agent.mode is Mode.TRAINING and not self.examples):
+            raise TrainingError(
+                f"{agent.name} does not know what to do; command a behavior with "
+                f'step(percept, command="{next(iter(agent.domain.behaviors), "Name")}")'
+                + ("" if agent.session is not None else ", after train(name)")
+            )
+        agent.tick()
+        return tuple(map(float, agent.act()[0]))
+
+    def learn(self) -> Automaton:
+        """Learn from the examples; what was learned decides from now on, beginning at Start.
+
+        Returns:
+            The automaton, untrimmed; ``print(automaton_as_text(automaton))`` shows it.
+
+        Raises:
+            TrainingError: if nothing is being trained, or nothing was commanded.
+        """
+        self.agent.test(restart=True)
+        assert self.agent.session is not None
+        return self.agent.session.automaton()
+
+    def decide(self, percept: Sequence[float], heard: Sequence[str] = ()) -> str:
+        """Perform one timestep and return the state that the automaton is in afterwards.
+
+        Raises:
+            TrainingError: before `learn` or `perform`.
+            FeatureValueError: as `step`.
+        """
+        agent = self.agent
+        if agent.mode not in (Mode.TESTING, Mode.PERFORMING):
+            raise TrainingError(
+                f"{agent.name} has not learned yet; call learn() after commanding, or "
+                "perform(name)"
+            )
+        self.step(percept, heard=heard)
+        path = agent.active_path
+        return path[0] if path else agent.behavior
+
+    def perform(self, behavior: str) -> Self:
+        """Perform a behavior of the library, or a basic one, from its beginning.
+
+        Raises:
+            VocabularyError: if there is no such behavior or target, naming what there is.
+        """
+        self.agent.perform(Use.parse(behavior))
+        return self
+
+    def save(self, name: str = "", description: str = "") -> Path:
+        """Trim what was learned and add it to the library; this ends the training.
+
+        Args:
+            name: what to call it; empty: as it was begun.
+            description: for people who browse the library.
+
+        Returns:
+            Its file.
+
+        Raises:
+            TrainingError: if nothing is being trained, or nothing was commanded.
+            LibraryError, VocabularyError: if it cannot be written, or does not fit.
+        """
+        return self.agent.save(name, description=description)[1]
+
+    @property
+    def examples(self) -> tuple[Example, ...]:
+        """The examples of the training under way."""
+        session = self.agent.session
+        return () if session is None else session.examples
+
+    def _sense(self, percept: Sequence[float], heard: Sequence[str]) -> None:
+        if self._size is not None and len(percept) != self._size:
+            raise FeatureValueError(
+                f"this percept has {len(percept)} value(s), the first one had {self._size}; "
+                "pass the same values in each step"
+            )
+        self._cycle += 1
+        self.agent.sense(percept, heard, self._cycle)
+        self._size = len(percept)

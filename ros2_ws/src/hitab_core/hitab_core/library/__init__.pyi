@@ -1,0 +1,15 @@
+from . import commit as commit
+from . import durable_files as durable_files
+from . import yaml_places as yaml_places
+from .behavior_file import scale_of as scale_of
+from .behavior_library import accept_edit as accept_edit
+from .behavior_schema import SUFFIX as SUFFIX
+from .bundle import Bundle as Bundle
+from .bundle import digest_in as digest_in
+from .bundle import make_bundle as make_bundle
+from .bundle import plan_bundle as plan_bundle
+from .bundle import read_bundle as read_bundle
+from .differences import difference as difference
+from .digests import checksum as checksum
+from .edition import Edition as Edition
+from .edition import Editions as Editions

@@ -1,0 +1,120 @@
+"""A domain made of plain functions of a percept, for notebooks and scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.errors import FeatureValueError, VocabularyError
+
+Percept = list[float]
+Action = Sequence[float]
+
+
+class PlainBody:
+    """The last percept and the action of this cycle, both lists of numbers.
+
+    Attributes:
+        percept: values, in an order that the domain's functions know.
+        heard: messages that came with it.
+        action: set by a basic behavior; empty: none.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.percept: Percept = []
+        self.heard: list[str] = []
+        self.action: Action = ()
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        """Take a percept; forget the action of the last cycle."""
+        self.percept, self.heard = list(values), list(heard)
+        self.action = ()
+
+    def act(self) -> tuple[Action, str]:
+        """Return the action; a plain body says nothing."""
+        return self.action, ""
+
+
+def plain_domain(
+    name: str,
+    behaviors: Mapping[str, Action | Callable[[Percept], Action]] | Iterable[str],
+    features: Mapping[str, Callable[[Percept], float]] | Iterable[str | Feature],
+    version: str = "1",
+) -> Domain:
+    """Return a domain whose features and basic behaviors are functions of the percept.
+
+    Args:
+        name: of the domain.
+        behaviors: for each basic behavior the action that it takes, or a function that returns
+            one from the percept. Names alone: behaviors without an action, where only the
+            decisions matter.
+        features: for each feature a function that returns its value from the percept. Names
+            alone: the percept's values in this order. A `Feature` is taken as it is, with a
+            `PlainBody` as its body; so angles and categories can be declared.
+        version: raise it when a name comes to mean something else.
+
+    Raises:
+        VocabularyError: if a name is malformed or used twice.
+
+    Example:
+        >>> from hitab_core import plain_domain
+        >>> cart = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
+        >>> sorted(cart.behaviors), sorted(cart.features)
+        (['Left', 'Right'], ['Position'])
+    """
+    if not isinstance(behaviors, Mapping):
+        behaviors = dict.fromkeys(behaviors, ())
+    made = [_behavior(word, action) for word, action in behaviors.items()]
+    if isinstance(features, Mapping):
+        read = [Feature(word, _reader(word, function)) for word, function in features.items()]
+    else:
+        read = [
+            feature if isinstance(feature, Feature) else _value(feature, place)
+            for place, feature in enumerate(features)
+        ]
+    return Domain.of(name, version, PlainBody, behaviors=made, features=read)
+
+
+def _behavior(name: str, action: Action | Callable[[Percept], Action]) -> BasicBehavior:
+    def pulse(body: PlainBody) -> None:
+        body.action = action(body.percept) if callable(action) else action
+
+    if not callable(action) and (isinstance(action, str) or not isinstance(action, Sequence)):
+        raise VocabularyError(
+            f'the action of "{name}" is {action!r}; give a list of numbers, or a function of the '
+            "percept that returns one"
+        )
+    return BasicBehavior(name, pulse)
+
+
+def _reader(name: str, function: Callable[[Percept], float]) -> Callable[[PlainBody], float]:
+    if not callable(function):
+        raise VocabularyError(
+            f'feature "{name}" is {function!r}; give a function of the percept that returns a '
+            "number"
+        )
+
+    def read(body: PlainBody) -> float:
+        try:
+            return float(function(body.percept))
+        except Exception as error:
+            raise FeatureValueError(
+                f'feature "{name}" cannot be computed from the percept {body.percept}: '
+                f"{type(error).__name__}: {error}"
+            ) from error
+
+    return read
+
+
+def _value(name: str, place: int) -> Feature:
+    return Feature(name, partial(_at, name=name, place=place))
+
+
+def _at(body: PlainBody, *, name: str, place: int) -> float:
+    if place >= len(body.percept):
+        raise FeatureValueError(
+            f'feature "{name}" is value {place + 1} of the percept, which has '
+            f"{len(body.percept)}; pass one value for each feature"
+        )
+    return body.percept[place]

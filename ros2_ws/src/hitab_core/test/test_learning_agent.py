@@ -1,0 +1,140 @@
+"""Training from a notebook: ten lines, and errors that show the way out."""
+
+import pytest
+
+from hitab_core import (
+    Feature,
+    FeatureKind,
+    FeatureValueError,
+    LearningAgent,
+    TrainingError,
+    VocabularyError,
+    plain_domain,
+)
+
+
+def cart():
+    return plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
+
+
+def shuttle(agent):
+    agent.train("Shuttle")
+    agent.step([0.0], command="Right")
+    agent.step([5.0], command="Left")
+    agent.step([0.0], command="Right")
+    return agent
+
+
+def test_ten_lines_train_an_agent_that_goes_on_by_itself():
+    agent = shuttle(LearningAgent(cart()))
+    agent.learn()
+
+    position, seen = 1.0, []
+    for _ in range(20):
+        (speed,) = agent.step([position])
+        position += speed
+        seen.append(position)
+
+    assert max(seen) == 5.0
+    assert min(seen) == 0.0
+    assert seen.index(5.0) < seen.index(0.0)
+
+
+def test_what_it_decides_is_the_name_of_a_state():
+    agent = shuttle(LearningAgent(cart()))
+    agent.learn()
+    assert [agent.decide([x]) for x in (1.0, 4.0, 6.0, 3.0)] == ["Right", "Right", "Left", "Left"]
+
+
+def test_a_command_after_learning_is_a_correction():
+    agent = shuttle(LearningAgent(cart()))
+    agent.learn()
+    agent.decide([1.0])
+    agent.step([3.0], command="Left")
+    agent.learn()
+    agent.decide([1.0])
+
+    assert agent.examples[-2].kind == "correction"
+    assert agent.decide([3.0]) == "Left"
+
+
+def test_a_saved_behavior_is_a_state_of_the_next(tmp_path):
+    agent = shuttle(LearningAgent(cart(), tmp_path / "library"))
+    file = agent.save(description="To and fro.")
+    agent.train("Both", states=["Shuttle", "Left"])
+    agent.step([0.0], command="Shuttle")
+    agent.learn()
+
+    assert file.name == "Shuttle.hfa.yaml"
+    assert agent.decide([0.0]) == "Shuttle"
+    assert LearningAgent(cart(), tmp_path / "library").perform("Shuttle").step([0.0]) == (1.0,)
+
+
+def test_functions_of_the_percept_are_features_and_behaviors():
+    domain = plain_domain(
+        "rover",
+        {"Ahead": lambda percept: [percept[0] / 2.0], "Halt": []},
+        {"Sum": lambda percept: sum(percept)},
+    )
+    agent = LearningAgent(domain).train("Go")
+    assert agent.step([4.0, 1.0], command="Ahead") == (2.0,)
+    assert agent.examples[0].features == (5.0,)
+
+
+def test_a_feature_may_be_declared_in_full():
+    heading = Feature("Heading", lambda body: body.percept[0], FeatureKind.TOROIDAL, unit="rad")
+    domain = plain_domain("turtle", ["Turn"], [heading])
+    assert domain.features["Heading"].kind is FeatureKind.TOROIDAL
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "words"),
+    [
+        (lambda a: a.step([1.0], command="Lft"), VocabularyError, "(has: Left, Right)"),
+        (lambda a: a.step([1.0, 2.0]), FeatureValueError, "has 2 value(s), the first one had 1"),
+        (lambda a: a.learn(), TrainingError, "command the behavior"),
+        (lambda a: a.step([1.0]), TrainingError, 'step(percept, command="Left")'),
+        (lambda a: a.decide([1.0]), TrainingError, "call learn() after commanding"),
+        (lambda a: a.train("Other", ["Positon"]), VocabularyError, "Position"),
+        (lambda a: a.perform("Shutle"), VocabularyError, "(has: Left, Right)"),
+        (lambda a: a.save(), TrainingError, "command the behavior"),
+    ],
+)
+def test_what_is_used_wrongly_is_refused_with_the_way_out(wrong, error, words):
+    agent = LearningAgent(cart()).train("Shuttle")
+    with pytest.raises(TrainingError):
+        agent.step([1.0])  # nothing was commanded yet
+    with pytest.raises(error) as raised:
+        wrong(agent)
+    assert words in str(raised.value)
+
+
+def test_an_agent_that_is_taught_nothing_says_how_to_begin():
+    with pytest.raises(TrainingError, match=r"after train\(name\)"):
+        LearningAgent(cart()).step([1.0])
+
+
+def test_a_percept_that_is_too_short_names_the_feature():
+    domain = plain_domain("pair", ["Go"], ["First", "Second"])
+    with pytest.raises(FeatureValueError, match=r'"Second" is value 2 of the percept'):
+        LearningAgent(domain).train("It").step([1.0], command="Go")
+
+
+def test_a_feature_whose_function_fails_is_named_with_the_percept():
+    domain = plain_domain("ratio", ["Go"], {"Ratio": lambda p: p[0] / p[1]})
+    with pytest.raises(FeatureValueError, match=r'"Ratio".*\[1.0, 0.0\]: ZeroDivisionError'):
+        LearningAgent(domain).train("It").step([1.0, 0.0], command="Go")
+
+
+@pytest.mark.parametrize(
+    ("behaviors", "features", "words"),
+    [
+        ({"Go": "fast"}, ["X"], "list of numbers"),
+        ({"Go": []}, {"X": 3.0}, "give a function of the percept"),
+        ({"Go on": []}, ["X"], "is not a name"),
+        (["Go", "Stop"], ["X", "X"], '"X" twice'),
+    ],
+)
+def test_a_domain_that_cannot_be_is_refused(behaviors, features, words):
+    with pytest.raises(VocabularyError, match=words):
+        plain_domain("bad", behaviors, features)

@@ -1,0 +1,17 @@
+from . import figures as figures
+from . import inprocess as inprocess
+from . import parameters as parameters
+from . import snapshots as snapshots
+from . import testing as testing
+from .world import LOOK as LOOK
+from .world import RESTART as RESTART
+from .world import Action as Action
+from .world import Entity as Entity
+from .world import EpisodeResult as EpisodeResult
+from .world import LiveWorld as LiveWorld
+from .world import Placement as Placement
+from .world import Sensed as Sensed
+from .world import World as World
+from .world import WorldError as WorldError
+from .world_node import WorldNode as WorldNode
+from .world_node import run_world as run_world

@@ -1,0 +1,145 @@
+"""Packages stand on floors: each imports from those below it, and only what is public there."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+SOURCES = Path(__file__).parents[1] / "ros2_ws" / "src"
+
+FLOORS = (
+    ("hitab_core",),  # knows no ROS
+    ("hitab_ros",),
+    ("hitab_agent", "hitab_client", "hitab_world"),
+    ("hitab_commander", "hitab_studio"),
+    ("hitab_bringup",),
+    ("foraging_world", "keepaway_world"),
+)
+
+CORE_FLOORS = (
+    ("arrays", "errors", "example", "hierarchy", "seeding"),
+    ("transition_function", "use"),
+    ("automaton",),
+    ("domain",),
+    ("repertoire",),
+    ("learning",),
+    ("running",),
+    ("drawing", "library"),
+    ("training",),
+    ("repertoire_change",),
+    ("agent",),
+    ("commanding", "learning_agent", "plain"),
+)
+
+PACKAGES = [name for floor in FLOORS for name in floor]
+
+
+def modules(package: str) -> dict[str, Path]:
+    root = SOURCES / package
+    return {
+        ".".join(path.relative_to(root).with_suffix("").parts): path
+        for path in (root / package).rglob("*.py")
+        if path.name != "__init__.py"
+    }
+
+
+def imports(path: Path) -> Iterator[tuple[str, str]]:
+    """Yield (module, name) for each name that is imported, for type checking too."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                yield node.module, alias.name
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                yield alias.name, ""
+
+
+def face(package: str) -> dict[str, str]:
+    """Return where each public name of a package is from; a public module is from "."."""
+    stub = SOURCES / package.partition(".")[0] / package.replace(".", "/") / "__init__.pyi"
+    if not stub.exists():
+        return {}
+    found = {}
+    for node in ast.parse(stub.read_text()).body:
+        assert isinstance(node, ast.ImportFrom)
+        assert node.level == 1
+        for alias in node.names:
+            assert alias.asname == alias.name
+            found[alias.name] = node.module or "."
+    return found
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_imports_only_from_lower_floors(package):
+    below = set()
+    for floor in FLOORS:
+        if package in floor:
+            break
+        below |= set(floor)
+    used = {m.partition(".")[0] for path in modules(package).values() for m, _ in imports(path)}
+    assert (used & set(PACKAGES)) - below - {package} == set()
+
+
+def test_the_studio_talks_to_a_swarm_through_the_client_alone():
+    used = {m.partition(".")[0] for p in modules("hitab_studio").values() for m, _ in imports(p)}
+    assert used & set(PACKAGES) == {"hitab_studio", "hitab_client", "hitab_core", "hitab_ros"}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_takes_from_others_only_what_these_make_public(package):
+    wrong = []
+    for module, path in modules(package).items():
+        for source, name in imports(path):
+            owner = source.partition(".")[0]
+            if owner == package or owner not in PACKAGES:
+                continue
+            parent, _, leaf = source.rpartition(".")
+            public = name in face(source) or face(parent).get(leaf) == "."
+            if not public:
+                wrong.append(f"{module} imports {name} from {source}")
+    assert wrong == []
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_modules_import_each_other_in_a_circle(package):
+    there = modules(package)
+    edges: dict[str, set[str]] = {}
+    for module, path in there.items():
+        found = set()
+        for source, name in imports(path):
+            found |= {source, f"{source}.{name}"} & set(there)
+            origin = face(source).get(name)  # a name that a face hands on
+            if origin not in (None, "."):
+                found.add(f"{source}.{origin}")
+        edges[module] = found & set(there) - {module}
+    while leaves := [module for module, used in edges.items() if not used & set(edges)]:
+        for module in leaves:
+            del edges[module]
+    in_circle = {m for m in edges if any(m in used for used in edges.values())}
+    assert in_circle == set()
+
+
+def test_the_parts_of_the_engine_import_only_from_lower_floors():
+    height = {part: floor for floor, parts in enumerate(CORE_FLOORS) for part in parts}
+    wrong = []
+    for module, path in modules("hitab_core").items():
+        part = module.split(".")[1]
+        for source, _ in imports(path):
+            owner, _, rest = source.partition(".")
+            used = rest.partition(".")[0]
+            if owner == "hitab_core" and used != part and height[used] >= height[part]:
+                wrong.append(f"{module} imports {source}")
+    assert wrong == []
+
+
+def test_what_a_face_names_is_there():
+    import importlib
+
+    for package in PACKAGES:
+        for stub in (SOURCES / package / package).rglob("__init__.pyi"):
+            name = ".".join(stub.parent.relative_to(SOURCES / package).parts)
+            module = importlib.import_module(name)
+            assert set(module.__all__) == set(face(name))
+            for public in module.__all__:
+                assert getattr(module, public) is not None
