@@ -20,8 +20,8 @@ from hitab_commander.kind import (
     Over,
     Pick,
 )
-from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
-from hitab_core.library.digests import checksum
+from hitab_core import BasicBehavior, Domain, Feature, FeatureKind, Target
+from hitab_core.library import checksum
 
 FRACTION_SILENT = "FractionSilent"
 LINK = "hitab_commander.commander_node:link"

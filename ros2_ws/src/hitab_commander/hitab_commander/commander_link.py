@@ -8,20 +8,17 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent.round_gate import RoundGate
+from hitab_agent import RoundGate
 from hitab_agent.shared import Shared
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.lockstep import Lockstep, Round
 from hitab_commander.order_memory import OrderMemory, Remembered
-from hitab_core.agent import Agent, Mode
-from hitab_core.errors import HitabError
-from hitab_core.order import Number, Order, Report
-from hitab_core.use import Use
-from hitab_ros import names, qos
+from hitab_core import Agent, HitabError, Mode, Use
+from hitab_core.commanding import Number, Order, Report
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import order_message, time_of
-from hitab_ros.guarded_node import GuardedNode
 
 EPISODES_KNOWN = 8
 """So many episodes back a late report does not pass for that of a new one."""

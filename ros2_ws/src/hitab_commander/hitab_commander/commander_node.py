@@ -7,16 +7,14 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent.agent_node import AgentNode
+from hitab_agent import AgentNode
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.commander_link import CommanderLink
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.kind_reader import read_kind
 from hitab_commander.order_memory import OrderMemory
-from hitab_core.agent import Mode
-from hitab_core.domain import Domain
-from hitab_core.errors import HitabError
+from hitab_core import Domain, HitabError, Mode
 
 
 class CommanderNode(AgentNode):

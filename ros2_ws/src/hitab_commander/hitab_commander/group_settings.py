@@ -9,7 +9,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from hitab_core.errors import HitabError
+from hitab_core import HitabError
 from hitab_ros import names
 
 

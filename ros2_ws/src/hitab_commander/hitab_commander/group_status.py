@@ -8,9 +8,8 @@ from hitab_msgs import msg
 
 from hitab_agent.settings import AgentSettings
 from hitab_commander.commander_body import CommanderBody
-from hitab_core.agent import Agent
-from hitab_ros import names, qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_core import Agent
+from hitab_ros import GuardedNode, names, qos
 
 
 class GroupStatus:
