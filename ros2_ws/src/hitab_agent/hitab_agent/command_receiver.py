@@ -7,14 +7,12 @@ from collections.abc import Callable
 from hitab_msgs import msg
 
 from hitab_agent.status_publisher import StatusPublisher
-from hitab_core.agent import Agent
-from hitab_ros import names, qos
+from hitab_core import Agent
+from hitab_ros import GuardedNode, RecentRequests, names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
-from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.plain_text import plain
-from hitab_ros.recent_requests import RecentRequests
 
 DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name that are kept
 

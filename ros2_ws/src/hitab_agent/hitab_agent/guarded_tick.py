@@ -5,10 +5,9 @@ from __future__ import annotations
 from array import array
 from collections.abc import Sequence
 
-from hitab_core.agent import Agent
-from hitab_core.errors import HitabError
+from hitab_core import Agent, HitabError
+from hitab_ros import Guard
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.guard import Guard
 
 Action = tuple[Sequence[float], str]
 """What a body does, and what it says."""

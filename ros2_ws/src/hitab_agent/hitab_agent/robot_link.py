@@ -9,8 +9,7 @@ from typing import Any, Protocol
 from hitab_msgs import msg
 from rclpy.node import Node
 
-from hitab_core.domain import Domain
-from hitab_core.errors import HitabError
+from hitab_core import Domain, HitabError
 
 OnPercept = Callable[[msg.Percept], tuple[Sequence[float], str]]
 

@@ -9,9 +9,8 @@ from hitab_msgs import msg
 from hitab_agent.shared import Shared
 from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
-from hitab_core.agent import Agent
-from hitab_ros import names, qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_core import Agent
+from hitab_ros import GuardedNode, names, qos
 
 
 class StatusPublisher:
