@@ -122,7 +122,7 @@ def main(
     """Measure agent-ticks per second of the Keepaway automaton."""
     from hitab_bringup.shipped import shipped
 
-    trained = BehaviorLibrary(library or shipped("libraries") / "keepaway", DOMAIN)
+    trained = BehaviorLibrary(library or shipped("libraries", "keepaway"), DOMAIN)
     repertoire = Repertoire(DOMAIN, trained.load())
     figures: dict[str, Any] = {}
     for count in [int(text) for text in agents.split(",")]:

@@ -53,14 +53,14 @@ BEHAVIOR = "Forage"
 
 def trained(name: str) -> tuple[CommanderKind, BehaviorLibrary]:
     """Return a kind of commander and what such commanders have learned."""
-    folder = shipped("libraries") / name
+    folder = shipped("libraries", name)
     kind = read_kind(folder / KIND_FILE)
     return kind, BehaviorLibrary(folder, commander_domain(kind))
 
 
 def hierarchy(swarm: str, names: Sequence[str]) -> InProcessHierarchy:
     """Return foragers with these names, and the commanders of this kind of swarm."""
-    library = BehaviorLibrary(shipped("libraries") / "foraging", DOMAIN)
+    library = BehaviorLibrary(shipped("libraries", "foraging"), DOMAIN)
     members = [Member(name, library, BEHAVIOR) for name in names]
     commanders: list[Commander] = []
     if swarm != "flat":

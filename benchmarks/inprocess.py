@@ -29,7 +29,7 @@ def main(
     """Measure the speed of playing trained keepers in one process, on one core."""
     from hitab_bringup.shipped import shipped
 
-    trained = BehaviorLibrary(library or shipped("libraries") / "keepaway", DOMAIN)
+    trained = BehaviorLibrary(library or shipped("libraries", "keepaway"), DOMAIN)
     repertoire = Repertoire(DOMAIN, trained.load())
     rates = []
     for turn in range(turns):

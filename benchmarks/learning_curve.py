@@ -107,7 +107,7 @@ def curve(
     course: Course, speed: float, episodes: int, seed: int, every: int, longest: float
 ) -> list[dict[str, Any]]:
     """Return the points of one learning curve."""
-    opened = open_library(shipped("libraries") / course.library)
+    opened = open_library(shipped("libraries", course.library))
     loaded = opened.load()
     all_stages = list(stages([loaded[name] for name in course.order], opened.domain))
     last_of = {name: count for count, name, _ in all_stages}

@@ -137,7 +137,7 @@ def main(
     from hitab_bringup.shipped import shipped
     from hitab_client.domain_ids import reserved
 
-    trained = library or shipped("libraries") / "keepaway"
+    trained = library or shipped("libraries", "keepaway")
     loops, games, missed = [], [], 0
     with keepaway(trained) as game, reserved() as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)

@@ -173,7 +173,7 @@ def main(
     """Compare a tick of the Keepaway automaton with one of an equivalent py_trees tree."""
     from hitab_bringup.shipped import shipped
 
-    trained = BehaviorLibrary(library or shipped("libraries") / "keepaway", DOMAIN)
+    trained = BehaviorLibrary(library or shipped("libraries", "keepaway"), DOMAIN)
     repertoire = Repertoire(DOMAIN, trained.load())
     percepts = record(repertoire, ticks)
 

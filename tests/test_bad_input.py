@@ -202,7 +202,7 @@ def test_a_missing_world_and_missing_agents_are_told(training):
     nobody = SwarmClient(training.link, prefix="/elsewhere")
     with pytest.raises(SwarmError, match="no other does; is the swarm up"):
         nobody.await_agent(AGENT, seconds=0.2)
-    with pytest.raises(SwarmError, match="no world answers; is the swarm up"):
+    with pytest.raises(SwarmError, match="no world answers; is a swarm with a world up"):
         WorldClient(training.link, prefix="/elsewhere").wait(0.2)
 
 

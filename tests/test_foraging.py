@@ -109,7 +109,7 @@ def test_the_foragers_lessons_teach_what_is_shipped(home, tmp_path):
             report = LessonPlayer(lesson, running.agents, running.world).play()
             assert 0 < report.examples <= lesson.budget
         taught = examples_of(Path(report.path).parent, load_domain("foraging"))
-    assert taught == examples_of(shipped("libraries") / "foraging", load_domain("foraging"))
+    assert taught == examples_of(shipped("libraries", "foraging"), load_domain("foraging"))
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -121,7 +121,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, taught_commander):
     name = taught_commander
-    folder = shipped("libraries") / name
+    folder = shipped("libraries", name)
     domain = commander_domain(read_kind(folder / KIND_FILE))
     described = read_swarm(find_file(f"{name}_school", "swarms", "swarm"))
     with temporary_swarm(described, tmp_path) as running:

@@ -73,12 +73,12 @@ def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):
     [
         ("  - until: {said: keeper_1}\n    within: 0.5\n", 8, "has yelled did not come within"),
         ("  - check: {speed: keeper_1, above: 1}\n    within: 0.5\n", 8, "teach more examples"),
-        ("  - never: {seconds: 0.2}\n", 8, "and should not"),
+        ("  - never: {seconds: 0.2}\n", 8, "but should not"),
         ("  - command: Dance\n", 8, 'step `command`: keeper_1: unknown behavior "Dance"'),
         ("  - command: Stop\n    agent: keeper_9\n", 8, 'no agent "keeper_9" answers'),
         ("  - place: {bal: {x: 1}}\n", 8, "the world refuses"),
         ("  - until: {distance: [keeper_1, bal], below: 1}\n", 8, 'no "bal" in the world'),
-        ("  - command: Stop\n  - save: true\n", None, "took 3 examples, default ones counted"),
+        ("  - command: Stop\n  - save: true\n", None, "took 3 examples, including default ones"),
     ],
 )
 def test_what_goes_wrong_is_told_by_file_line_and_step(keepers, tmp_path, steps, line, expected):

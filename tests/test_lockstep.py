@@ -110,17 +110,19 @@ def in_process(world: World, hierarchy: InProcessHierarchy) -> Run:
 
 def foragers(folder: Path, where: str) -> SwarmDescription:
     file = folder / f"{where}.yaml"
-    file.write_text(FORAGERS.format(libraries=shipped("libraries"), **HOSTED[where]))
+    file.write_text(
+        FORAGERS.format(libraries=shipped("libraries", "foraging").parent, **HOSTED[where])
+    )
     return read_swarm(file)
 
 
 def trained(library: str) -> BehaviorLibrary:
-    folder = shipped("libraries") / library
+    folder = shipped("libraries", library)
     return BehaviorLibrary(folder, commander_domain(read_kind(folder / KIND_FILE)))
 
 
 def commander(name: str, library: str, behavior: str, subordinates) -> Commander:
-    kind = read_kind(shipped("libraries") / library / KIND_FILE)
+    kind = read_kind(shipped("libraries", library) / KIND_FILE)
     return Commander(name, kind, trained(library), behavior, tuple(subordinates))
 
 
@@ -128,7 +130,7 @@ def commander(name: str, library: str, behavior: str, subordinates) -> Commander
 def foragers_in_process() -> Run:
     figures = {"foragers": 8, "small_boxes": 6, "large_boxes": 2, "duration": 20.0}
     world = ForagingWorld(ForagingParameters.from_dict(figures), SEED)
-    library = BehaviorLibrary(shipped("libraries") / "foraging", load_domain("foraging"))
+    library = BehaviorLibrary(shipped("libraries", "foraging"), load_domain("foraging"))
     squads = [
         commander(f"squad_{i + 1}", "foraging_squad", "", world.agents[4 * i : 4 * i + 4])
         for i in range(2)
@@ -149,7 +151,7 @@ def test_three_levels_play_over_topics_as_in_one_process(
 @pytest.fixture(scope="module")
 def keepers_in_process() -> Run:
     world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
-    folder = shipped("libraries") / "keepaway_captained"
+    folder = shipped("libraries", "keepaway_captained")
     library = BehaviorLibrary(folder, load_domain("keepaway"))
     captain = commander("captain", "captain", "Captain", world.agents)
     return in_process(
@@ -187,7 +189,7 @@ def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(
 
 def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
     world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
-    folder = shipped("libraries") / "keepaway_captained"
+    folder = shipped("libraries", "keepaway_captained")
     library = BehaviorLibrary(folder, load_domain("keepaway"))
     alone = InProcessHierarchy([Member(name, library, "Keepaway") for name in world.agents])
     assert in_process(world, alone) != keepers_in_process

@@ -98,7 +98,7 @@ def test_what_is_not_there_is_found_out():
 
 @pytest.mark.parametrize(("path", "command"), list(leaves()), ids=lambda value: str(value)[:40])
 def test_every_command_that_talks_to_a_swarm_can_be_told_which(path, command):
-    # "Several swarms are up; say which with --swarm NAME" must hold for each of them.
+    # "Several swarms are up; choose one with --swarm NAME" must hold for each of them.
     names = set(command.callback.__code__.co_names) | set(command.callback.__code__.co_consts)
     if names & {"connection", "_control", "_open", "to_take_down", "find_target"}:
         assert "--swarm" in options_of(command)

@@ -95,7 +95,7 @@ class Machines:
 
     def _folders(self, place: Path) -> dict[str, str]:
         return {
-            "library": str(shipped("libraries") / "none"),
+            "library": str(shipped("libraries", "foraging").parent / "none"),
             "state_dir": str(place / "state"),
         }
 

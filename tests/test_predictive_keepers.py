@@ -17,7 +17,7 @@ MOST_EXAMPLES = 60
 UT_HAND_S = 53.5
 """Mean hold time of UT Austin's hand-coded keepers against quarter-speed takers, s."""
 
-LIBRARY = shipped("libraries") / "keepaway_predictive"
+LIBRARY = shipped("libraries", "keepaway_predictive")
 
 
 def examples_of(library: Path) -> dict[str, list[tuple]]:
@@ -87,7 +87,7 @@ def test_they_last_longer_than_the_papers_words_and_than_their_own_parts(hitab, 
         return evaluate(hitab, tmp_path / "f.json", *same, *options)["hold_time_s"]["mean"]
 
     whole = seconds()
-    assert whole >= 1.2 * seconds("-l", str(shipped("libraries") / "keepaway"))
+    assert whole >= 1.2 * seconds("-l", str(shipped("libraries", "keepaway")))
     assert whole >= 1.5 * seconds("--behavior", "PlayBall")
 
 

@@ -171,13 +171,11 @@ def test_clients_take_no_other_swarms_robots_for_their_own(place):
     with temporary_swarm(parse_swarm(SOCCER, place / "soccer.yaml")) as running:
         mine = "mine-00000000"
         agents = SwarmClient(running.link, ("keeper_1",), identity=mine)
-        both = (
-            f"keeper_1 is part of swarm {running.record.identity} here, and swarm {mine} is meant"
-        )
+        both = f"keeper_1 belongs to swarm {running.record.identity}, not to swarm {mine}"
         with pytest.raises(SwarmError, match=both):
             agents.begin("keeper_1", "Stolen", features=["Done"])
         world = WorldClient(running.link, identity=mine)
-        with pytest.raises(SwarmError, match=f"{running.record.identity} here, and swarm {mine}"):
+        with pytest.raises(SwarmError, match=f"{running.record.identity}, not to swarm {mine}"):
             world.control("resume")
         assert running.agents.statuses["keeper_1"].mode == "idle"
         assert running.world.wait().mode == "paused"

@@ -99,7 +99,7 @@ def test_two_swarms_at_once_live_in_different_domains(hitab, swarm_home, monkeyp
     assert len(set(domains.values())) == 2
     which = hitab("status")
     assert which.returncode == 1
-    assert "several swarms are up (has: blue, red); say which with --swarm NAME" in which.stderr
+    assert "several swarms are up (has: blue, red); choose one with --swarm NAME" in which.stderr
     status = hitab("status", "--swarm", "red", "--json", "-")
     assert [agent["agent"] for agent in json.loads(status.stdout)["agents"]] == ["red_1"]
     assert hitab("down", "red").stdout == "red is down\n"

@@ -101,7 +101,7 @@ def test_an_error_while_it_is_handed_back_does_not_keep_the_rest_from_being_so(r
         made.append(running.link.subscribe(WorldStatus, "/world/status", fail, qos.EVENTS))
 
     made: list = []
-    with pytest.raises(SwarmError, match="not left as it was"):
+    with pytest.raises(SwarmError, match="could not be restored"):
         changed(running, begin)
     running.link.node.destroy_subscription(made[0])
     assert failures

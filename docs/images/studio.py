@@ -21,7 +21,7 @@ from keepaway_world.verbs.evaluation import trained_keepers
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-LIBRARY = ROOT / "ros2_ws/src/hitab_bringup/libraries/keepaway"
+LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 SIZE = {"width": 1280, "height": 720}
 TEACHER = "keeper_1"
 

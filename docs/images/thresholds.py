@@ -16,7 +16,7 @@ from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 
 HERE = Path(__file__).resolve().parent
-LIBRARY = HERE.parents[1] / "ros2_ws/src/hitab_bringup/libraries/keepaway"
+LIBRARY = HERE.parents[1] / "ros2_ws/src/keepaway_world/libraries/keepaway"
 STATES = ("Start", "GoFast", "GoMedium")
 COLORS = {"GoFast": "#2b6cb0", "GoMedium": "#b7791f", "GoSlow": "#2f855a"}
 FARTHEST = 13.0  # m

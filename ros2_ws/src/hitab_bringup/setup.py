@@ -5,7 +5,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 NAME = "hitab_bringup"
-DATA = ("launch", "lessons", "libraries", "swarms")
+DATA = ("launch",)
 
 
 def shared(folder: str) -> list[tuple[str, list[str]]]:

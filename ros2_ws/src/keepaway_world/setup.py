@@ -1,8 +1,22 @@
 """Builds the package keepaway_world (ament_python)."""
 
+from pathlib import Path
+
 from setuptools import find_packages, setup
 
 NAME = "keepaway_world"
+DATA = ("lessons", "libraries", "swarms")
+
+
+def shipped(folder: str) -> list[tuple[str, list[str]]]:
+    """Return what is to be installed of a data folder, for `data_files`."""
+    files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
+    by_folder: dict[str, list[str]] = {}
+    for path in files:
+        if "__pycache__" not in path.parts:
+            by_folder.setdefault(f"share/{NAME}/{path.parent}", []).append(str(path))
+    return list(by_folder.items())
+
 
 setup(
     name=NAME,
@@ -16,6 +30,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
+        *[entry for folder in DATA for entry in shipped(folder)],
     ],
     install_requires=["setuptools", "numpy", "pymunk"],
     extras_require={"test": ["pytest"]},
@@ -25,6 +40,7 @@ setup(
             "keepaway_world = keepaway_world.world_main:main",
             "rcss_world = keepaway_world.rcss.rcss_main:main",
         ],
+        "hitab.shipped": ["keepaway_world = keepaway_world"],
         "hitab.domains": [
             "keepaway = keepaway_world.domain:DOMAIN",
             "keepaway_predictive = keepaway_world.predictive.domain:DOMAIN",

@@ -1,37 +1,71 @@
-"""Files that come with this package: swarms, lessons, trained libraries."""
+"""Files that come with the packages of domains: swarms, lessons, trained libraries.
+
+A package names itself under the entry-point group ``hitab.shipped``; its folders ``swarms``,
+``lessons`` and ``libraries`` lie beside its Python package in a checkout, and under ``share`` once
+it is installed.
+"""
 
 from __future__ import annotations
 
 import sys
+from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
 
 from hitab_core import HitabError, has
 
-PACKAGE = "hitab_bringup"
+GROUP = "hitab.shipped"
 
 
-def shipped(folder: str) -> Path:
-    """Return the folder of this name that the package brings.
+def shipped_folders(folder: str) -> list[Path]:
+    """Return the folders of this name, one for each package that brings one.
 
-    It lies beside the Python package in a checkout, and under ``share`` once installed.
+    Raises:
+        HitabError: if there is none.
     """
-    beside = Path(__file__).resolve().parents[1] / folder
-    if beside.is_dir():
-        return beside
-    for prefix in _prefixes():
-        installed = prefix / "share" / PACKAGE / folder
+    packages = sorted({point.value for point in entry_points(group=GROUP)})
+    found = [path for package in packages if (path := _folder(package, folder)) is not None]
+    if not found:
+        raise HitabError(
+            f'no package brings {folder} (entry-point group "{GROUP}"); install HiTAB again'
+        )
+    return found
+
+
+def _folder(package: str, folder: str) -> Path | None:
+    spec = find_spec(package)
+    if spec is not None and spec.origin is not None:
+        beside = Path(spec.origin).resolve().parents[1] / folder
+        if beside.is_dir():
+            return beside
+    for prefix in _prefixes(package):
+        installed = prefix / "share" / package / folder
         if installed.is_dir():
             return installed
-    raise HitabError(f"the {folder} of {PACKAGE} are not installed; install the package again")
+    return None
 
 
-def _prefixes() -> list[Path]:
+def _prefixes(package: str) -> list[Path]:
     try:
         from ament_index_python.packages import get_package_prefix
 
-        return [Path(get_package_prefix(PACKAGE)), Path(sys.prefix)]
+        return [Path(get_package_prefix(package)), Path(sys.prefix)]
     except (ImportError, LookupError):
         return [Path(sys.prefix)]
+
+
+def shipped(folder: str, name: str) -> Path:
+    """Return the shipped file or folder of this name, such as a library.
+
+    Raises:
+        HitabError: naming what is shipped.
+    """
+    folders = shipped_folders(folder)
+    for place in folders:
+        if (path := place / name).exists():
+            return path
+    names = [path.name for place in folders for path in place.iterdir()]
+    raise HitabError(f'"{name}" is not among the shipped {folder} {has(names)}')
 
 
 def find_file(given: str, folder: str, what: str) -> Path:
@@ -43,9 +77,10 @@ def find_file(given: str, folder: str, what: str) -> Path:
     path = Path(given)
     if path.is_file():
         return path
-    place = shipped(folder)
-    for candidate in (place / given, place / f"{given}.yaml"):
-        if candidate.is_file():
-            return candidate
-    names = [p.stem for p in place.glob("*.yaml")]
+    folders = shipped_folders(folder)
+    for place in folders:
+        for candidate in (place / given, place / f"{given}.yaml"):
+            if candidate.is_file():
+                return candidate
+    names = [p.stem for place in folders for p in place.glob("*.yaml")]
     raise HitabError(f'no {what} "{given}": not a file, and not one that is shipped {has(names)}')

@@ -65,11 +65,13 @@ def run(
 @app.command("list")
 def list_lessons() -> None:
     """List the lessons that are shipped."""
-    from hitab_bringup.shipped import shipped
+    from hitab_bringup.shipped import shipped_folders
     from hitab_client.lessons import read_lesson
 
-    folder = shipped("lessons")
-    for path in sorted(folder.rglob("*.yaml")):
+    found = [
+        (path, place) for place in shipped_folders("lessons") for path in place.rglob("*.yaml")
+    ]
+    for path, folder in sorted(found):
         lesson = read_lesson(path)
         budget = f", at most {lesson.budget} examples" if lesson.budget else ""
         first = lesson.description.strip().splitlines()[:1]

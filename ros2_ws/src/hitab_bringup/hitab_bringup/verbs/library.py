@@ -48,7 +48,7 @@ def _folder(library: Path | None, agent: str | None, swarm: str | None) -> Path:
     if library is not None:
         return library
     if agent is None:
-        return shipped("libraries") / "keepaway"
+        return shipped("libraries", "keepaway")
     found = find_meant(swarm, chosen_by_user())
     if found is None:
         raise SwarmError("no swarm is up; name a library folder with --library")

@@ -111,7 +111,7 @@ def evaluate(
         raise typer.BadParameter(f'pace "{pace}" is not one of {", ".join(PACES)}')
     if world not in WORLDS:
         raise typer.BadParameter(f'world "{world}" is not one of {", ".join(WORLDS)}')
-    folder = library or shipped("libraries") / "keepaway"
+    folder = library or shipped("libraries", "keepaway")
     parameters: dict[str, Any] = {"taker_speed": taker_speed, **_figures(parameter or [])}
     if collisions is not None:
         parameters |= {"ball_collides": collisions, "players_collide": collisions}
