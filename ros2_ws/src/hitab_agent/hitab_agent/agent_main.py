@@ -36,7 +36,7 @@ def run_agent(make: Callable[[], AgentNode]) -> int:
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until stopped."""
     sys.exit(run_agent(AgentNode))
 
 

@@ -5,7 +5,7 @@ For example::
     python -m hitab_agent.host_main --ros-args -p agents:="[ant_1, ant_2]" -p domain:=keepaway
 
 All parameters of an agent (see `hitab_agent.settings`) are given once, for all. Where agents
-differ, a file tells whom to run and how, in JSON::
+differ, a file says which to run and how, in JSON::
 
     python -m hitab_agent.host_main --ros-args -p roster:=host_1.json
 
@@ -23,8 +23,8 @@ import uuid
 from hitab_msgs.msg import AgentStatus
 from rclpy.parameter import Parameter
 
-from hitab_agent.roster import read_roster
-from hitab_agent.shared import Shared
+from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.host.roster import read_roster
 from hitab_core import HitabError
 from hitab_ros import Spinner, make_node, refuse_second_of_name, run
 
@@ -49,7 +49,7 @@ def start(spinning: Spinner) -> None:
     # A node that has the topics of the host, in a namespace of its own.
     desk = make_node("host", namespace=f"{namespace}/host_{uuid.uuid4().hex[:8]}")
     spinning.executor.add_node(desk)
-    shared = Shared.of_host(desk, len(entries), swarm)
+    shared = shared_on_host(desk, len(entries), swarm)
     nodes = []
     for entry in entries:
         parameters = {"swarm": swarm, **entry.parameters}
@@ -77,7 +77,7 @@ def start(spinning: Spinner) -> None:
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until stopped."""
     sys.exit(run(start))
 
 

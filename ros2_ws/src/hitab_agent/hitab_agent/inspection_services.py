@@ -11,7 +11,7 @@ from hitab_core.library import difference, scale_of
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import example_message
 
-Told: Any = srv.GetBehavior.Response
+Origin: Any = srv.GetBehavior.Response
 
 
 class InspectionServices:
@@ -41,20 +41,20 @@ class InspectionServices:
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
     ) -> Any:
         if request.name:
-            self._tell_behavior(request, answer)
+            self._show_behavior(request, answer)
         else:
-            self._tell_training(request, answer)
+            self._show_training(request, answer)
         answer.success = True
         return answer
 
-    def _tell_training(
+    def _show_training(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
     ) -> None:
         session = self._agent.session
         if session is None:
             raise TrainingError(f"{self._agent.name} is not training anything; name a behavior")
         curriculum = session.curriculum
-        answer.origin = Told.TRAINING
+        answer.origin = Origin.TRAINING
         answer.classifier = curriculum.classifier
         answer.arguments = list(curriculum.arguments)
         if request.trim:
@@ -67,7 +67,7 @@ class InspectionServices:
                 bindings=bindings, keep_unused=request.keep_unused
             )
             answer.arguments = []
-            _tell(answer, automaton, self._agent.domain)
+            _fill_in(answer, automaton, self._agent.domain)
             return
         states = list(map(str, curriculum.states))
         states += [s for s in session.states if s not in states]
@@ -79,9 +79,9 @@ class InspectionServices:
             curriculum.parameters,
             session.examples,
         )
-        _tell(answer, blank, self._agent.domain)
+        _fill_in(answer, blank, self._agent.domain)
 
-    def _tell_behavior(
+    def _show_behavior(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
     ) -> None:
         repertoire, library = self._agent.repertoire, self._agent.library
@@ -94,18 +94,18 @@ class InspectionServices:
             if isinstance(behavior, BasicBehavior):
                 answer.name, answer.description = behavior.name, behavior.description
                 answer.parameters = list(behavior.parameters)
-                answer.origin = Told.BASIC
+                answer.origin = Origin.BASIC
                 return
-            answer.origin = Told.HAND_WRITTEN
-            _tell(answer, behavior, self._agent.domain)
+            answer.origin = Origin.HAND_WRITTEN
+            _fill_in(answer, behavior, self._agent.domain)
             return
         file = library.version(name, request.version) if request.version else known[name]
-        answer.origin = Told.TRAINED
+        answer.origin = Origin.TRAINED
         answer.classifier = file.classifier
         answer.version = file.provenance.version
         answer.created = file.provenance.created
         answer.note = _origin(file.provenance)
-        _tell(answer, file.automaton, self._agent.domain)
+        _fill_in(answer, file.automaton, self._agent.domain)
         if request.compare_with:
             before = library.version(name, request.compare_with)
             answer.difference = str(difference(before, file))
@@ -118,7 +118,7 @@ def _origin(provenance: Any) -> str:
     return ", ".join(parts)
 
 
-def _tell(answer: srv.GetBehavior.Response, automaton: Automaton, domain: Domain) -> None:
+def _fill_in(answer: srv.GetBehavior.Response, automaton: Automaton, domain: Domain) -> None:
     answer.name = automaton.name
     answer.description = automaton.description
     answer.parameters = list(automaton.parameters)

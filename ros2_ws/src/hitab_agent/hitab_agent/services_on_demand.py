@@ -1,7 +1,7 @@
 """Services that are made when somebody asks for them.
 
-An agent has a dozen services, each of which is two endpoints that every process of the swarm is
-told about: a thousand agents would take minutes to start and gigabytes to run. Hardly any of
+An agent has a dozen services, each of which is two endpoints that are announced to every process
+of the swarm: a thousand agents would take minutes to start and gigabytes to run. Hardly any of
 them is ever asked for anything. A host therefore looks for clients, whose requests wait until a
 service is there, as any client's do that is started before its service.
 """

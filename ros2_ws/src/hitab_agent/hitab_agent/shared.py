@@ -8,7 +8,6 @@ from pathlib import Path
 
 from hitab_agent.deferred import Deferred
 from hitab_agent.distribution import DistributionReceiver
-from hitab_agent.host_link import HostLink
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.services_on_demand import (
@@ -16,16 +15,14 @@ from hitab_agent.services_on_demand import (
     LOOK_PERIOD_S,
     ServicesOnDemand,
 )
+from hitab_agent.shared_link import SharedLink
 from hitab_agent.ticker import Ticker
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import Editions
-from hitab_ros import GuardedNode, names
+from hitab_ros import GuardedNode
 
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published no more often than this."""
-
-REPORTS_PERIOD_S = 0.01
-"""How long a report waits for others of the same host."""
 
 STATUSES_AT_ONCE = 15
 """A host publishes no more of them in a period, 300 a second: watching must not cost more than
@@ -43,8 +40,8 @@ class Shared:
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
         host: the node of the host, if it is one.
-        swarm: identity of the swarm that a host's agents are part of; empty: none.
-        links: to worlds, where they are shared, by the world's name.
+        link_to: makes what joins all agents to a world; None: each agent joins it by itself.
+        links: what it has made, by the world's name.
         on_demand: offers services when somebody asks; None: each agent offers its own at once.
         domains: the domains that were loaded, by name.
         libraries: those that were opened, by folder and domain.
@@ -58,8 +55,8 @@ class Shared:
     outbox: ReportOutbox
     distributions: DistributionReceiver
     host: GuardedNode | None = None
-    swarm: str = ""
-    links: dict[str, HostLink] = field(default_factory=dict)
+    link_to: Callable[[str], SharedLink] | None = None
+    links: dict[str, SharedLink] = field(default_factory=dict)
     on_demand: ServicesOnDemand | None = None
     domains: dict[str, Domain] = field(default_factory=dict)
     libraries: dict[tuple[Path, int], BehaviorLibrary] = field(default_factory=dict)
@@ -68,7 +65,7 @@ class Shared:
 
     @classmethod
     def on(cls, node: GuardedNode) -> Shared:
-        """Return what a node needs for itself, or a host's for the agents of its process."""
+        """Return what a node needs for itself, or for the agents of its process."""
         return cls(
             Ticker(node),
             Deferred(node, STATUS_PERIOD_S, STATUSES_AT_ONCE),
@@ -76,17 +73,6 @@ class Shared:
             ReportOutbox(node),
             DistributionReceiver(node),
         )
-
-    @classmethod
-    def of_host(cls, node: GuardedNode, agents: int, swarm: str = "") -> Shared:
-        """Return what the agents of a host share, on a node in a namespace of its own."""
-        shared = cls.on(node)
-        shared.host = node
-        shared.swarm = swarm
-        node.guard.faults.changed = shared.tell_all
-        shared.outbox = ReportOutbox(node, Deferred(node, REPORTS_PERIOD_S))
-        shared.offer_on_demand(node, agents)
-        return shared
 
     def offer_on_demand(self, node: GuardedNode, agents: int) -> None:
         """Have so many agents make their services when somebody asks for them."""
@@ -104,13 +90,10 @@ class Shared:
         """What is wrong with the host, and so with each of its agents."""
         return [] if self.host is None else self.host.guard.faults.texts()
 
-    def link(self, world: str) -> HostLink | None:
-        """Return the shared link to a world; None if this process is not a host."""
-        if self.host is not None and world not in self.links:
-            name = names.own_name(self.host)
-            self.links[world] = HostLink(
-                self.host, name, world, self.outbox, self.orders, self.swarm
-            )
+    def link(self, world: str) -> SharedLink | None:
+        """Return what joins all agents to a world; None if each joins it by itself."""
+        if self.link_to is not None and world not in self.links:
+            self.links[world] = self.link_to(world)
         return self.links.get(world)
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:

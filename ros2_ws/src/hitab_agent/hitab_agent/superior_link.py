@@ -104,7 +104,7 @@ class SuperiorLink:
         return changed
 
     def tell(self) -> None:
-        """Report if there is anything to tell."""
+        """Report what has changed, if anything has."""
         self._send(self.subordinate.news(self._seconds))
 
     def heartbeat(self) -> None:

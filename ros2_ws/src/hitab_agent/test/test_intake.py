@@ -13,7 +13,7 @@ from rclpy.parameter import Parameter
 
 from hitab_agent import intake
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.shared import Shared
+from hitab_agent.host.host_shared import shared_on_host
 from hitab_agent.slices import Slices
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
@@ -87,7 +87,7 @@ class Host:
 
     def __post_init__(self) -> None:
         self.desk = self.process.node
-        self.shared = Shared.of_host(self.desk, self.size)
+        self.shared = shared_on_host(self.desk, self.size)
         self.shared.domains["pupils"] = DOMAIN
         self.nodes = [self._node(number) for number in range(self.size)]
         self.agents = [node.agent for node in self.nodes]

@@ -7,7 +7,7 @@ import rclpy
 from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.roster import read_roster
+from hitab_agent.host.roster import read_roster
 from hitab_core.errors import HitabError
 
 

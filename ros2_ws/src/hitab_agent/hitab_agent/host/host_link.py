@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import time
 from array import array
-from collections.abc import Collection, Sequence
-from typing import Protocol
+from collections.abc import Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from hitab_agent.agent_batches import AgentBatches
+from hitab_agent.host.agent_batches import AgentBatches
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.round_gate import RoundGate
+from hitab_agent.shared_link import Perceiver
 from hitab_core import Agent
-from hitab_ros import Guard, GuardedNode, names, qos
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
@@ -26,26 +26,6 @@ LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """What all percepts of a cycle have in common."""
-
-
-class Perceiver(Protocol):
-    """What a host needs of an agent's node."""
-
-    agent_name: str
-    agent: Agent
-    guard: Guard
-
-    def take_in(self, percept: msg.Percept | PerceptOfBatch) -> bool:
-        """Perceive; return whether that went well.
-
-        An agent takes values and messages out of the percept, which is used again.
-        """
-
-    def answer(self, percept: msg.Percept | PerceptOfBatch) -> tuple[Sequence[float], str]:
-        """Act on what was perceived, unless the percept is only to be looked at."""
-
-    def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that it waits for in a round of lockstep."""
 
 
 class _Guarded:
@@ -159,7 +139,7 @@ class HostLink:
         if not _is_sound(batch, len(self._perceivers)):
             self._host.guard.log(
                 "left out percepts whose agents, counts and values do not fit together; whoever "
-                "sends them must send them as msg/PerceptBatch tells"
+                "sends them must send them as msg/PerceptBatch says"
             )
             return
         percept = self._percept

@@ -1,4 +1,4 @@
-"""Whom a host is to run: all alike by its parameters, or each as a file tells."""
+"""Which agents a host is to run: all alike by its parameters, or each as a file says."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hitab_core import HitabError
 
 @dataclass(frozen=True)
 class Entry:
-    """Somebody to run: his name, the class of his node, its parameters."""
+    """An agent to run: its name, the class of its node, the node's parameters."""
 
     name: str
     node: type[AgentNode]
@@ -28,7 +28,7 @@ class Entry:
 
 
 def read_roster(host: Node) -> list[Entry]:
-    """Return whom the host's parameters tell it to run.
+    """Return the agents that the host's parameters name.
 
     Raises:
         HitabError: if they name nobody, or the file cannot be read.
@@ -39,7 +39,9 @@ def read_roster(host: Node) -> list[Entry]:
         ParameterDescriptor(description="names of the agents to run here, all alike"),
     ).value
     file = host.declare_parameter(
-        "roster", "", ParameterDescriptor(description="file that tells whom to run, and how")
+        "roster",
+        "",
+        ParameterDescriptor(description="file that says which agents to run, and how"),
     ).value
     settings = AgentSettings.declare(host)
     common = {name: getattr(settings, name) for name in AgentSettings.__slots__}

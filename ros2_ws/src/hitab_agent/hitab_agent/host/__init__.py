@@ -1,0 +1,1 @@
+"""Running many agents in one process, for which percepts are handled together."""
