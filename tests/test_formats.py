@@ -1,0 +1,72 @@
+"""Files that earlier versions wrote still load; see tests/data/formats/README.md."""
+
+import json
+import shutil
+from pathlib import Path
+
+from hitab_bringup import read_swarm
+from hitab_client.lessons import read_lesson
+from hitab_core import Agent, BehaviorLibrary, load_domain
+from hitab_studio.replay import Recording
+from keepaway_world.world import KeepawayWorld
+
+FORMATS = Path(__file__).parent / "data" / "formats"
+
+
+def test_a_library_from_before_loads_and_can_be_performed(tmp_path):
+    shutil.copytree(FORMATS / "library", tmp_path / "library")
+    library = BehaviorLibrary(tmp_path / "library", load_domain("keepaway"))
+    behaviors = library.load()
+
+    assert sorted(behaviors) == ["ApproachBall", "ControlBall", "GotoBall", "Keepaway"]
+    assert library.problems == {}
+    assert {name: len(b.examples) for name, b in behaviors.items()} == {
+        "ApproachBall": 18,
+        "ControlBall": 10,
+        "GotoBall": 10,
+        "Keepaway": 8,
+    }
+    assert list(behaviors["ControlBall"].transitions["Stop"].predict([[2.0, 1.0]])) == ["Pass"]
+
+
+def test_a_lesson_from_before_loads():
+    lesson = read_lesson(FORMATS / "lessons" / "control_ball.yaml")
+    assert (lesson.name, lesson.agent) == ("ControlBall", "keeper_1")
+    assert lesson.steps
+
+
+def test_a_swarm_description_from_before_loads():
+    swarm = read_swarm(FORMATS / "swarms" / "keepaway.yaml")
+    assert swarm.agent_names == ("keeper_1", "keeper_2", "keeper_3")
+    assert swarm.world is not None
+
+
+def test_a_journal_from_before_is_resumed(tmp_path):
+    shutil.copy(FORMATS / "training.jsonl", tmp_path)
+    domain = load_domain("keepaway")
+    agent = Agent("keeper_1", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
+
+    assert agent.session is not None
+    assert [(e.state, e.next_state, e.is_default) for e in agent.session.examples] == [
+        ("Start", "GoFast", False),
+        ("GoFast", "GoFast", True),
+        ("GoFast", "Stop", False),
+        ("Stop", "Stop", True),
+    ]
+
+
+def test_a_snapshot_of_a_world_from_before_is_restored():
+    snapshot = json.loads((FORMATS / "world.json").read_text())
+    world = KeepawayWorld()
+    world.restore(snapshot)
+
+    assert (world.seed, world.cycle) == (3, 5)
+    assert world.snapshot() == snapshot
+
+
+def test_a_recording_from_before_is_replayed():
+    recording = Recording(FORMATS / "keepaway.mcap")
+
+    assert recording.seconds > 0.0
+    assert sorted(recording.statuses(recording.seconds)) == ["keeper_1", "keeper_2", "keeper_3"]
+    assert {"ball", "keeper_1", "taker_1"} <= set(recording.scene(0.0).names)
