@@ -8,8 +8,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent import RoundGate
-from hitab_agent.shared import Shared
+from hitab_agent import RoundGate, Shared
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus

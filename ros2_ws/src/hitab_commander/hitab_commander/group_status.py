@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from hitab_msgs import msg
 
-from hitab_agent.settings import AgentSettings
+from hitab_agent import AgentSettings
 from hitab_commander.commander_body import CommanderBody
 from hitab_core import Agent
 from hitab_ros import GuardedNode, names, qos
