@@ -19,7 +19,7 @@ FLOORS = (
 
 CORE_FLOORS = (
     ("arrays", "errors", "example", "hierarchy", "seeding"),
-    ("transition_function", "use"),
+    ("example_codec", "transition_function", "use"),
     ("automaton",),
     ("domain",),
     ("repertoire",),

@@ -18,6 +18,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import HitabError, LibraryError, TrainingError, VocabularyError, has
 from hitab_core.example import Example
+from hitab_core.example_codec import example_record
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
@@ -33,7 +34,7 @@ from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
 from hitab_core.training.example_journal import ExampleJournal
 from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.training_record import example_record, replay
+from hitab_core.training.training_record import replay
 from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.use import Use
 
@@ -609,15 +610,4 @@ def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example
             "or begin without these features"
         )
     columns = [earlier.features.index(f) for f in features]
-    return tuple(
-        Example(
-            e.state,
-            tuple(e.features[c] for c in columns),
-            e.next_state,
-            e.kind,
-            e.number,
-            e.command,
-            e.cycle,
-        )
-        for e in earlier.examples
-    )
+    return tuple(e.with_columns(columns) for e in earlier.examples)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 
@@ -39,3 +40,7 @@ class Example:
     def is_default(self) -> bool:
         """Whether this is a default example."""
         return self.kind is ExampleKind.DEFAULT
+
+    def with_columns(self, columns: Iterable[int]) -> Example:
+        """Return it with only the values at these indices."""
+        return replace(self, features=tuple(self.features[i] for i in columns))

@@ -1,13 +1,14 @@
-"""Between messages and the engine's own types."""
+"""Conversions between messages and the engine's own types."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
-from hitab_core import Example, Use
+from hitab_core import Example, ExampleKind, Use
 from hitab_core.commanding import Order, Report
 
 NANOSECONDS = 1_000_000_000
@@ -32,8 +33,21 @@ def example_message(example: Example) -> msg.Example:
     )
 
 
+def example_of(message: Any) -> Example:
+    """Return the example in a message."""
+    return Example(
+        message.state,
+        tuple(message.values),
+        message.next_state,
+        ExampleKind(message.kind),
+        message.number,
+        message.command,
+        message.cycle,
+    )
+
+
 def use_of(name: str, arguments: Sequence[str]) -> Use:
-    """Return a behavior with its targets; a name such as ``GoTo(ball)`` has its own.
+    """Return a behavior with its targets, which may be in the name, as in ``GoTo(ball)``.
 
     Raises:
         VocabularyError: if the name has another form.
@@ -75,7 +89,7 @@ def order_of(message: msg.Order) -> Order:
 
 
 def report_message(report: Report) -> msg.Report:
-    """Return a report as a message. The message has the same fields, and can be read as one."""
+    """Return a report as a message, which has the same fields and can be read as a report."""
     return msg.Report(
         agent=report.agent,
         epoch=report.epoch,

@@ -13,7 +13,6 @@ from hitab_core import (
     START,
     Automaton,
     Example,
-    ExampleKind,
     FeatureKind,
     HitabError,
     Scale,
@@ -21,6 +20,7 @@ from hitab_core import (
     Use,
 )
 from hitab_core.learning import TREE, ClassifierSpec, learn_transitions
+from hitab_ros.conversions import example_of
 
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
@@ -123,19 +123,6 @@ def learned_of(answer: Any) -> Learned:
         note=answer.note,
         difference=answer.difference,
         trimmed=tuple(answer.trimmed),
-    )
-
-
-def example_of(message: Any) -> Example:
-    """Return an example of a message."""
-    return Example(
-        message.state,
-        tuple(message.values),
-        message.next_state,
-        ExampleKind(message.kind),
-        message.number,
-        message.command,
-        message.cycle,
     )
 
 

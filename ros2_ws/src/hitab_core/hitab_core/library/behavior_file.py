@@ -9,7 +9,7 @@ from typing import Any
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain, FeatureKind, Scale
 from hitab_core.errors import LibraryError
-from hitab_core.example import Example
+from hitab_core.example_codec import file_record
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_schema import FLAG, FORMAT, SUFFIX
 from hitab_core.library.behavior_text import behavior_text
@@ -106,7 +106,7 @@ def text_of(
         "states": list(automaton.labels),
         "features": [feature_record(feature, domain) for feature in automaton.features],
         "classifier": classifier,
-        "examples": [_example_record(e, automaton, domain) for e in automaton.examples],
+        "examples": _examples(automaton, domain),
         "trees": _digests(automaton),
         "uses": {name: uses[name] for name in sorted(automaton.behaviors_used)},
         "provenance": asdict(provenance),
@@ -136,25 +136,13 @@ def _rules(automaton: Automaton) -> dict[str, list[str]]:
     }
 
 
-def _example_record(example: Example, automaton: Automaton, domain: Domain) -> dict[str, Any]:
-    if len(example.features) != len(automaton.features):
-        raise LibraryError(
-            f'"{automaton.name}" cannot be saved: example {example.number} has '
-            f"{len(example.features)} values for {len(automaton.features)} features; delete it"
-        )
-    counted = [
-        scale_of(feature, domain).kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL)
-        for feature in automaton.features
-    ]
-    return {
-        "number": example.number,
-        "state": example.state,
-        "features": [
-            int(value) if whole and float(value).is_integer() else float(value)
-            for value, whole in zip(example.features, counted, strict=True)
-        ],
-        "next_state": example.next_state,
-        "kind": example.kind.value,
-        "command": example.command,
-        "cycle": example.cycle,
-    }
+def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:
+    kinds = [scale_of(feature, domain).kind for feature in automaton.features]
+    for example in automaton.examples:
+        if len(example.features) != len(kinds):
+            raise LibraryError(
+                f'"{automaton.name}" cannot be saved: example {example.number} has '
+                f"{len(example.features)} values for {len(kinds)} features; delete it"
+            )
+    counted = [kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL) for kind in kinds]
+    return [file_record(example, counted) for example in automaton.examples]

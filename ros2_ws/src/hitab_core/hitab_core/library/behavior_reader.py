@@ -9,7 +9,8 @@ from typing import Any
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain, Scale
 from hitab_core.errors import HitabError, LibraryError, VocabularyError, has
-from hitab_core.example import Example, ExampleKind
+from hitab_core.example import Example
+from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import BehaviorFile, feature_record, file_name, scale_of
 from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
@@ -279,16 +280,7 @@ class _Reader:
         examples = []
         numbers: dict[int, int] = {}
         for i, record in enumerate(self._content["examples"]):
-            values = tuple(float(value) for value in record["features"])
-            example = Example(
-                record["state"],
-                values,
-                record["next_state"],
-                ExampleKind(record["kind"]),
-                int(record["number"]),
-                int(record["command"]),
-                int(record["cycle"]),
-            )
+            example = example_of(record)
             for wrong in wrong_with(example, labels, scales):
                 self._complaints.add(("examples", i), f"example {example.number} {wrong}")
             if example.number in numbers:

@@ -13,7 +13,6 @@ from typing import Any
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import VocabularyError, has
-from hitab_core.example import Example
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import described, nodes
@@ -186,13 +185,10 @@ def _columns_used(automaton: Automaton) -> set[int]:
 
 
 def _with_columns(automaton: Automaton, columns: Sequence[int]) -> Automaton:
-    def values(example: Example) -> tuple[float, ...]:
-        return tuple(example.features[i] for i in columns)
-
     return replace(
         automaton,
         features=tuple(automaton.features[i] for i in columns),
-        examples=tuple(replace(e, features=values(e)) for e in automaton.examples),
+        examples=tuple(e.with_columns(columns) for e in automaton.examples),
         transitions={},
     )
 

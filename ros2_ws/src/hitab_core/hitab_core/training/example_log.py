@@ -108,16 +108,9 @@ class ExampleLog:
         command = self._next_command
         taught = [Example(state, features, next_state, kind, self._next_number, command, cycle)]
         if with_default:
+            number = self._next_number + 1
             taught.append(
-                Example(
-                    next_state,
-                    features,
-                    next_state,
-                    ExampleKind.DEFAULT,
-                    self._next_number + 1,
-                    command,
-                    cycle,
-                )
+                replace(taught[0], state=next_state, kind=ExampleKind.DEFAULT, number=number)
             )
         return taught
 

@@ -1,38 +1,12 @@
-"""Conversion of a training's steps to journal records, and their replay."""
+"""Replay of a training's steps from the records of its journal."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from hitab_core.example import Example, ExampleKind
+from hitab_core.example_codec import example_of
 from hitab_core.training.example_log import Edit, ExampleLog
-
-
-def example_record(example: Example) -> dict[str, Any]:
-    """Return an example as plain data for the journal."""
-    return {
-        "state": example.state,
-        "features": list(example.features),
-        "next_state": example.next_state,
-        "kind": example.kind.value,
-        "number": example.number,
-        "command": example.command,
-        "cycle": example.cycle,
-    }
-
-
-def example_from_record(record: Mapping[str, Any]) -> Example:
-    """Read what `example_record` wrote."""
-    return Example(
-        record["state"],
-        tuple(float(v) for v in record["features"]),
-        record["next_state"],
-        ExampleKind(record["kind"]),
-        int(record["number"]),
-        int(record["command"]),
-        int(record["cycle"]),
-    )
 
 
 def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
@@ -43,7 +17,7 @@ def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
     """
     match record["do"]:
         case "command":
-            return log.addition([example_from_record(e) for e in record["examples"]])
+            return log.addition([example_of(e) for e in record["examples"]])
         case "undo":
             return log.undoing()
         case "redo":

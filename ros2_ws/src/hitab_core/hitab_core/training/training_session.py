@@ -12,10 +12,11 @@ from typing import Any
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.errors import TrainingError, VocabularyError, has
 from hitab_core.example import Example, ExampleKind
+from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.example_log import Edit, ExampleLog
-from hitab_core.training.training_record import example_record, prepared, replay
+from hitab_core.training.training_record import prepared, replay
 from hitab_core.use import NAME, NAME_RULE, Use
 
 Journal = Callable[[Mapping[str, Any]], None]
