@@ -264,7 +264,7 @@ def test_a_bundle_that_does_not_fit_to_what_is_performed_is_refused_before_it_is
     bundle = make_bundle(teacher.edition.texts, teacher.repertoire, "Go")
     before = known(pupil)
     with pytest.raises(
-        VocabularyError, match=r'cannot perform "Go\(ball\)".*something else first'
+        VocabularyError, match=r'no longer perform "Go\(ball\)".*something else first'
     ):
         pupil.take_in(bundle)
     assert known(pupil) == known(make("pupil")) == before
