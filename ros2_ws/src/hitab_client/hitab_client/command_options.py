@@ -12,7 +12,7 @@ SwarmName = Annotated[
     typer.Option(
         "--swarm",
         envvar="HITAB_SWARM",
-        help="Which swarm, if several are up: its name, its identity or its run folder.",
+        help="The swarm, if several are up: its name, identity or run folder.",
         show_default=False,
     ),
 ]

@@ -1,4 +1,4 @@
-"""Who commands whom in a swarm, and who obeys, as the commanders tell it on their topics."""
+"""The command hierarchy of a swarm, as the commanders report it on their topics."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class CommandView:
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm that is meant; empty: whichever is there.
+        identity: of the swarm in question; empty: any.
 
     Attributes:
-        groups: what each commander tells of its group, by its name.
-        strangers: which swarm those that are another swarm's belong to, by name.
+        groups: each commander's latest report about its group, by name.
+        strangers: the swarm of each commander that belongs to another swarm, by name.
     """
 
     def __init__(self, link: RosLink, prefix: str = "", identity: str = "") -> None:
@@ -40,7 +40,7 @@ class CommandView:
         self._watched: set[str] = set()
 
     def discover(self) -> None:
-        """Look for commanders that have appeared since."""
+        """Look for new commanders."""
         ending = f"/{GROUP}"
         for topic in self._link.topics_of_type(GROUP_TYPE):
             if not topic.startswith(self._prefix + "/") or not topic.endswith(ending):
@@ -50,12 +50,12 @@ class CommandView:
                 self._watch(name)
 
     def watch(self, commanders: Iterable[str]) -> None:
-        """Listen to commanders from now on."""
+        """Start listening to commanders."""
         for commander in commanders:
             self._watch(commander)
 
     def incomplete(self, commanders: Iterable[str]) -> list[str]:
-        """Return the commanders that do not know of all their subordinates yet."""
+        """Return the commanders that have not heard from all their subordinates yet."""
         groups = self.groups
         return [name for name in commanders if name not in groups or any(groups[name].silent)]
 
@@ -76,7 +76,7 @@ class CommandView:
             self.strangers[group.commander] = group.swarm
 
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
-        """Wait until all commanders that are there, or are expected, have told."""
+        """Wait until all commanders, discovered or expected, have reported."""
         wanted = set(expected)
         self.watch(wanted)
 
@@ -87,29 +87,30 @@ class CommandView:
             return bool(known) and known <= self.groups.keys() | self.strangers.keys()
 
         if not self._link.spin_until(complete, seconds) or not wanted:
-            # Whoever is discovered a little later has its place in the tree, too.
+            # A commander discovered a little later belongs in the tree, too.
             self._link.spin_until(lambda: False, LATER_SECONDS)
             self.discover()
             self._link.spin_until(lambda: self._watched <= self.groups.keys(), LATER_SECONDS)
 
     def tree(self) -> list[Branch]:
-        """Return the commanders that nobody commands, with all below them."""
+        """Return the top-level commanders, each with everything below it."""
         return tree_of(self.groups)
 
 
 @dataclass(frozen=True)
 class Branch:
-    """A commander or an agent, and those that it commands.
+    """A commander or an agent, with its subordinates.
 
     Attributes:
         behavior: the top-level behavior that it performs; empty: none.
         path: a commander's active states.
-        order: that a commander gives; empty: none yet.
-        obeys: whether it performs what its own commander orders; None: it has none.
-        silent: whether its commander has not heard of it for too long.
-        counts: of a commander's subordinates: how many obey, how many there are.
-        leaves: the same for all agents below it: all above such an agent obey, and so does it.
-        faults: what is wrong with a commander and lasts.
+        order: a commander's current order; empty: none yet.
+        obeys: whether it performs its own commander's order; None: it has no commander.
+        silent: whether its commander has missed its heartbeat.
+        counts: of a commander's subordinates: obeying, total.
+        leaves: the same for all agents below it; an agent counts as obeying if it and every
+            commander in between obey.
+        faults: a commander's persistent faults.
     """
 
     name: str
@@ -126,11 +127,11 @@ class Branch:
 
     @property
     def is_commander(self) -> bool:
-        """Whether it commands anybody."""
+        """Whether it has subordinates."""
         return bool(self.below)
 
     def commanders(self) -> Iterator[Branch]:
-        """Go through the commanders of this branch, from the top."""
+        """Yield the commanders of this branch, from the top."""
         if self.is_commander:
             yield self
         for branch in self.below:
@@ -160,7 +161,7 @@ class Branch:
 
 
 def tree_of(groups: Mapping[str, CommanderStatus]) -> list[Branch]:
-    """Return the tree of some commanders' groups."""
+    """Return the tree made of these commanders' groups."""
     commanded = {name for group in groups.values() for name in group.subordinates}
     return [_branch(name, groups, ()) for name in sorted(groups) if name not in commanded]
 

@@ -28,7 +28,7 @@ def out() -> Console:
 
 
 def err() -> Console:
-    """Return a console for what is not a result."""
+    """Return a console for everything else."""
     from rich.console import Console
 
     return Console(stderr=True, highlight=False, emoji=False)
@@ -40,12 +40,12 @@ def say(text: str) -> None:
 
 
 def note(text: str) -> None:
-    """Print something that is not a result."""
+    """Print a message that is not a result."""
     print(text, file=sys.stderr)
 
 
 def error(text: str) -> None:
-    """Print an error, with what the user may have meant, if it tells what there is."""
+    """Print an error, and a suggestion if it lists the known names."""
     hint = ""
     if "Did you mean" not in text and (match := _UNKNOWN.search(text)):
         hint = did_you_mean(match.group(1), match.group(2).split(", "))
@@ -59,7 +59,7 @@ def _escaped(text: str) -> str:
 
 
 def write_json(path: str | None, data: Any) -> None:
-    """Write figures as JSON: to a file, or to stdout if the path is ``-``; not at all if None.
+    """Write data as JSON to a file, or to stdout if the path is ``-``; do nothing if it is None.
 
     Raises:
         HitabError: if the file cannot be written.
@@ -81,12 +81,12 @@ def write_json(path: str | None, data: Any) -> None:
 
 
 Advance = Callable[[int, int, str], None]
-"""Called with how much is done, of how much, and what is being done."""
+"""Called with the amount done, the total and the current activity."""
 
 
 @contextmanager
 def progress(description: str, unit: str = "") -> Iterator[Advance]:
-    """Show a progress bar on stderr for as long as this lasts, if that is a terminal."""
+    """Show a progress bar on stderr for the duration of the context, if it is a terminal."""
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,

@@ -1,9 +1,8 @@
-"""How processes find each other, and how quickly a killed one is forgotten.
+"""DDS settings: which processes discover each other, and when a killed one is dropped.
 
-Unless the user says otherwise nothing leaves this machine, and nothing listens to others. ROS's
-own `LOCALHOST` range finds 32 processes only and listens on all interfaces, so that it is
-replaced by a profile that binds to 127.0.0.1. Other ROS programs with `LOCALHOST` in the same
-domain are found, and find ours.
+By default all traffic stays on this machine. ROS's own `LOCALHOST` range discovers only 32
+processes and listens on all interfaces, so it is replaced by a profile that binds to 127.0.0.1.
+Other ROS programs that use `LOCALHOST` in the same domain are discovered, and discover ours.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
-"""What Fast DDS reads, in its older and in its newer versions."""
+"""The variables that older and newer versions of Fast DDS read."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 HERE, BY_PROFILE = "LOCALHOST", "SYSTEM_DEFAULT"
@@ -23,24 +22,24 @@ LOOPBACK = Path(__file__).with_name("dds_loopback.xml")
 """For processes on this machine only."""
 
 NETWORK = Path(__file__).with_name("dds_network.xml")
-"""For users who want other machines to be heard, too."""
+"""For communication with other machines."""
 
 PORTS = 120
-"""Processes that have ports of their own in a ROS domain."""
+"""Maximum number of processes with their own ports in a ROS domain."""
 
 _QUICKEST_S = 0.25  # between two announcements
 _SHARED_BY = 50  # processes that may announce themselves once a second
-_MISSED = 5  # announcements after which a process is forgotten
+_MISSED = 5  # missed announcements after which a process is dropped
 _SHORTEST_LEASE_S = 8.0
 _NAMESPACE = "http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"
 
 
 def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPBACK) -> None:
-    """Have processes with this environment find each other, unless the user has a profile.
+    """Set up discovery between processes with this environment, unless the user has a profile.
 
     Args:
-        environment: variables, of which the profile and the discovery range are set.
-        loopback: the profile if they are to stay on this machine.
+        environment: variables; the profile and the discovery range are set here.
+        loopback: the profile for this machine only.
     """
     chosen = [environment[name] for name in VARIABLES if environment.get(name)]
     if any(Path(name).name not in (LOOPBACK.name, NETWORK.name) for name in chosen):
@@ -52,23 +51,23 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
     if stays and environment.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fast"):
         profile, environment[RANGE] = loopback, BY_PROFILE
     else:
-        # Without our profile SYSTEM_DEFAULT would mean everybody on the network.
+        # Without our profile SYSTEM_DEFAULT would mean the whole network.
         profile, environment[RANGE] = NETWORK, HERE if stays else said
     for name in VARIABLES:
         environment[name] = str(profile)
 
 
 def profile_for(folder: Path, processes: int) -> Path:
-    """Write a profile for a swarm that stays on this machine, and return its file.
+    """Write the profile of a swarm that stays on this machine, and return its file.
 
-    A process that has just started misses the answers to its first announcement, since it cannot
-    receive yet, and finds those that are there when they next announce themselves. So they do
-    this four times a second. Together this costs the square of their number; from 25 processes
-    on they do it less often, so that the cost stays at a tenth of a core or two.
+    A new process misses the answers to its first announcement, since it cannot receive yet, and
+    discovers the others at their next announcements. So every process announces itself four times
+    a second. The cost grows with the square of their number, so from 25 processes on they announce
+    themselves less often, which limits it to a tenth of a core or two.
 
     Args:
-        folder: for the file.
-        processes: how many there will be.
+        folder: to write to.
+        processes: number of processes in the swarm.
     """
     period = max(_QUICKEST_S, (processes / _SHARED_BY) ** 2)
     tree: Any = ElementTree.parse(LOOPBACK)

@@ -1,4 +1,4 @@
-"""ROS domain ids: which one a swarm lives in, so that two at once do not hear each other."""
+"""ROS domain ids: chosen so that swarms on one machine do not hear each other."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from hitab_client.run_folder import running_swarms
 
 
 def chosen_by_user() -> int | None:
-    """Return the user's own ROS_DOMAIN_ID, if there is one."""
+    """Return the user's own ROS_DOMAIN_ID, if set."""
     value = os.environ.get("ROS_DOMAIN_ID", "")
     return int(value) if value.isdigit() else None
 
 
 def for_swarm() -> int:
-    """Return the domain id for a swarm to be started: the user's, else 0, else a free one."""
+    """Return the domain id for a new swarm: the user's, else 0, else a free one."""
     own = chosen_by_user()
     if own is not None:
         return own
@@ -26,7 +26,7 @@ def for_swarm() -> int:
 
 @contextlib.contextmanager
 def reserved() -> Iterator[int]:
-    """Reserve a domain id that nobody else on this machine uses, for as long as this lasts."""
+    """Reserve a domain id that is free on this machine, for the duration of the context."""
     from domain_coordinator import domain_id
 
     taken = {record.domain_id for _, record in running_swarms()} | {chosen_by_user()}

@@ -1,4 +1,4 @@
-"""Errors of this package that a user has to mend."""
+"""Errors of this package that a user has to fix."""
 
 from hitab_core import HitabError
 
@@ -8,7 +8,7 @@ class DescriptionError(HitabError):
 
 
 class LessonError(HitabError):
-    """A lesson that is malformed, or whose outcome is not what it expects."""
+    """A lesson that is malformed or fails one of its checks."""
 
 
 class SwarmError(HitabError):
@@ -16,4 +16,4 @@ class SwarmError(HitabError):
 
 
 class NamesTakenError(SwarmError):
-    """A swarm whose names other nodes have in its ROS domain."""
+    """A swarm whose names are in use by other nodes in its ROS domain."""

@@ -1,6 +1,6 @@
-"""InspectionServices the swarm that is meant from another one in the same ROS domain.
+"""Distinguishes swarms in the same ROS domain.
 
-`hitab up` gives each swarm an identity; all of its nodes have it in their statuses.
+`hitab up` gives each swarm an identity, which all of its nodes publish in their statuses.
 """
 
 from __future__ import annotations
@@ -9,17 +9,17 @@ import secrets
 
 
 def new_identity(swarm: str) -> str:
-    """Return an identity for a swarm that is being started: no other start has the same."""
+    """Return an identity for a new swarm, unique to this start."""
     return f"{swarm}-{secrets.token_hex(4)}"
 
 
 def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
-    """Whether a node is part of the swarm that is meant.
+    """Whether a node belongs to the swarm in question.
 
     Args:
-        heard: the identity that its status gives; empty: it was started by hand.
-        meant: the identity of the swarm that is meant; empty: whichever is there.
-        started_by_it: whether the swarm has started a node of that name itself.
+        heard: the identity in its status; empty: it was started by hand.
+        meant: the identity of the swarm in question; empty: any.
+        started_by_it: whether that swarm has started a node of this name.
     """
     if not meant or heard == meant:
         return True
@@ -27,13 +27,13 @@ def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
 
 
 def other_swarm(node: str, heard: str, meant: str) -> str:
-    """Say that a node is part of another swarm than the one that is meant."""
+    """Return an error text for a node of another swarm than the one in question."""
     if not heard:
         return (
-            f"{node} was started by hand and is not the one of swarm {meant}, which is meant; "
+            f"{node} was started by hand and does not belong to swarm {meant}; "
             "stop one of the two, or start it in another ROS_DOMAIN_ID"
         )
     return (
-        f"{node} is part of swarm {heard} here, and swarm {meant} is meant; say which with "
-        "--swarm NAME, or stop one of the two with `hitab down --swarm NAME`"
+        f"{node} belongs to swarm {heard}, not to swarm {meant}; choose the swarm with "
+        "--swarm NAME, or stop one of the two with `hitab down NAME`"
     )

@@ -1,7 +1,7 @@
 """Names of topics and services, in one place.
 
-An agent has everything under its own name and a world under ``world``; what concerns the whole
-swarm has no owner. ``prefix`` is the namespace of a swarm, such as ``/red``; empty by default.
+An agent's names start with its own name and a world's with ``world``; those of the whole swarm
+have no owner. ``prefix`` is the namespace of a swarm, such as ``/red``; empty by default.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def of_swarm(name: str, prefix: str = "") -> str:
 
 
 def agent_of_status(topic: str, prefix: str = "") -> str | None:
-    """Return whose status a topic is, or None if it is not ``<prefix>/<agent>/status``."""
+    """Return the agent of a status topic, or None if it is not ``<prefix>/<agent>/status``."""
     if not topic.startswith(prefix + "/") or not topic.endswith("/status"):
         return None
     agent = topic[len(prefix) + 1 : -len("/status")]

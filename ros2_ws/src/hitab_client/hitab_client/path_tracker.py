@@ -1,7 +1,7 @@
-"""Follows the active states of agents change by change, so that not even a short one is missed.
+"""Follows every change of agents' active states, so that no short-lived state is missed.
 
-An agent's status tells its active states too, but only so often; its transitions tell all of
-them, with the world's cycle.
+An agent's status has its active states too, but only at intervals; its transitions report every
+change, with the world's cycle.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from hitab_ros import qos
 
 
 class PathTracker:
-    """The active states of some agents; used with ``with``, since being followed costs an agent.
+    """The active states of some agents; a context manager, since following costs the agents time.
 
     Args:
         link: the node to use.
-        agents: whom to follow.
+        agents: to follow.
         prefix: namespace of the swarm.
     """
 
@@ -53,7 +53,7 @@ class PathTracker:
         self._passed[event.agent].append(event.to_state)
 
     def take(self) -> dict[str, list[str]]:
-        """Return the states that each agent has entered since the last call."""
+        """Return the states that each agent entered since the last call."""
         taken = self._passed
         self._passed = {agent: [] for agent in self._topics}
         return taken

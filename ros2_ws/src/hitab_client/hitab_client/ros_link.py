@@ -1,4 +1,4 @@
-"""A node of this process's own with which to talk to a swarm: spin until, subscribe, call."""
+"""A client node for talking to a swarm: spin until, subscribe, call."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from hitab_client.errors import SwarmError
 from hitab_ros import GuardedNode
 
 CALL_SECONDS = 15.0
-"""How long to wait for the answer of a service that is there."""
+"""How long to wait for the answer of an available service."""
 
 REPEAT_SECONDS = 1.0
-"""How long to wait before a request is sent again, for the first time; then twice as long."""
+"""How long to wait before sending a request again; doubled each time."""
 
 
 class RosLink:
-    """A node, its executor and its clients; used with ``with``."""
+    """A node, its executor and its clients; a context manager."""
 
     def __init__(self, domain_id: int | None = None) -> None:
         choose_profile(os.environ)
@@ -65,14 +65,14 @@ class RosLink:
             self._context.try_shutdown()
 
     def spin(self, seconds: float = 0.1) -> None:
-        """Handle what has come; wait at most so long for something to come."""
+        """Handle pending events; wait at most this long for one."""
         self._executor.spin_once(timeout_sec=seconds)
         if self._failure is not None:
             failure, self._failure = self._failure, None
             raise failure
 
     def spin_until(self, done: Callable[[], Any], seconds: float, each: float = 0.05) -> bool:
-        """Spin until ``done()`` is true; return whether it became so in time."""
+        """Spin until ``done()`` is true; return whether it became true in time."""
         deadline = time.monotonic() + seconds
         while not done():
             left = deadline - time.monotonic()
@@ -84,10 +84,10 @@ class RosLink:
     def subscribe(
         self, kind: Any, topic: str, take: Callable[[Any], None], qos: QoSProfile
     ) -> Any:
-        """Subscribe; an exception in ``take`` is raised from the next spin."""
+        """Subscribe; the next spin raises exceptions from ``take``."""
 
         def guarded(message: Any) -> None:
-            # The node's guard would log it.
+            # Otherwise the node's guard would only log it.
             try:
                 take(message)
             except BaseException as error:
@@ -96,7 +96,7 @@ class RosLink:
         return self.node.create_subscription(kind, topic, guarded, qos)
 
     def topics_of_type(self, kind: str) -> Iterator[str]:
-        """Go through the topics that carry a type of message, as far as discovered."""
+        """Yield the discovered topics with this message type."""
         for topic, kinds in self.node.get_topic_names_and_types():
             if kind in kinds:
                 yield topic
@@ -111,17 +111,17 @@ class RosLink:
         discovery: float = 8.0,
         seconds: float = CALL_SECONDS,
     ) -> Any:
-        """Call a service and return its answer, whatever it says.
+        """Call a service and return its answer, even a refusal.
 
-        An answer may be lost, such as where a service has not discovered this client yet: the
-        request is sent again until there is one. A request that changes something is numbered,
-        so that it is not done again.
+        An answer may be lost, for example if the service has not discovered this client yet, so
+        the request is repeated until there is an answer. Requests that change something are
+        numbered, so that they are carried out only once.
 
         Args:
             kind: the type of the service.
-            service: its full name.
-            request: what to ask.
-            missing: tells who would have to be there, if nobody is.
+            service: full name of the service.
+            request: to send.
+            missing: returns the error text if the service is not there.
             discovery: seconds to wait for the service to appear.
             seconds: seconds to wait for its answer.
 
@@ -155,5 +155,5 @@ class RosLink:
                     client.remove_pending_request(future)
         raise SwarmError(
             f"{service} did not answer within {seconds:g} s; see the log of its process "
-            "(`hitab status` tells where)"
+            "(`hitab status` shows where)"
         )

@@ -1,13 +1,13 @@
-"""Where a running swarm keeps its files, and how the other verbs find it.
+"""Where a running swarm keeps its files, and how other verbs find it.
 
 ~/.local/state/hitab/               or $XDG_STATE_HOME/hitab, or $HITAB_HOME
 keepaway/                         the run folder of swarm "keepaway"
-run.json                        there while the swarm is up
+run.json                        exists while the swarm is up
 supervisord.conf  supervisord.log  logs/keeper_1.log ...
-libraries/keeper_1/             kept from run to run
+libraries/keeper_1/             kept between runs
 state/keeper_1/                 journals of trainings
 running/keepaway-3f9a2c1e -> ../keepaway
-running.lock                      held while a swarm is being added or taken away
+running.lock                      held while a swarm is being added or removed
 """
 
 from __future__ import annotations
@@ -26,21 +26,20 @@ import psutil  # type: ignore[import-untyped]
 from hitab_client.errors import SwarmError
 
 MARK = "HITAB_RUN_FOLDER"
-"""Environment variable by which the processes of a run folder are recognized."""
+"""Environment variable that marks the processes of a run folder."""
 
 CONFIGURATION = "supervisord.conf"
 SOCKET = "supervisord.sock"
 LONGEST_SOCKET = 90
-"""Characters; supervisord makes it under a longer name first, and the system allows 107."""
+"""Characters; supervisord first uses a longer name, and the system allows 107."""
 
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What is kept about a swarm while it is up.
+    """The record of a swarm while it is up.
 
     Attributes:
-        identity: of this start of the swarm: its name and something that no other has. All of
-            its nodes give it in their statuses.
+        identity: unique to this start of the swarm. All of its nodes publish it in their statuses.
     """
 
     swarm: str
@@ -70,12 +69,12 @@ class RunFolder:
 
     @classmethod
     def of_swarm(cls, name: str, given: Path | None = None) -> RunFolder:
-        """Return the folder of a swarm: where the user says, else the default one."""
+        """Return the folder of a swarm: the given one, else the default."""
         return cls(given or state_home() / name)
 
     @property
     def record_file(self) -> Path:
-        """There while the swarm is up."""
+        """Exists while the swarm is up."""
         return self.path / "run.json"
 
     def log(self, process: str) -> Path:
@@ -83,7 +82,7 @@ class RunFolder:
         return self.path / "logs" / f"{process}.log"
 
     def tail(self, process: str, lines: int = 12) -> list[str]:
-        """Return the last lines of a process's log, without what is known to be harmless."""
+        """Return the last lines of a process's log, without known harmless messages."""
         try:
             text = self.log(process).read_text(encoding="utf-8", errors="replace")
         except OSError:
@@ -92,11 +91,11 @@ class RunFolder:
         return kept[-lines:]
 
     def socket_path(self) -> Path:
-        """Return a path for the supervisor's socket: short, since a socket's must be."""
+        """Return a path for the supervisor's socket, which must be short."""
         here = self.path / SOCKET
         if len(str(here)) < LONGEST_SOCKET:
             return here
-        # The folder for temporary files may be as deep.
+        # The folder for temporary files may be too deep as well.
         folders = (tempfile.gettempdir(), "/tmp")
         short = next((f for f in folders if len(f) + 30 < LONGEST_SOCKET), folders[0])
         return Path(tempfile.mkdtemp(prefix="hitab-", dir=short)) / SOCKET
@@ -105,7 +104,7 @@ class RunFolder:
         """Make the folders.
 
         Raises:
-            SwarmError: if that cannot be done.
+            SwarmError: if that fails.
         """
         try:
             for inner in ("logs", "libraries", "state"):
@@ -117,7 +116,7 @@ class RunFolder:
             ) from None
 
     def read(self) -> RunRecord | None:
-        """Return the record of the swarm that is, or was, up here."""
+        """Return the record of the current or last swarm here."""
         try:
             value = json.loads(self.record_file.read_text(encoding="utf-8"))
             return RunRecord(**{**value, "agents": tuple(value["agents"])})
@@ -125,7 +124,7 @@ class RunFolder:
             return None
 
     def write(self, record: RunRecord, *, register: bool) -> None:
-        """Keep the record, and let other verbs find it."""
+        """Write the record; ``register`` lets other verbs find it."""
         partial = self.record_file.with_suffix(".partial")
         partial.write_text(json.dumps(asdict(record), indent=2) + "\n", encoding="utf-8")
         partial.replace(self.record_file)
@@ -136,7 +135,7 @@ class RunFolder:
             link.symlink_to(self.path)
 
     def _unregister(self) -> None:
-        """Remove all entries of this folder, and those of folders that are no more."""
+        """Remove all entries of this folder, and of folders that no longer exist."""
         for link in _registry().glob("*"):
             if link.is_symlink() and (link.resolve() == self.path or not link.exists()):
                 link.unlink(missing_ok=True)
@@ -155,13 +154,13 @@ class RunFolder:
 
     @property
     def configuration(self) -> Path:
-        """What the supervisor is started with."""
+        """The supervisor's configuration file."""
         return self.path / CONFIGURATION
 
     def supervisor(self, record: RunRecord) -> psutil.Process | None:
-        """Return the supervisor, if it is alive; its number may have been given to another.
+        """Return the supervisor, if it is alive; its process id may have been reused.
 
-        Not even one that was started from this folder need be the supervisor.
+        The new owner of the id may even be another process of this folder.
         """
         try:
             process = psutil.Process(record.supervisor)
@@ -172,7 +171,7 @@ class RunFolder:
             return None
 
     def processes(self) -> list[psutil.Process]:
-        """Return all living processes that were started from this folder."""
+        """Return all running processes that were started from this folder."""
         mine = str(self.path)
         return [p for p in psutil.process_iter() if p.pid != os.getpid() and _mark_of(p) == mine]
 
@@ -195,7 +194,7 @@ Found = tuple[RunFolder, RunRecord]
 
 @contextlib.contextmanager
 def registry_held() -> Iterator[None]:
-    """Have nobody else start a swarm meanwhile: two at once would choose the same ROS domain."""
+    """Lock the registry, since two swarms starting at once would choose the same ROS domain."""
     lock = _registry().with_suffix(".lock")
     try:
         lock.parent.mkdir(parents=True, exist_ok=True)
@@ -210,7 +209,7 @@ def registry_held() -> Iterator[None]:
 
 
 def registered_swarms() -> Iterator[Found]:
-    """Go through the swarms that are up or have crashed, temporary ones excepted."""
+    """Yield the swarms that are up or have crashed, except temporary ones."""
     for link in sorted(_registry().glob("*")):
         folder = RunFolder(link)
         if (record := folder.read()) is not None:
@@ -218,7 +217,7 @@ def registered_swarms() -> Iterator[Found]:
 
 
 def running_swarms() -> Iterator[Found]:
-    """Go through the swarms that are up, temporary ones excepted."""
+    """Yield the swarms that are up, except temporary ones."""
     for folder, record in registered_swarms():
         if folder.supervisor(record) is not None:
             yield folder, record

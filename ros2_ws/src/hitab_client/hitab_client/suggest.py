@@ -1,4 +1,4 @@
-"""Did you mean: the nearest of some names to one that does not exist."""
+"""Did you mean: the known name nearest to an unknown one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 
 def did_you_mean(wrong: str, names: Iterable[str]) -> str:
-    """Return `` Did you mean "x"?`` with a space in front, or nothing if no name is near."""
+    """Return `` Did you mean "x"?`` with a leading space, or nothing if no name is close."""
     by_lower = {name.lower(): name for name in names}
     near = difflib.get_close_matches(wrong.lower(), by_lower, n=1, cutoff=0.6)
     return f' Did you mean "{by_lower[near[0]]}"?' if near else ""

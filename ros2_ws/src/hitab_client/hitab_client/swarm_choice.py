@@ -1,4 +1,4 @@
-"""Which of the swarms that are up is meant."""
+"""Chooses among the swarms that are up."""
 
 from __future__ import annotations
 
@@ -19,21 +19,23 @@ from hitab_core import has
 
 
 def only(found: Sequence[Found], where: str = "") -> Found | None:
-    """Return the only one of some swarms; None if there is none.
+    """Return the only swarm of several; None if there is none.
 
     Raises:
-        SwarmError: if there are several, with what tells them apart.
+        SwarmError: if there are several, with their distinct names.
     """
     if len(found) > 1:
         names = [record.swarm for _, record in found]
         if len(set(names)) < len(names):
             names = [record.identity or str(folder.path) for folder, record in found]
-        raise SwarmError(f"several swarms are up{where} {has(names)}; say which with --swarm NAME")
+        raise SwarmError(
+            f"several swarms are up{where} {has(names)}; choose one with --swarm NAME"
+        )
     return found[0] if found else None
 
 
 def meant(which: str, among: Iterable[Found]) -> list[Found]:
-    """Return the swarms that a user may mean by a name, an identity or a run folder."""
+    """Return the swarms that match a name, an identity or a run folder."""
     path = Path(which).resolve() if os.sep in which or which.startswith(".") else None
     return [
         (folder, record)
@@ -43,10 +45,10 @@ def meant(which: str, among: Iterable[Found]) -> list[Found]:
 
 
 def find_running(which: str | None) -> Found | None:
-    """Return the swarm that is meant, or the only one that is up; None if none is.
+    """Return the named swarm, or the only one that is up; None if none is up.
 
     Args:
-        which: its name, its identity or its run folder; None: the only one.
+        which: its name, identity or run folder; None: the only one.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
@@ -67,11 +69,11 @@ def find_running(which: str | None) -> Found | None:
 
 
 def find_meant(which: str | None, domain_id: int | None) -> Found | None:
-    """Return the swarm that is meant: see `find_running`.
+    """Return the swarm to connect to; see `find_running`.
 
     Args:
-        which: its name, its identity or its run folder; None: the only one.
-        domain_id: the ROS domain in which the user wants it, if none is named; None: any.
+        which: its name, identity or run folder; None: the only one.
+        domain_id: ROS domain of the swarm, if none is named; None: any.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
@@ -83,10 +85,10 @@ def find_meant(which: str | None, domain_id: int | None) -> Found | None:
 
 
 def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None:
-    """Return the swarm to be taken down: one that is up, else what one that crashed has left.
+    """Return the swarm to take down: a running one, else what a crashed one left behind.
 
     Raises:
-        SwarmError: if it is not certain which one is meant, or the named one is not there.
+        SwarmError: if the choice is ambiguous, or the named swarm is missing.
     """
     up = list(running_swarms())
     left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]

@@ -1,4 +1,4 @@
-"""Talks to the agents of a swarm over their public topics and services, as a person's tools do."""
+"""Talks to the agents of a swarm over their public topics and services."""
 
 from __future__ import annotations
 
@@ -30,34 +30,34 @@ from hitab_core import has
 from hitab_ros import qos
 
 DISCOVERY_SECONDS = 8.0
-"""Nodes mostly find each other within a second, but it may take several."""
+"""Nodes usually discover each other within a second, but it may take several."""
 
 DISCOVERY_SECONDS_EACH = 0.02
-"""More, for each agent of a swarm: it is told of all before it is told of the one."""
+"""Added per agent of a swarm, since discovery time grows with the swarm."""
 
 WATCHED_MAX = 100
-"""In a larger swarm only those are watched that somebody asks for."""
+"""In a larger swarm only the requested agents are watched."""
 
 SETTLE_SECONDS = 1.5
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
 
 QUIET_SECONDS = 10.0
-"""Whoever has not acknowledged a distribution when nobody has for so long will not."""
+"""Without a new acknowledgement for this long, the missing ones will not come."""
 
 HEARING_SECONDS = 2.0
-"""How long to wait until acknowledgements would be heard."""
+"""How long to wait for the acknowledgement topics to connect."""
 
 
 @dataclass
 class DistributionReport:
-    """Who took in a distribution, and who did not.
+    """The receivers' answers to a distribution.
 
     Attributes:
-        sequence: of the distribution.
-        digest: that the source gave.
+        sequence: number of the distribution.
+        digest: given by the source.
         accepted: receivers that verified the same digest.
-        refused: receivers that did not, with why.
+        refused: receivers that refused, with their reasons.
         silent: receivers that did not answer.
     """
 
@@ -78,14 +78,14 @@ class SwarmClient:
 
     Args:
         link: the node to use.
-        expected: names of the agents that there should be, if that is known.
+        expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
-        demonstrator: who commands; by default, the user.
-        identity: of the swarm that is meant; empty: whichever is there.
+        demonstrator: name of the demonstrator; by default, the user.
+        identity: of the swarm in question; empty: any.
 
     Attributes:
         statuses: the last status of each agent of the swarm, by name.
-        strangers: which swarm those that are not part of the one that is meant belong to.
+        strangers: the swarm of each agent that belongs to another swarm, by name.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class SwarmClient:
     # -- who is there -----------------------------------------------------------------------
 
     def watch_all(self) -> None:
-        """Watch all that are expected, however many."""
+        """Watch all expected agents, however many."""
         for agent in self.expected:
             self._watch(agent)
 
@@ -143,7 +143,7 @@ class SwarmClient:
             self.statuses.pop(agent, None)
 
     def refuse_strangers(self, agents: Iterable[str]) -> None:
-        """Make sure that none of these agents is known to be another swarm's.
+        """Raise if one of these agents is known to belong to another swarm.
 
         Raises:
             SwarmError: naming both swarms.
@@ -156,25 +156,25 @@ class SwarmClient:
         self._acks.setdefault(ack.sequence, {})[ack.agent] = ack
 
     def discover(self) -> None:
-        """Look for agents that have appeared since."""
+        """Look for new agents."""
         for topic in self.link.topics_of_type(names.STATUS_TYPE):
             agent = names.agent_of_status(topic, self.prefix)
             if agent is not None:
                 self._watch(agent)
 
     def agents(self) -> list[str]:
-        """Return the names of the agents heard from so far."""
+        """Return the names of the agents that have reported so far."""
         return sorted(self.statuses)
 
     def await_agents(
         self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
     ) -> list[str]:
-        """Wait for these agents, else for the expected ones, and return who is there.
+        """Wait for these agents, or else for the expected ones, and return those that are up.
 
-        If nobody knows who is to be expected, wait until nobody new has turned up for a while.
+        If none are expected, wait until no new agent has appeared for a while.
 
         Raises:
-            SwarmError: if one of them is another swarm's.
+            SwarmError: if one of them belongs to another swarm.
         """
         wanted = set(agents or self.expected)
         for agent in wanted:
@@ -200,14 +200,14 @@ class SwarmClient:
         """Wait for an agent and return its status.
 
         Raises:
-            SwarmError: if no such agent answers, naming those that do, or if it is another
-                swarm's.
+            SwarmError: if no such agent answers, naming those that do, or if it belongs to another
+                swarm.
         """
         self.refuse_strangers((agent,))
         if agent not in self.statuses:
             self._watch(agent)
             known = bool(self.expected) and agent not in self.expected
-            # An agent that is not in the description may still have been started by hand.
+            # An agent missing from the description may have been started by hand.
             self.await_agents(() if known else (agent,), seconds)
             if known and agent not in self.statuses:
                 self.link.spin_until(lambda: agent in self.statuses, 0.5)
@@ -234,7 +234,7 @@ class SwarmClient:
         """Command a behavior and wait until the agent has acknowledged it.
 
         Raises:
-            SwarmError: if the agent is not there, refuses, or does not acknowledge.
+            SwarmError: if the agent is missing, refuses, or does not acknowledge.
         """
         before = self.await_agent(agent)
         publisher = self._commander(agent)
@@ -253,17 +253,17 @@ class SwarmClient:
 
         deadline = time.monotonic() + ACKNOWLEDGE_SECONDS
         while time.monotonic() < deadline:
-            # Whoever listens may be an agent that has died and is not known to have: its
-            # successor hears the next one. An agent ignores what it has obeyed already.
+            # The subscriber may be an agent whose death is not yet known; its successor gets the
+            # next copy. An agent ignores commands that it has already obeyed.
             publisher.publish(command)
             if self.link.spin_until(answered, RESEND_SECONDS):
                 break
             if self.statuses[agent].last_command_sequence < before.last_command_sequence:
-                break  # it was restarted and does not remember what it has obeyed
+                break  # it was restarted and does not remember obeyed commands
         if not answered():
             raise SwarmError(
                 f"{agent} did not acknowledge the command within {ACKNOWLEDGE_SECONDS:g} s; "
-                f"look with `hitab examples list {agent}` whether it was recorded"
+                f"check with `hitab examples list {agent}` whether it was recorded"
             )
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
@@ -276,11 +276,11 @@ class SwarmClient:
         if publisher is None:
             publisher = self.link.node.create_publisher(Command, topic, qos.EVENTS)
             self._publishers[agent] = publisher
-        # A reliable writer reaches only the readers that it knows: wait for the agent's.
+        # A reliable writer reaches only matched readers: wait for the agent's.
         if not self.link.spin_until(
             lambda: publisher.get_subscription_count() > 0, DISCOVERY_SECONDS, 0.01
         ):
-            raise SwarmError(f"{agent} does not listen on {topic}; see its log")
+            raise SwarmError(f"{agent} does not subscribe to {topic}; see its log")
         return publisher
 
     # -- services ---------------------------------------------------------------------------
@@ -307,7 +307,7 @@ class SwarmClient:
         return self.ask(agent, BeginTraining, "begin", automaton=automaton, **fields)
 
     def set_mode(self, agent: str, mode: str, *, restart: bool = False) -> Any:
-        """Change between training and testing."""
+        """Switch between training and testing."""
         return self.ask(agent, SetMode, "set_mode", mode=mode, restart=restart)
 
     def edit_examples(
@@ -324,7 +324,7 @@ class SwarmClient:
         )
 
     def list_examples(self, agent: str, automaton: str = "") -> Any:
-        """Return the examples of the training under way, or of a trained behavior."""
+        """Return the examples of the current training, or of a trained behavior."""
         return self.ask(agent, ListExamples, "list_examples", automaton=automaton)
 
     def save(self, agent: str, **fields: Any) -> Any:
@@ -332,11 +332,11 @@ class SwarmClient:
         return self.ask(agent, SaveBehavior, "save", **fields)
 
     def perform(self, agent: str, behavior: str, arguments: Sequence[str] = ()) -> Any:
-        """Have an agent perform a behavior, or nothing if it is empty."""
+        """Make an agent perform a behavior; empty: nothing."""
         return self.ask(agent, Perform, "perform", behavior=behavior, arguments=list(arguments))
 
     def load_library(self, agent: str, path: str = "") -> Any:
-        """Have an agent read its library again, or another one."""
+        """Make an agent reload its library, or load another one."""
         return self.ask(agent, LoadLibrary, "load_library", path=path)
 
     def vocabulary(self, agent: str) -> Any:
@@ -356,20 +356,19 @@ class SwarmClient:
         seconds: float = QUIET_SECONDS,
         progress: Callable[[int, int], None] | None = None,
     ) -> DistributionReport:
-        """Send a behavior from one agent to others and wait for what each of them says.
+        """Send a behavior from one agent to others and wait for their answers.
 
         Args:
-            source: whose behavior it is.
+            source: agent that has the behavior.
             behavior: its name.
-            arguments: targets of its parameters, if it is to be started.
-            receivers: who is to get it; by default all others.
-            start: have them perform it.
-            seconds: how long to wait for one more answer; as long as there are some, many agents
-                may take as long as they need.
-            progress: called with how many have answered, of how many.
+            arguments: targets for its parameters, if it should be started.
+            receivers: agents to send it to; by default all others.
+            start: make them perform it.
+            seconds: how long to wait for the next answer; there is no limit on the total.
+            progress: called with the number of answers and of receivers.
 
         Raises:
-            SwarmError: if the source refuses, or a receiver is not there at all.
+            SwarmError: if the source refuses, or a receiver is missing.
         """
         self.await_agents()
         self.await_agent(source)
@@ -396,11 +395,11 @@ class SwarmClient:
             elif ack.success and ack.digest == answer.digest:
                 report.accepted.append(name)
             else:
-                report.refused[name] = ack.message or "it has other files than were sent"
+                report.refused[name] = ack.message or "its files differ from those that were sent"
         return report
 
     def _await_hearing(self, agents: Iterable[str]) -> None:
-        """Wait until acknowledgements would be heard from the processes of all these agents."""
+        """Wait until acknowledgements can arrive from the processes of all these agents."""
         node = self.link.node
         topic = names.of_swarm("distribution_ack", self.prefix)
         unheard = set(agents)
@@ -423,7 +422,7 @@ class SwarmClient:
         seconds: float,
         progress: Callable[[int, int], None] | None,
     ) -> None:
-        """Wait for the answers of all, as long as there is one more in so many seconds."""
+        """Wait for all answers, as long as the next one arrives within ``seconds``."""
         wanted = set(meant)
         before = -1
         while True:
@@ -439,5 +438,5 @@ class SwarmClient:
 
 
 def _process(info: Any) -> tuple[int, ...]:
-    """Return what the topics of one process have in common: the prefix of their DDS GUIDs."""
+    """Return the DDS GUID prefix, which all topics of a process share."""
     return tuple(info.endpoint_gid[:12])

@@ -1,4 +1,4 @@
-"""Changing how a world runs for a while, and leaving it as it was, whatever happens meanwhile."""
+"""Temporarily changes how a world runs, and always restores it."""
 
 from __future__ import annotations
 
@@ -18,30 +18,29 @@ from hitab_client.world_client import WorldClient
 
 @contextlib.contextmanager
 def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
-    """Give a world back its pace, its factor and its mode at the end.
+    """Restore a world's pace, factor and mode at the end.
 
-    Nothing keeps it from that but the world itself: not an error, not Ctrl-C, not both.
+    Errors and Ctrl-C, even together, do not prevent that; only the world itself can.
 
     Raises:
-        SwarmError: if there is no world, or if it cannot be left as it was and nothing else went
-            wrong.
+        SwarmError: if there is no world, or if it cannot be restored and nothing else went wrong.
     """
     before = world.wait()
     try:
         yield before
     except BaseException:
-        _restore(world, before)  # what went wrong first is what to tell
+        _restore(world, before)  # the first error is the one to report
         raise
     problem = _restore(world, before)
     if problem is not None:
         raise SwarmError(
-            f"the world is not left as it was, {before.mode} in {before.pace}: {problem}; look "
+            f"the world could not be restored to {before.mode} in {before.pace}: {problem}; check "
             "with `hitab status`, then use `hitab world pace` and `hitab world resume`"
         ) from problem
 
 
 def _restore(world: WorldClient, before: WorldStatus) -> Exception | None:
-    """Do all that can be done; return the first error."""
+    """Restore as much as possible; return the first error."""
     paused = before.mode == WorldState.PAUSED
     requests = Control.Request
     steps: list[Callable[[], Any]] = [
@@ -62,7 +61,7 @@ def _restore(world: WorldClient, before: WorldStatus) -> Exception | None:
 
 @contextlib.contextmanager
 def _not_interrupted() -> Iterator[None]:
-    """Put off what Ctrl-C does, once; in other threads than the main one it does nothing."""
+    """Defer one Ctrl-C; do nothing outside the main thread."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

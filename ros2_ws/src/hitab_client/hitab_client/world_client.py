@@ -14,7 +14,7 @@ from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_ros import qos
 
-NO_WORLD = "no world answers; is the swarm up, and has it one? `hitab up SWARM.yaml` starts it"
+NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
 NAN = float("nan")
 
 
@@ -24,13 +24,12 @@ class WorldClient:
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm that is meant; empty: whichever is there.
-        started_by_it: whether that swarm has started a world itself.
+        identity: of the swarm in question; empty: any.
+        started_by_it: whether that swarm has started a world.
 
     Attributes:
         status: the last status of the swarm's world.
-        stranger: which swarm the world belongs to that is there, if it is not the one meant;
-            empty: it was started by hand.
+        stranger: the other swarm that the world belongs to, if any; empty: it was started by hand.
     """
 
     def __init__(
@@ -64,7 +63,7 @@ class WorldClient:
             self.status, self.stranger = None, status.swarm
 
     def refuse_stranger(self) -> None:
-        """Make sure that the world that is there is not known to be another swarm's.
+        """Raise if the world is known to belong to another swarm.
 
         Raises:
             SwarmError: naming both swarms.
@@ -80,7 +79,7 @@ class WorldClient:
         """Wait for the world and return its status.
 
         Raises:
-            SwarmError: if there is none, or only that of another swarm.
+            SwarmError: if there is none, or only another swarm's.
         """
         self.link.spin_until(lambda: self.status is not None or self.stranger is not None, seconds)
         self.refuse_stranger()
@@ -89,14 +88,14 @@ class WorldClient:
         return self.status
 
     def is_there(self) -> bool:
-        """Whether a world is there, as far as discovered."""
+        """Whether a world has been discovered."""
         return bool(self.link.node.count_publishers(self._name("status")))
 
     def ask(self, kind: Any, service: str, **fields: Any) -> Any:
         """Call one of the world's services and return its answer.
 
         Raises:
-            SwarmError: with the world's message, if it refuses, or if it is another swarm's.
+            SwarmError: with the world's message, if it refuses, or if it belongs to another swarm.
         """
         self.wait()
         answer = self.link.call(
@@ -111,10 +110,10 @@ class WorldClient:
         return self.ask(Control, "control", action=action, cycles=cycles, pace=pace, factor=factor)
 
     def step(self, cycles: int = 1, seconds: float = 10.0) -> WorldState:
-        """Let a paused world go on for some cycles and return its state afterwards.
+        """Step a paused world by some cycles and return its state.
 
         Raises:
-            SwarmError: if it does not get there.
+            SwarmError: if it does not get there in time.
         """
         cycle = self.control(Control.Request.STEP, cycles=cycles).cycle
         return self.state_at(cycle, seconds)
@@ -123,7 +122,7 @@ class WorldClient:
         """Wait for the state of a cycle, or of a later one.
 
         Raises:
-            SwarmError: if it does not come.
+            SwarmError: if it does not come in time.
         """
         return self._awaited(lambda state: state.cycle >= cycle, f"reach cycle {cycle}", seconds)
 
@@ -141,11 +140,11 @@ class WorldClient:
         """Change a paused world and return its state once the agents have perceived the change.
 
         Raises:
-            SwarmError: if the world refuses, or does not show itself.
+            SwarmError: if the world refuses, or does not publish its state.
         """
         before = self._states
         change()
-        return self._awaited(lambda _: self._states > before, "show itself", seconds)
+        return self._awaited(lambda _: self._states > before, "publish its state", seconds)
 
     def place(
         self, things: Mapping[str, Mapping[str, float]], *, new_episode: bool = False
@@ -153,8 +152,8 @@ class WorldClient:
         """Put things somewhere.
 
         Args:
-            things: by name; any of x, y, heading, vx and vy, the others are kept.
-            new_episode: begin a new episode from there.
+            things: by name; any of x, y, heading, vx and vy. The others are kept.
+            new_episode: begin a new episode from these positions.
         """
         entities = [
             Entity(
@@ -180,7 +179,7 @@ class WorldClient:
         """Play episodes and return their results.
 
         Raises:
-            SwarmError: if the world makes no progress: if no cycle is played for so long.
+            SwarmError: if no cycle is played for ``stall_seconds``.
         """
         self.link.spin_until(
             lambda: self.link.node.count_publishers(self._name("episodes")) > 0, 5.0, 0.01
@@ -189,7 +188,7 @@ class WorldClient:
         self.ask(Play, "play", episodes=episodes, seed=seed)
 
         def played() -> list[Episode]:
-            """Return the episodes so far, once each; a restarted world may repeat one."""
+            """Return the episodes so far, each once, since a restarted world may repeat one."""
             return list({e.number: e for e in self.episodes[before:]}.values())
 
         while (seen := len(played())) < episodes:
@@ -198,7 +197,7 @@ class WorldClient:
             so_far = len(self.episodes)
             if not self._more_episodes_than(so_far, stall_seconds):
                 raise SwarmError(
-                    f"nothing was played for {stall_seconds:g} s after {seen} of {episodes} "
+                    f"no cycle was played for {stall_seconds:g} s after {seen} of {episodes} "
                     f"episodes{self._why_stalled()}"
                 )
         return played()
@@ -222,7 +221,7 @@ class WorldClient:
             return ""
         if self.status.missing:
             return f"; no node answers for {', '.join(self.status.missing)}"
-        return f"; the world says: {self.status.last_error}" if self.status.last_error else ""
+        return f"; the world reports: {self.status.last_error}" if self.status.last_error else ""
 
 
 def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:

@@ -1,4 +1,4 @@
-"""What a person watching the world sees in one moment: the truth, and what the agents tell."""
+"""One moment of a world: its true state and the agents' reports."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class WorldView:
     """One moment.
 
     Attributes:
-        things: everything in the world, as it truly is.
+        things: the true state of everything in the world.
         seconds: simulated seconds since the step of the lesson began.
         paths: the active states of each agent.
-        said: who has said something since the step began.
-        ended: how the episodes that have ended since the step began ended.
+        said: the agents that have said something since the step began.
+        ended: the outcomes of the episodes that have ended since the step began.
     """
 
     things: Sequence[Thing]
@@ -73,7 +73,7 @@ class WorldView:
         return math.hypot(b.x - a.x, b.y - a.y)
 
     def bearing(self, one: str, other: str) -> float:
-        """Return how far off its heading a thing sees another, in degrees from 0 to 180."""
+        """Return the angle between a thing's heading and another thing, 0 to 180 degrees."""
         a, b = self.thing(one), self.thing(other, one)
         off = math.atan2(b.y - a.y, b.x - a.x) - a.heading
         return abs(math.degrees(math.atan2(math.sin(off), math.cos(off))))
@@ -85,5 +85,5 @@ class WorldView:
 
 
 def speakers(things: Iterable[Thing]) -> frozenset[str]:
-    """Return who says something now."""
+    """Return the names of the things that are speaking."""
     return frozenset(thing.name for thing in things if thing.say)

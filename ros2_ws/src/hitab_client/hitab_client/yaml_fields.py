@@ -1,4 +1,4 @@
-"""The fields of a YAML mapping, taken one by one with their types, complaints gathered."""
+"""Typed access to the fields of a YAML mapping, gathering complaints."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ REQUIRED: Any = object()
 class Fields:
     """A mapping somewhere in a document.
 
-    Each field is asked for by name and type. What is missing or of another type becomes a
-    complaint, and so does, at :meth:`done`, what nobody asked for.
+    Ask for each field by name and type. A missing field or one of the wrong type becomes a
+    complaint; at :meth:`done`, so does any field that was not asked for.
     """
 
     def __init__(self, document: Document, complaints: Complaints, path: Path = ()) -> None:
@@ -38,7 +38,7 @@ class Fields:
         return key in self._value
 
     def complain(self, text: str, *inner: str | int) -> None:
-        """Note a complaint about this mapping, or about something in it."""
+        """Note a complaint about this mapping, or about an item in it."""
         self.complaints.add((*self.path, *inner), text)
 
     def names(self) -> list[str]:
@@ -59,7 +59,7 @@ class Fields:
     def text(
         self, key: str, default: Any = REQUIRED, *, among: Iterable[str] | None = None
     ) -> Any:
-        """Return a field that is a text, and one of ``among``, if that is given."""
+        """Return a text field, which must be one of ``among``, if given."""
         value = self._typed(key, default, str, "a text")
         if among is not None and isinstance(value, str) and value != default:
             choices = list(among)
@@ -71,14 +71,14 @@ class Fields:
         return value
 
     def number(self, key: str, default: Any = REQUIRED, *, above: float | None = None) -> Any:
-        """Return a field that is a number, as a float."""
+        """Return a number field as a float."""
         value = self._typed(key, default, (int, float), "a number")
         if isinstance(value, int | float) and above is not None and not value > above:
             self.complain(f"`{key}: {value}` must be more than {above:g}", key)
         return float(value) if isinstance(value, int | float) else value
 
     def integer(self, key: str, default: Any = REQUIRED, *, least: int | None = None) -> Any:
-        """Return a field that is a whole number."""
+        """Return an integer field."""
         value = self._typed(key, default, int, "a whole number")
         if isinstance(value, int) and least is not None and value < least:
             self.complain(f"`{key}: {value}` must be at least {least}", key)
@@ -86,11 +86,11 @@ class Fields:
         return value
 
     def flag(self, key: str, default: Any = REQUIRED) -> Any:
-        """Return a field that is true or false."""
+        """Return a boolean field."""
         return self._typed(key, default, bool, "true or false")
 
     def texts(self, key: str, default: Any = REQUIRED) -> Any:
-        """Return a field that is a list of texts, as a tuple; one text counts as a list."""
+        """Return a field with a list of texts as a tuple; a single text counts as a list."""
         value = self.raw(key, default)
         if value is default or value is None:
             return () if value is None else value
@@ -109,16 +109,16 @@ class Fields:
         return Fields(self.document, self.complaints, (*self.path, key))
 
     def each(self, key: str) -> Iterator[Fields]:
-        """Go through the mappings in the list under ``key``."""
+        """Yield the mappings in the list under ``key``."""
         value = self.raw(key, [])
         if not isinstance(value, list):
-            self.complain(f"`{key}:` must be a list, a line with a dash each", key)
+            self.complain(f"`{key}:` must be a list (`- item` lines)", key)
             return
         for index in range(len(value)):
             yield Fields(self.document, self.complaints, (*self.path, key, index))
 
     def done(self) -> None:
-        """Complain about fields that nobody asked for."""
+        """Complain about fields that were not asked for."""
         for key in self._value:
             if key not in self._asked:
                 self.complain(
@@ -139,7 +139,7 @@ class Fields:
 
 
 class _Nothing(Fields):
-    """The fields of a mapping that is not there."""
+    """The fields of a missing mapping."""
 
     def __init__(self, around: Fields) -> None:
         self.document = around.document

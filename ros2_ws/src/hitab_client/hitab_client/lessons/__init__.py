@@ -1,4 +1,4 @@
-"""Lessons: what to have an agent demonstrate, and when, as a file."""
+"""Lessons: files that say what to demonstrate to an agent, and when."""
 
 import lazy_loader
 

@@ -1,15 +1,15 @@
-"""Conditions of a lesson, in terms of what a person would see.
+"""Conditions of a lesson, in terms of what a person sees.
 
     {distance: [keeper_1, ball], below: 4}          m; `above` likewise
     {bearing: [keeper_1, ball], above: 10}          degrees off keeper_1's heading
     {speed: ball, below: 0.5}                       m/s
     {active: GotoBall, agent: keeper_1}             keeper_1's active states contain GotoBall
     {said: keeper_2}                                keeper_2 has yelled
-    {ended: taken}                                  an episode has ended so; `any` for whatever way
+    {ended: taken}                                  an episode has ended this way, or in `any` way
     {seconds: 1.5}                                  simulated seconds have passed
     {all: [...]}  {any: [...]}  {not: ...}
 
-Instead of a name, ``closest taker`` (or another kind) means the one closest to the first.
+Instead of a second name, ``closest taker`` (or another kind) means the one closest to the first.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from hitab_client.yaml_fields import Fields
 
 
 class Condition(Protocol):
-    """Something that holds or does not, and can tell what it is about."""
+    """A condition that can be evaluated and described."""
 
     def holds(self, view: WorldView) -> bool:
-        """Whether it holds at this moment."""
+        """Whether it holds in this view."""
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return it in words, with the figure seen at a moment if there is one."""
+        """Return it in words, with the current value if a view is given."""
 
 
 @dataclass(frozen=True)
@@ -42,19 +42,19 @@ class Comparison:
     above: float | None
 
     def value(self, view: WorldView) -> float:
-        """Return the figure that is compared."""
+        """Return the value to compare."""
         figure: float = getattr(view, self.what)(*self.things)
         return figure
 
     def holds(self, view: WorldView) -> bool:
-        """Whether the figure lies within the limits."""
+        """Whether the value lies within the limits."""
         value = self.value(view)
         return (self.below is None or value < self.below) and (
             self.above is None or value > self.above
         )
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return such as ``distance of keeper_1 and ball below 4 (is 5.2)``."""
+        """Return text such as ``distance of keeper_1 and ball below 4 (is 5.2)``."""
         limits = [f"below {self.below:g}"] if self.below is not None else []
         limits += [f"above {self.above:g}"] if self.above is not None else []
         seen = f" (is {self.value(view):.2f})" if view is not None else ""
@@ -63,18 +63,18 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Active:
-    """A state among an agent's active ones, given with or without its targets."""
+    """A state among an agent's active states, with or without its targets."""
 
     state: str
     agent: str
 
     def holds(self, view: WorldView) -> bool:
-        """Whether the agent performs it, at whatever level."""
+        """Whether the agent performs it, at any level."""
         path = (view.paths or {}).get(self.agent, ())
         return any(label == self.state or label.split("(")[0] == self.state for label in path)
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return such as ``keeper_1 in GotoBall``."""
+        """Return text such as ``keeper_1 in GotoBall``."""
         seen = ""
         if view is not None:
             path = (view.paths or {}).get(self.agent, ())
@@ -84,7 +84,7 @@ class Active:
 
 @dataclass(frozen=True)
 class Said:
-    """Somebody has said something since the step began."""
+    """An agent has said something since the step began."""
 
     by: str
 
@@ -93,13 +93,13 @@ class Said:
         return self.by in view.said
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return such as ``keeper_2 has yelled``."""
+        """Return text such as ``keeper_2 has yelled``."""
         return f"{self.by} has yelled"
 
 
 @dataclass(frozen=True)
 class Ended:
-    """An episode has ended since the step began; ``any``: in whatever way."""
+    """An episode has ended since the step began; ``any``: in any way."""
 
     how: str
 
@@ -108,7 +108,7 @@ class Ended:
         return bool(view.ended) if self.how == "any" else self.how in view.ended
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return such as ``the episode has ended (taken)``."""
+        """Return text such as ``the episode has ended (taken)``."""
         return "the episode has ended" + ("" if self.how == "any" else f" ({self.how})")
 
 
@@ -119,11 +119,11 @@ class Passed:
     seconds: float
 
     def holds(self, view: WorldView) -> bool:
-        """Whether it has; half a millisecond is forgiven."""
+        """Whether it has, with half a millisecond of tolerance."""
         return view.seconds >= self.seconds - 5e-4
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return such as ``1.5 s have passed``."""
+        """Return text such as ``1.5 s have passed``."""
         return f"{self.seconds:g} s have passed"
 
 
@@ -150,7 +150,7 @@ class Combination:
 
 
 def parse_condition(fields: Fields, agent: str) -> Condition:
-    """Read a condition; ``agent`` is meant where none is named."""
+    """Read a condition; ``agent`` is the default where none is named."""
     for key, parse in _KINDS.items():
         if key in fields:
             condition = parse(fields, key, agent)
@@ -192,7 +192,7 @@ def _passed(fields: Fields, key: str, agent: str) -> Condition:
 def _several(fields: Fields, key: str, agent: str) -> Condition:
     parts = tuple(parse_condition(part, agent) for part in fields.each(key))
     if not parts:
-        fields.complain(f"`{key}:` needs conditions, a line with a dash each", key)
+        fields.complain(f"`{key}:` needs a list of conditions", key)
     return Combination(key, parts)
 
 

@@ -1,8 +1,8 @@
-"""A lesson: who is taught what, step by step, as a YAML file has it.
+"""A lesson: step by step, which agent learns what, as in its YAML file.
 
     lesson: GotoBall
-    agent: keeper_1               # the one that is taught
-    budget: 10                    # examples, default ones counted
+    agent: keeper_1               # the agent to teach
+    budget: 10                    # maximum number of examples, including default ones
     steps:
       - place: {keeper_1: {x: 0, y: 0, heading: 90}, ball: {x: 6, y: 0}}
       - begin: GotoBall
@@ -16,8 +16,8 @@
         within: 8
       - save: true
 
-Positions are in m, angles in degrees, times in simulated seconds. `conditions` lists
-what can stand after `until`, `check` and `never`; every class below is a kind of step.
+Positions are in m, angles in degrees, times in simulated seconds. `conditions` lists what may
+follow `until`, `check` and `never`; every class below is a kind of step.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from hitab_client.lessons.conditions import Condition
 from hitab_core import Use
 
 WITHIN = 20.0
-"""Simulated seconds within which an awaited condition must hold, unless a step says otherwise."""
+"""Default simulated seconds within which an awaited condition must hold."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Say(Step):
-    """Tell the reader what is about to happen."""
+    """Tell the user what is about to happen."""
 
     kind: ClassVar[str] = "say"
     text: str
@@ -53,7 +53,7 @@ class Say(Step):
 
 @dataclass(frozen=True)
 class Place(Step):
-    """Put things somewhere, and let everybody see it."""
+    """Put things somewhere, and let all agents see it."""
 
     kind: ClassVar[str] = "place"
     things: Mapping[str, Mapping[str, float]]
@@ -83,9 +83,9 @@ class Command(Step):
 
 @dataclass(frozen=True)
 class Until(Step):
-    """Let the world go on until a condition holds; it is an error if it does not in time.
+    """Run the world until a condition holds; it is an error if it does not in time.
 
-    ``wait: 2`` is short for two seconds having passed.
+    ``wait: 2`` is short for ``until: {seconds: 2}``.
     """
 
     kind: ClassVar[str] = "until"
@@ -95,44 +95,44 @@ class Until(Step):
 
 @dataclass(frozen=True)
 class Check(Until):
-    """The same, as an expectation about what was learned."""
+    """The same, as a test of what was learned."""
 
     kind: ClassVar[str] = "check"
 
 
 @dataclass(frozen=True)
 class Never(Until):
-    """Let the world go on for a while in which a condition must not hold."""
+    """Run the world for a while, during which a condition must not hold."""
 
     kind: ClassVar[str] = "never"
 
 
 @dataclass(frozen=True)
 class Test(Step):
-    """Give the agent back to what it has learned."""
+    """Give control to what the agent has learned."""
 
     kind: ClassVar[str] = "test"
-    __test__: ClassVar[bool] = False  # not a test case, whatever its name
+    __test__: ClassVar[bool] = False  # not a test case, despite its name
     restart: bool = False
 
 
 @dataclass(frozen=True)
 class TakeOver(Step):
-    """Take the agent over from what it has learned."""
+    """Give control back to the demonstrator."""
 
     kind: ClassVar[str] = "take_over"
 
 
 @dataclass(frozen=True)
 class Undo(Step):
-    """Take back the last command or edit."""
+    """Undo the last command or edit."""
 
     kind: ClassVar[str] = "undo"
 
 
 @dataclass(frozen=True)
 class Save(Step):
-    """Save what was learned; ``keep_unused`` keeps features for going on with training later."""
+    """Save what was learned; ``keep_unused`` keeps features for training to be resumed later."""
 
     kind: ClassVar[str] = "save"
     name: str = ""
@@ -143,7 +143,7 @@ class Save(Step):
 
 @dataclass(frozen=True)
 class Distribute(Step):
-    """Send a behavior to other agents; ``start`` has them begin performing it."""
+    """Send a behavior to other agents; ``start`` makes them perform it."""
 
     kind: ClassVar[str] = "distribute"
     use: Use
@@ -153,7 +153,7 @@ class Distribute(Step):
 
 @dataclass(frozen=True)
 class Perform(Step):
-    """Have agents perform a behavior, or nothing."""
+    """Make agents perform a behavior, or nothing."""
 
     kind: ClassVar[str] = "perform"
     use: Use | None
@@ -162,7 +162,7 @@ class Perform(Step):
 
 @dataclass(frozen=True)
 class NewEpisode(Step):
-    """Begin a new episode, everybody at Start."""
+    """Begin a new episode with all agents in Start."""
 
     kind: ClassVar[str] = "new_episode"
 
@@ -173,8 +173,8 @@ class Lesson:
 
     Attributes:
         name: the automaton that it teaches.
-        agent: who is taught.
-        budget: the most examples that it may take, default ones counted; None: any number.
+        agent: to teach.
+        budget: maximum number of examples, including default ones; None: no limit.
     """
 
     name: str

@@ -38,7 +38,7 @@ def read_lesson(path: Path) -> Lesson:
     """Read a lesson.
 
     Raises:
-        LessonError: with everything that is wrong, by file and line.
+        LessonError: naming everything that is wrong, by file and line.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -48,7 +48,7 @@ def read_lesson(path: Path) -> Lesson:
 
 
 def parse_lesson(text: str, path: Path) -> Lesson:
-    """Read a lesson from its text; ``path`` is what to call it."""
+    """Read a lesson from its text; ``path`` is its name for errors."""
     document = read_yaml(text, str(path), error=LessonError)
     complaints = Complaints(document, LessonError)
     top = Fields(document, complaints)
@@ -58,7 +58,7 @@ def parse_lesson(text: str, path: Path) -> Lesson:
     description = top.text("description", "")
     steps = [_step(fields, agent) for fields in top.each("steps")]
     if not steps:
-        top.complain("a lesson needs `steps:`, a line with a dash each")
+        top.complain("a lesson needs `steps:`, a list of steps")
     top.done()
     complaints.raise_any()
     return Lesson(name, path, agent, tuple(s for s in steps if s is not None), budget, description)
@@ -67,7 +67,7 @@ def parse_lesson(text: str, path: Path) -> Lesson:
 def _step(fields: Fields, agent: str) -> Step | None:
     kinds = [kind for kind in STEPS if kind in fields]
     if "place" in kinds and "new_episode" in kinds:
-        kinds.remove("new_episode")  # there it is an option of `place`
+        kinds.remove("new_episode")  # here it is an option of `place`
     if len(kinds) != 1:
         keys = fields.names()
         near = "".join(filter(None, (did_you_mean(key, STEPS) for key in keys)))[:60]

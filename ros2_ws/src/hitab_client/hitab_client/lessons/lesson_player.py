@@ -1,7 +1,7 @@
-"""Plays a lesson as a demonstrator would: through the public topics and services, while it runs.
+"""Plays a lesson as a demonstrator would: live, through the public topics and services.
 
-The world is stepped cycle by cycle and every condition looked at in every cycle, so that a lesson
-gives the same examples whenever it is played, as fast as the agents answer.
+The world is stepped cycle by cycle, as fast as the agents answer, and every condition is checked
+in every cycle, so that a lesson always gives the same examples.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ from hitab_core import HitabError
 
 @dataclass
 class LessonReport:
-    """What a lesson took.
+    """The cost and outcome of a lesson.
 
     Attributes:
-        examples: of the saved automaton, default ones counted.
+        examples: of the saved automaton, including default ones.
         commands: given by the demonstrator.
         simulated_s: training time as the robots see it, s.
-        wall_s: time that it took here, s.
-        digest: of the file that was saved.
+        wall_s: elapsed wall time, s.
+        digest: of the saved file.
     """
 
     lesson: str
@@ -68,7 +68,7 @@ class LessonReport:
 
 
 Progress = Callable[[int, int, str], None]
-"""Called with the number of the step, of all steps, and what is being done."""
+"""Called with the number of the step, the number of steps and the current activity."""
 
 
 class LessonPlayer:
@@ -77,9 +77,9 @@ class LessonPlayer:
     Args:
         lesson: the lesson.
         swarm: the agents.
-        world: the world, which is driven.
-        progress: told about every step.
-        factor: play at so many times real time, for people who watch; 0: as fast as can be.
+        world: the world, which the lesson drives.
+        progress: called before every step.
+        factor: multiple of real time, for watching; 0: as fast as possible.
     """
 
     def __init__(
@@ -105,11 +105,11 @@ class LessonPlayer:
         self._due = 0.0
 
     def play(self) -> LessonReport:
-        """Play all steps, and leave the world's pace and mode as they were.
+        """Play all steps, then restore the world's pace and mode.
 
         Raises:
-            LessonError: naming the lesson's file and line, if something is refused or does not
-                come out as expected, or if it took more examples than its budget.
+            LessonError: naming the lesson's file and line, if a step is refused or fails, or if it
+                took more examples than its budget.
         """
         began = time.monotonic()
         with as_it_was(self.world):
@@ -148,7 +148,7 @@ class LessonPlayer:
         return float(state.stamp.sec + state.stamp.nanosec * 1e-9)
 
     def _step_world(self) -> WorldState:
-        """Let one cycle pass, no faster than the watcher wishes."""
+        """Run one cycle, no faster than ``factor`` allows."""
         earlier = self.world.state
         self._tracker.take()
         state = self.world.step()
@@ -165,7 +165,7 @@ class LessonPlayer:
 
     def _view(self) -> WorldView:
         state = self._state()
-        # The status may lag behind by some cycles; what was entered in this one does not.
+        # The status may lag behind by some cycles; the states entered in this one do not.
         paths = {
             name: [*status.active_path, *self._entered.get(name, ())]
             for name, status in self.swarm.statuses.items()
@@ -218,7 +218,7 @@ class LessonPlayer:
     def _check(self, step: Check) -> None:
         if not self._await(step.condition, step.within):
             raise LessonError(
-                f"what was learned does not do it: {step.condition.describe(self._view())} was "
+                f"what was learned fails this check: {step.condition.describe(self._view())} was "
                 f"expected within {step.within:g} s; teach more examples before this"
             )
         self.report.checks.append(
@@ -229,7 +229,7 @@ class LessonPlayer:
         if self._await(step.condition, step.within):
             raise LessonError(
                 f"{step.condition.describe(self._view())} came after "
-                f"{self._view().seconds:.1f} s and should not"
+                f"{self._view().seconds:.1f} s but should not"
             )
         self.report.checks.append(f"never {step.condition.describe()} in {step.within:g} s")
 
@@ -280,19 +280,19 @@ class LessonPlayer:
                 self.swarm.perform(agent, step.use.name, step.use.arguments)
 
     def _say(self, step: Say) -> None:
-        """Nothing to do: it has been told as progress."""
+        """Do nothing: the progress report has shown the text."""
 
     def _check_budget(self) -> None:
         budget, examples = self.lesson.budget, self.report.examples
         if budget is not None and examples > budget:
             raise LessonError(
-                f"{self.lesson.file}: took {examples} examples, default ones counted, and its "
+                f"{self.lesson.file}: took {examples} examples, including default ones, but its "
                 f"budget is {budget}"
             )
 
 
 def _told(step: Step) -> str:
-    """Return a step in words."""
+    """Return a short description of a step."""
     match step:
         case Say():
             return step.text
