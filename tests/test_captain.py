@@ -82,7 +82,7 @@ def test_a_person_orders_by_the_command_line_and_sees_who_obeys(team, view, hita
     assert refused.returncode == 1
     assert 'unknown behavior "Attack" (has: Captain, Freeze, Keepaway, Regroup)' in refused.stderr
     refused = hitab("order", "keeper_1", "Freeze")
-    assert "keeper_1 is no commander (has: captain)" in refused.stderr
+    assert "keeper_1 is not a commander (has: captain)" in refused.stderr
     checked = hitab("library", "check", "--agent", "captain")
     assert checked.returncode == 0, checked.stderr
 

@@ -193,7 +193,7 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
         done = hitab(*step)
         assert done.returncode == 0, done.stderr
         told.append(done.stdout)
-    assert "ByHand has 2 examples (1 default ones)" in told[1]
+    assert "ByHand has 2 examples (1 default)" in told[1]
     assert "ByHand.hfa.yaml" in told[5]
     assert told[6] == "keeper_2: has it\n"
     listed = hitab("examples", "list", ONE, "ByHand", "--json", str(tmp_path / "e.json"))
@@ -210,5 +210,5 @@ def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab)
     begun.agents.command(ONE, "Stop")
     done = hitab("save", ONE, "--name", "NearIt", "--bind", "ball=closest_takr")
     assert 'saved "NearIt(closest_takr)" with 4 examples' in done.stdout, done.stderr
-    assert '"closest_takr" is a parameter now' in done.stdout
+    assert '"closest_takr" is now a parameter' in done.stdout
     assert 'Did you mean "closest_taker"?' in done.stdout

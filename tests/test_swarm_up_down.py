@@ -179,4 +179,5 @@ def test_a_swarm_that_would_meet_another_of_its_kind_is_refused(hitab, swarm_hom
     up = hitab("up", write(swarm_home, "blue", ONE.format(name="blue", agent="x")))
     assert up.returncode == 1
     assert 'swarm "red"' in up.stderr
-    assert f"is up in the same ROS domain {os.environ['ROS_DOMAIN_ID']} and has x" in up.stderr
+    domain = os.environ["ROS_DOMAIN_ID"]
+    assert f"is up in the same ROS domain {domain} and also has x" in up.stderr

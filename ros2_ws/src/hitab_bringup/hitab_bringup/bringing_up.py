@@ -1,4 +1,4 @@
-"""Brings a swarm up and waits until all of it answers; brings up temporary ones too."""
+"""Starts a swarm, also a temporary one, and waits until all of it answers."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from hitab_client import (
 from hitab_client.run_folder import registry_held, running_swarms
 
 START_SECONDS = 60.0
-START_SECONDS_EACH = 0.2  # more, for each agent
-START_SECONDS_PROCESS = 2.0  # more, for each process: a second on a core, at least
-DOMAINS_TRIED = 3  # by a temporary swarm, which may live in any
-NAMED_MAX = 5  # names that an error lists
+START_SECONDS_EACH = 0.2  # added per agent
+START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
+DOMAINS_TRIED = 3  # by a temporary swarm, which may use any
+NAMED_MAX = 5  # maximum number of names in an error
 
 Progress = Callable[[int, int, str], None]
-"""Called with how many are there, how many there are to be, and who is missing."""
+"""Called with the number of nodes that are up, the expected number and the missing names."""
 
 
 @dataclass
@@ -53,8 +53,8 @@ def bring_up(
     """Start a swarm that stays up, and wait until every agent and the world answer.
 
     Raises:
-        SwarmError: telling what did not start, or which names are taken by whom; then nothing
-            of it is left running.
+        SwarmError: naming what did not start, or the names in use and their owner; nothing is left
+            running.
     """
     with contextlib.ExitStack() as stack:
         with registry_held():
@@ -74,12 +74,12 @@ def temporary_swarm(
     run_folder: Path | None = None,
     progress: Progress | None = None,
 ) -> Iterator[RunningSwarm]:
-    """Bring a swarm up in a ROS domain of its own, and take it down at the end.
+    """Start a swarm in its own ROS domain and stop it at the end.
 
     Args:
         swarm: the description.
-        run_folder: where to keep its files; None: in a folder that is removed at the end.
-        progress: told who is there.
+        run_folder: for its files; None: a folder that is removed at the end.
+        progress: called as nodes come up.
     """
     with contextlib.ExitStack() as stack:
         if run_folder is None:
@@ -89,7 +89,7 @@ def temporary_swarm(
         supervision.refuse_running(folder)
         remove_stale()
         for tries_left in reversed(range(DOMAINS_TRIED)):
-            # Kept to the end, so that another try is in another domain.
+            # Reserved to the end, so that another try uses another domain.
             domain_id = stack.enter_context(domain_ids.reserved())
             attempt = stack.enter_context(contextlib.ExitStack())
             attempt.callback(supervision.stop, folder)
@@ -98,7 +98,7 @@ def temporary_swarm(
                 link = attempt.enter_context(RosLink(domain_id))
                 agents, world = _await_all(swarm, record, folder, link, progress)
                 break
-            except NamesTakenError:  # by what outlived the process that had reserved the domain
+            except NamesTakenError:  # by nodes that outlived the process that reserved the domain
                 if not tries_left:
                     raise
                 attempt.close()
@@ -109,7 +109,7 @@ def temporary_swarm(
 def _started(
     swarm: SwarmDescription, folder: RunFolder, domain_id: int, *, temporary: bool
 ) -> Iterator[RunRecord]:
-    """Launch the processes; stop them again if what follows fails or is interrupted."""
+    """Launch the processes; stop them again if the context fails or is interrupted."""
     record = None
     try:
         record = supervision.launch(swarm, folder, domain_id, temporary=temporary)
@@ -117,12 +117,12 @@ def _started(
     except BaseException:
         there = folder.read()
         if record is None or there is None or there.identity == record.identity:
-            supervision.stop(folder)  # otherwise somebody has started another one here since
+            supervision.stop(folder)  # otherwise another swarm was started here since
         raise
 
 
 def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int) -> None:
-    """Refuse names that a swarm has that is registered here."""
+    """Refuse names that a registered swarm uses."""
     for other, record in running_swarms():
         if record.domain_id != domain_id or other.path == folder.path:
             continue
@@ -131,14 +131,14 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
             both.append("world")
         if both:
             raise SwarmError(
-                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and has '
-                f"{_some(both)} too ({other.path}); stop it with "
+                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and also has '
+                f"{_some(both)} ({other.path}); stop it with "
                 f"`hitab down --run-dir {other.path}`, or choose another ROS_DOMAIN_ID"
             )
 
 
 def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
-    """Refuse names that nodes have that are heard in the ROS domain, whoever started them."""
+    """Refuse names used by any other node in the ROS domain."""
     taken = {name: agents.strangers[name] for name in record.agents if name in agents.strangers}
     if record.world and world.stranger is not None:
         taken["world"] = world.stranger
@@ -155,7 +155,7 @@ def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) ->
                 where += f" ({there.path})"
                 stop = f"stop it with `hitab down --run-dir {there.path}`"
     raise NamesTakenError(
-        f"{_some(list(taken))} of {record.swarm} cannot start: the names are taken by {where}; "
+        f"{_some(list(taken))} of {record.swarm} cannot start: the names are in use by {where}; "
         f"{stop}, or choose another ROS_DOMAIN_ID"
     )
 
@@ -172,12 +172,12 @@ def _await_all(
     link: RosLink,
     progress: Progress | None,
 ) -> tuple[SwarmClient, WorldClient]:
-    """Wait until everybody is heard of, and until the world hears everybody."""
+    """Wait until all nodes have reported and the world hears all agents."""
     agents = SwarmClient(link, record.agents, identity=record.identity)
     agents.watch_all()
     world = WorldClient(link, identity=record.identity, started_by_it=record.world)
     view = CommandView(link)
-    # Elsewhere a commander begins with those that it knows, and the others come in later.
+    # Otherwise a commander starts with the members that it knows, and the others join later.
     exact = swarm.world is not None and swarm.world.pace == "lockstep"
     commanders = [commander.name for commander in swarm.commanders] if exact else []
     view.watch(commanders)
@@ -185,7 +185,7 @@ def _await_all(
     next_look = time.monotonic()
 
     def unheard() -> set[str]:
-        """Return the agents that the world does not hear yet."""
+        """Return the agents that the world does not hear from yet."""
         heard_of = world.status.missing if world.status is not None else ()
         return set(heard_of) & set(record.agents)
 

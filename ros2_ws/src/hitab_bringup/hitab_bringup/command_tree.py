@@ -1,4 +1,4 @@
-"""What follows from who commands whom: superiors, roles, processes."""
+"""Derives superiors, roles and processes from the command hierarchy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Member = TypeVar("Member", bound=AgentDescription)
 def with_superiors(
     members: Sequence[Member], superiors: Mapping[str, tuple[str, str]]
 ) -> list[Member]:
-    """Return members that know their commander and their role."""
+    """Return the members with their commander and role filled in."""
     return [
         replace(member, superior=superiors[member.name][0], role=superiors[member.name][1])
         if member.name in superiors
@@ -26,7 +26,7 @@ def with_superiors(
 def with_positions_asked(
     commanders: Sequence[CommanderDescription],
 ) -> list[CommanderDescription]:
-    """Return commanders that ask for positions if their kind, or anybody above them, does."""
+    """Return the commanders; each asks for positions if its kind or a superior does."""
     by_name = {commander.name: commander for commander in commanders}
 
     def asks(name: str) -> bool:
@@ -41,10 +41,10 @@ def in_hosts(
     commanders: Sequence[CommanderDescription],
     hosts: int,
 ) -> tuple[list[AgentDescription], list[CommanderDescription]]:
-    """Put all without a process of their own into so many hosts, groups together.
+    """Distribute all members without their own process to this many hosts, groups together.
 
-    Agents are shared out evenly in the order of the tree, so that most commanders are in one
-    process with all that they command; a commander is where its first subordinate is.
+    Agents are distributed evenly in the order of the tree, so that most commanders share a process
+    with all their subordinates. A commander runs where its first subordinate does.
     """
     by_name: dict[str, AgentDescription] = {m.name: m for m in (*agents, *commanders)}
 

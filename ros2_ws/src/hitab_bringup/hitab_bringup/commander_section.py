@@ -1,13 +1,13 @@
-"""Reads `kinds:` and `commanders:` of a swarm description: who commands whom.
+"""Reads `kinds:` and `commanders:` of a swarm description: the command hierarchy.
 
     kinds:
       Squad: {orders: ...}              # see hitab_commander.kind_reader
-      Company: company.yaml             # or a file that describes it
+      Company: company.yaml             # or a file that describes the kind
     commanders:
       captain: {kind: Company, commands: [scout_1, scout_2, corporal]}   # one, over all of these
       corporal: {kind: Squad, commands: {scout: 1, carrier: 4}}          # as many as it takes
 
-A name means an agent or a commander, or all of those that a line with several stands for.
+A name refers to an agent or a commander, or to all members of a line with several.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from hitab_core.commanding import OTHERS
 
 
 class Repertoires(Protocol):
-    """What members can be ordered to perform."""
+    """The behaviors that members can be ordered to perform."""
 
     def repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
         """Return the behaviors that a member is known to have, with their parameters."""
 
     def is_complete(self, member: AgentDescription) -> bool:
-        """Whether it has no others."""
+        """Whether it has no other behaviors."""
 
 
 def read_kinds(top: Fields, base: Path) -> dict[str, CommanderKind]:
-    """Read the kinds of commanders; those without orders get them from their subordinates."""
+    """Read the kinds of commanders; kinds without orders get them from their subordinates."""
     section = top.inner("kinds")
     kinds: dict[str, CommanderKind] = {}
     for name in section.names():
@@ -69,10 +69,10 @@ class Line:
     """One line of `commanders:`.
 
     Attributes:
-        fields: of the line.
-        make: makes one of its commanders, given the name.
-        kind: what its commanders can order; None: unknown.
-        counts: how many of each group one of them commands; None: one commands all.
+        fields: the fields of the line.
+        make: makes one of its commanders, given its name.
+        kind: of its commanders; None: unknown.
+        counts: number of members of each group per commander; None: one commander for all.
         groups: the names of the groups.
     """
 
@@ -84,11 +84,11 @@ class Line:
 
 
 class CommanderSection:
-    """Works out the tree, complaining about whatever is no tree.
+    """Builds the command tree and complains about anything that is not a tree.
 
     Args:
-        groups: the agents, by the key of their line; a single agent by its name.
-        repertoires: what members can be ordered to perform.
+        groups: the agents by the key of their line; a single agent by its name.
+        repertoires: the behaviors that members can be ordered to perform.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class CommanderSection:
         self._superiors: dict[str, str] = {}
 
     def read_commands(self, fields: Fields) -> tuple[Mapping[str, int] | None, Sequence[str]]:
-        """Read the field ``commands`` of a line: counts of groups, or their names."""
+        """Read the field ``commands`` of a line: counts by group, or names."""
         value = fields.raw("commands")
         if isinstance(value, dict):
             inner = fields.inner("commands")
@@ -112,13 +112,13 @@ class CommanderSection:
             return counts, list(counts)
         names = fields.texts("commands", ()) if value is not None else ()
         if value is not None and not names:
-            fields.complain("`commands:` names nobody; tell whom it commands", "commands")
+            fields.complain("`commands:` is empty; name its subordinates", "commands")
         return None, names
 
     def resolve(
         self, lines: Mapping[str, Line]
     ) -> tuple[list[CommanderDescription], dict[str, tuple[str, str]]]:
-        """Return all commanders, and for each subordinate its superior and role."""
+        """Return all commanders, and each subordinate's superior and role."""
         self._lines = dict(lines)
         for key in lines:
             self._members(key)
@@ -132,7 +132,7 @@ class CommanderSection:
         return commanders, {name: (s, roles[name]) for name, s in self._superiors.items()}
 
     def _members(self, key: str) -> list[AgentDescription] | None:
-        """Return those that a name stands for, making the commanders first; None: unknown."""
+        """Return the members that a name refers to, making commanders first; None: unknown."""
         if key in self._groups:
             return self._groups[key]
         line = self._lines.get(key)
@@ -141,14 +141,14 @@ class CommanderSection:
         if key in self._open:
             circle = " -> ".join([*self._open[self._open.index(key) :], key])
             line.fields.complain(
-                f"commanders in a circle: {circle}; let one of them command nobody above it",
+                f"commanders in a circle: {circle}; remove one of these from `commands:`",
                 "commands",
             )
             return []
         self._open.append(key)
         made = self._made(key, line)
         self._open.pop()
-        # A commander that is one of a circle has been put there meanwhile.
+        # A commander that is part of a circle has been added in the meantime.
         self._groups[key] = list(made)
         for member in made:
             self._groups.setdefault(member.name, [member])
@@ -188,8 +188,8 @@ class CommanderSection:
         if len(set(needed.values())) > 1:
             told = ", ".join(f"{count} of {name}" for name, count in needed.items())
             line.fields.complain(
-                f"`commands:` these counts make different numbers of commanders ({told}); make "
-                "them fit, or give the groups other counts",
+                f"`commands:` these counts give different numbers of commanders ({told}); change "
+                "the counts, or the sizes of the groups",
                 "commands",
             )
         return [
@@ -209,7 +209,7 @@ class CommanderSection:
             if other != name:
                 line.fields.complain(
                     f'"{member.name}" has two commanders, "{other}" and "{name}"; '
-                    "take it away from one",
+                    "remove it from one",
                     "commands",
                 )
         kind = line.kind or CommanderKind("", ())
@@ -226,7 +226,7 @@ class CommanderSection:
     def _shared_orders(
         self, line: Line, share: Sequence[AgentDescription]
     ) -> tuple[OrderMap, ...]:
-        """Return an order for each behavior without parameters that all of them have."""
+        """Return an order for each behavior without parameters that all subordinates share."""
         shared: set[str] | None = None
         for member in share:
             known = self._repertoires.repertoire(member)
@@ -245,7 +245,7 @@ class CommanderSection:
         for member in share:
             for order in kind.orders:
                 if not order.covers(member.role):
-                    what = f'the order "{order.name}" does not tell what role "{member.role}" does'
+                    what = f'the order "{order.name}" has no behavior for role "{member.role}"'
                     self._once(line, seen, f"{what}; add it, or `others:`")
                     continue
                 for receiver in (member.role, order.parameter):
@@ -269,7 +269,7 @@ class CommanderSection:
             self._once(
                 line,
                 seen,
-                f'the order "{order.name}" has "{member.name}" perform the unknown behavior '
+                f'the order "{order.name}" gives "{member.name}" the unknown behavior '
                 f'"{use.name}" {has(known)}{did_you_mean(use.name, known)}',
                 order.name,
                 use.name,
@@ -279,7 +279,7 @@ class CommanderSection:
             self._once(
                 line,
                 seen,
-                f'the order "{order.name}" has "{member.name}" perform "{behavior}", which takes '
+                f'the order "{order.name}" gives "{member.name}" "{behavior}", which takes '
                 f"{len(known[use.name])} target(s) ({wanted})",
                 order.name,
                 use.name,
@@ -287,7 +287,7 @@ class CommanderSection:
 
     @staticmethod
     def _once(line: Line, seen: set[tuple[Any, ...]], text: str, *about: str) -> None:
-        """Complain about what holds for many likes once."""
+        """Complain only once about a fault that similar members share."""
         key = about or (text,)
         if key not in seen:
             seen.add(key)

@@ -1,4 +1,4 @@
-"""Draws the field of a world: who is where, who looks where, and which way things went."""
+"""Draws the field of a world: positions, headings and paths."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 COLORS = {"keeper": "#1f5fb4", "taker": "#c43c2b", "ball": "#f5f5f0"}
 GRASS = "#5d9150"
-JUMP = 2.5  # m; nothing moves so far in a cycle: it was put there
+JUMP = 2.5  # m; a longer move in one cycle means that the thing was placed there
 
 
 def draw_field(
@@ -24,13 +24,13 @@ def draw_field(
     path: Path,
     title: str = "",
 ) -> None:
-    """Draw the last of some moments, with the paths that led there.
+    """Draw the last moment, with the paths that led there.
 
     Args:
-        moments: everything in the world, moment by moment.
-        width, height: of the field, m; it is centred on the origin.
-        path: where to; the suffix tells the format.
-        title: above the picture.
+        moments: everything in the world, one entry per moment.
+        width, height: of the field, m, which is centred on the origin.
+        path: of the picture; the suffix selects the format.
+        title: of the picture.
     """
     drawing, axes = figure(6.4, 6.4 * height / width + 0.3)
     axes.set_facecolor(GRASS)
@@ -79,7 +79,7 @@ def _draw_thing(axes: Axes, thing: Any) -> None:
     from matplotlib.patches import Circle
 
     color = COLORS.get(thing.kind, "#333333")
-    # Drawn larger than life, to be seen.
+    # Drawn larger than life, to be visible.
     radius = max(2.0 * thing.radius, 0.22)
     axes.add_patch(
         Circle((thing.x, thing.y), radius, facecolor=color, edgecolor="black", zorder=3)

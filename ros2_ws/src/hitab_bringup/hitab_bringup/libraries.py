@@ -1,4 +1,4 @@
-"""Library folders of a swarm's agents: filled, before the first start, from another one."""
+"""Fills the library folders of a swarm's agents before their first start."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hitab_commander import KIND_FILE, ORDERS_FILE, kind_text
 
 
 def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
-    """Make every agent's library folder; copy what it starts from into those that are new."""
+    """Make every agent's library folder; fill new ones from `start_from`."""
     for agent in swarm.members:
         library = library_of(agent, folder)
         library.mkdir(parents=True, exist_ok=True)
@@ -21,7 +21,7 @@ def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
 
 
 def _fill(library: Path, source: Path) -> None:
-    """Copy all files or none: half a library would be taken for one that was trained since."""
+    """Copy all files or none: half a library would pass for one that was trained since."""
     with tempfile.TemporaryDirectory(dir=library.parent, prefix=f".{library.name}-") as folder:
         copy = Path(folder) / library.name
         copy_library(source, copy)
@@ -29,11 +29,11 @@ def _fill(library: Path, source: Path) -> None:
 
 
 def prepare(swarm: SwarmDescription, folder: Path) -> None:
-    """Put everything into a run folder that the swarm's processes need.
+    """Write everything that the swarm's processes need to a run folder.
 
-    Libraries; whom each host runs; what commanders can order and perceive, which also goes into
-    their libraries, for whoever looks at these. What was ordered when the swarm was up the last
-    time is forgotten: only a process that is started again goes on with it.
+    This covers libraries, the members of each host, and what commanders can order and perceive,
+    which is also written to their libraries for reference. Orders of the swarm's last run are
+    removed: only a restarted process resumes its order.
     """
     fill_libraries(swarm, folder)
     write_rosters(swarm, folder)

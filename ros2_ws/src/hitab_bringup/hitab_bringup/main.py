@@ -1,9 +1,9 @@
 """The `hitab` command: verbs for training robots, teams and swarms while they run.
 
-Every verb works through the public topics and services alone; anything it does, another ROS 2
-tool can do too. Verbs are declared in `hitab_bringup.verbs`; other packages add verbs
-under the entry-point group ``hitab.verbs`` (a module with ``register(app)``), and groups of verbs
-under ``hitab.commands`` (a typer app).
+Every verb uses only the public topics and services, so any other ROS 2 tool can do the same. Verbs
+are declared in `hitab_bringup.verbs`; other packages add verbs under the entry-point group
+``hitab.verbs`` (a module with ``register(app)``), and groups of verbs under ``hitab.commands`` (a
+typer app).
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ COMMANDS = "hitab.commands"
 
 
 class HitabGroup(TyperGroup):
-    """Turns errors that a user has to mend into one line, and Ctrl-C into exit code 130."""
+    """Prints errors that a user can fix in one line, and exits with code 130 on Ctrl-C."""
 
     def invoke(self, ctx: Any) -> Any:
-        """Perform the verb that the user gave."""
+        """Run the user's verb."""
         try:
             return super().invoke(ctx)
         except HitabError as error:
@@ -47,18 +47,18 @@ class HitabGroup(TyperGroup):
             console.note("interrupted")
             raise typer.Exit(130) from None
         except BrokenPipeError:
-            # Whoever read our output, such as `head`, has seen enough.
+            # The reader of our output, such as `head`, has closed it.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(0) from None
 
 
 def make_app() -> typer.Typer:
-    """Return the command with all its verbs, those of other packages included."""
+    """Return the command with all its verbs, including those of other packages."""
     app = typer.Typer(
         name="hitab",
         cls=HitabGroup,
         help="Train robots, teams and swarms by demonstration, while they run.",
-        epilog="Begin with `hitab demo`. `hitab VERB --help` tells about a verb.",
+        epilog="Begin with `hitab demo`. `hitab VERB --help` describes a verb.",
         no_args_is_help=True,
         rich_markup_mode="rich",
         pretty_exceptions_enable=False,
@@ -78,7 +78,7 @@ def make_app() -> typer.Typer:
 
 
 def main() -> None:
-    """Run the command; when told to end, it cleans up as it does on Ctrl-C."""
+    """Run the command; on SIGTERM, clean up as on Ctrl-C."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     make_app()()
 

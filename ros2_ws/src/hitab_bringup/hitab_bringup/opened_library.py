@@ -1,4 +1,4 @@
-"""Opens a library folder without being told its domain: the files name it."""
+"""Opens a library folder; its files name their domain."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from hitab_core.library.yaml_places import read_yaml
 
 
 def open_library(folder: Path) -> BehaviorLibrary:
-    """Return the library in a folder; nothing but one file's domain has been read yet.
+    """Return the library in a folder, having read only one file's domain.
 
-    A library of commanders has a file that describes their kind.
+    A library of commanders also has a file that describes their kind.
 
     Raises:
         LibraryError: if there is no folder, or no behavior in it.
@@ -38,5 +38,5 @@ def _domain_of(path: Path) -> str | None:
         value = read_yaml(path.read_text(encoding="utf-8"), path.name).value
         name = value["domain"]["name"]
     except (OSError, UnicodeDecodeError, HitabError, TypeError, KeyError):
-        return None  # another file may tell; what is wrong with this one is told on loading
+        return None  # another file may name it; loading reports what is wrong with this one
     return name if isinstance(name, str) else None

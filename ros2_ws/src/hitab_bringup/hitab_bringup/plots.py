@@ -1,4 +1,4 @@
-"""Figures without a screen: made, drawn into, saved."""
+"""Figures that need no screen."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def figure(width: float, height: float) -> tuple[Figure, Axes]:
-    """Return a figure of this size in inches with one pair of axes."""
+    """Return a figure of this size, in inches, with one pair of axes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -23,10 +23,10 @@ def figure(width: float, height: float) -> tuple[Figure, Axes]:
 
 
 def save(drawing: Figure, path: Path) -> None:
-    """Save a figure; the suffix tells the format.
+    """Save a figure; the suffix selects the format.
 
     Raises:
-        HitabError: if that cannot be done.
+        HitabError: if that fails.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,9 @@
 """Shared memory that killed processes leave behind.
 
 Fast DDS keeps segments and ports as files ``fastrtps_*`` in shared memory, each with a lock file
-that its owner holds. A process that is killed cannot remove them, and the next one to start says
-``open_and_lock_file failed``, which is harmless but frightens. So what nobody holds is removed.
+that its owner holds. A killed process leaves them behind, and the next one to start logs
+``open_and_lock_file failed``, which is harmless but alarming. So files without an owner are
+removed.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ LOCK_SUFFIXES = ("_el", "_sl")
 
 
 def remove_stale(folder: Path = FOLDER) -> int:
-    """Remove this user's Fast DDS files that no process locks or maps; return how many."""
+    """Remove this user's Fast DDS files that no process locks or maps; return their number."""
     groups: dict[str, list[Path]] = {}
     user = os.getuid()
     try:
@@ -62,7 +63,7 @@ def _locked(path: Path) -> bool:
 
 
 def _in_use() -> set[str]:
-    """Return the files with our prefix that some process has mapped or open."""
+    """Return the files with our prefix that a process has mapped or open."""
     found: set[str] = set()
     for process in Path("/proc").glob("[0-9]*"):
         try:
@@ -76,5 +77,5 @@ def _in_use() -> set[str]:
                 if PREFIX in target:
                     found.add(target)
         except OSError:
-            continue  # ended meanwhile, or another user's
+            continue  # ended in the meantime, or another user's
     return found

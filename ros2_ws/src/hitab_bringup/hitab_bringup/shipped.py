@@ -69,7 +69,7 @@ def shipped(folder: str, name: str) -> Path:
 
 
 def find_file(given: str, folder: str, what: str) -> Path:
-    """Return the file that a user means: a path, or the name of a shipped one without suffix.
+    """Return the requested file: a path, or the name of a shipped file without its suffix.
 
     Raises:
         HitabError: naming what is shipped.
@@ -83,4 +83,4 @@ def find_file(given: str, folder: str, what: str) -> Path:
             if candidate.is_file():
                 return candidate
     names = [p.stem for place in folders for p in place.glob("*.yaml")]
-    raise HitabError(f'no {what} "{given}": not a file, and not one that is shipped {has(names)}')
+    raise HitabError(f'no {what} "{given}": neither a file nor a shipped {what} {has(names)}')

@@ -1,8 +1,7 @@
-"""Starts a swarm's processes under supervisord, keeps them alive, and stops them all.
+"""Starts a swarm's processes under supervisord, keeps them alive and stops them.
 
-The supervisor listens on a socket file only. Every process carries the run folder in its
-environment, so that none is overlooked when the swarm is stopped, not even after the supervisor
-itself was killed.
+The supervisor listens only on a socket file. Every process has the run folder in its environment,
+so that `stop` finds them all, even if the supervisor itself was killed.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[s
         MARK: str(folder.path),
         "ROS_DOMAIN_ID": str(domain_id),
         "PYTHONUNBUFFERED": "1",
-        # One core each: numpy's own threads would only get into the others' way.
+        # One core each: numpy's own threads would only compete with the other processes.
         "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1"),
         "OPENBLAS_NUM_THREADS": os.environ.get("OPENBLAS_NUM_THREADS", "1"),
     }
@@ -51,7 +50,7 @@ def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[s
 
 
 def refuse_running(folder: RunFolder) -> None:
-    """Make sure that no swarm is up in a run folder.
+    """Raise if a swarm is up in a run folder.
 
     Raises:
         SwarmError: if one is.
@@ -69,13 +68,13 @@ def launch(
 ) -> RunRecord:
     """Start a swarm's processes; they are not ready yet when this returns.
 
-    Whatever is left of an earlier one in the same folder is stopped first.
+    Leftovers of an earlier swarm in the same folder are stopped first.
 
     Args:
         swarm: the description.
-        folder: where its files go.
-        domain_id: the ROS domain in which it lives.
-        temporary: end it with this process, and do not tell other verbs about it.
+        folder: for its files.
+        domain_id: its ROS domain.
+        temporary: end it with this process, and hide it from other verbs.
 
     Raises:
         SwarmError: if the supervisor does not start.
@@ -122,7 +121,7 @@ def _spawn(
             stderr=subprocess.STDOUT,
             env=dict(environment),
             cwd=folder.path,
-            start_new_session=True,  # the terminal's Ctrl-C is for the command, not for these
+            start_new_session=True,  # the terminal's Ctrl-C is meant for the command only
             preexec_fn=_end_with_parent if temporary and sys.platform == "linux" else None,
         )
 
@@ -146,7 +145,7 @@ def _await_socket(supervisor: subprocess.Popen[bytes], socket: Path, folder: Run
 
 
 def process_states(record: RunRecord) -> list[dict[str, Any]]:
-    """Return what the supervisor knows of each process: name, statename, pid, description.
+    """Return the supervisor's data on each process: name, statename, pid, description.
 
     Raises:
         SwarmError: if the supervisor does not answer.
@@ -157,7 +156,7 @@ def process_states(record: RunRecord) -> list[dict[str, Any]]:
     except (OSError, Fault) as error:
         raise SwarmError(
             f'the supervisor of swarm "{record.swarm}" does not answer ({error}); '
-            "stop what is left with `hitab down`, then start it again with `hitab up`"
+            "stop the rest with `hitab down`, then start it again with `hitab up`"
         ) from None
 
 
@@ -172,7 +171,7 @@ FAILED = ("BACKOFF", "FATAL", "EXITED", "UNKNOWN")
 
 
 def refuse_failed(record: RunRecord, folder: RunFolder) -> None:
-    """Raise if a process of a starting swarm has ended, telling the last lines of its log.
+    """Raise if a process of a starting swarm has ended, with the last lines of its log.
 
     Raises:
         SwarmError: naming the process.
@@ -186,18 +185,18 @@ def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     lines = folder.tail(process)
     if exit_code == FINAL and lines:
         return f"{process}: {lines[-1].removeprefix('error: ')} (log: {folder.log(process)})"
-    told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (it said nothing)"
+    told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (empty)"
     return f"{process} ended while starting; the end of {folder.log(process)}:\n{told}"
 
 
 def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> list[int]:
-    """Stop whatever was started from a run folder, and make sure that nothing is left.
+    """Stop every process of a run folder, and check that none is left.
 
     Returns:
-        The numbers of processes that had to be killed because they did not stop by themselves.
+        The ids of the processes that did not stop and were killed.
 
     Raises:
-        SwarmError: if a process survives even that.
+        SwarmError: if a process survives that.
     """
     record = folder.read()
     supervisor = folder.supervisor(record) if record is not None else None
@@ -214,7 +213,7 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
 
 
 def _end(folder: RunFolder) -> list[int]:
-    """End all that still lives: first politely, then not. The supervisor goes first."""
+    """End all remaining processes, the supervisor first: terminate, then kill."""
     killed: list[int] = []
     for end, patience in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 20.0)):
         left = folder.processes()
@@ -229,5 +228,7 @@ def _end(folder: RunFolder) -> list[int]:
         psutil.wait_procs(left, timeout=patience)
     if left := folder.processes():
         numbers = ", ".join(str(process.pid) for process in left)
-        raise SwarmError(f"processes {numbers} of {folder.path} cannot be ended; end them by hand")
+        raise SwarmError(
+            f"processes {numbers} of {folder.path} could not be killed; end them by hand"
+        )
     return killed

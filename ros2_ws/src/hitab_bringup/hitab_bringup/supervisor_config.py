@@ -28,10 +28,10 @@ childlogdir={folder}/logs
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
 """
 
-# A process counts as started once it has lived for startsecs; one that dies earlier is tried
-# again startretries times, each a second later than the one before; one that dies later is
-# restarted at once, unless its exit code says that this would not help: such a process lives
-# that long.
+# A process counts as started after startsecs. If it dies earlier, it is retried startretries
+# times, each time after one more second. If it dies later, it is restarted at once, unless its
+# exit code says that a restart would not help; such a process stays up for startsecs before it
+# exits.
 PROGRAM = """
 [program:{name}]
 command={command}
@@ -51,7 +51,7 @@ stdout_logfile_maxbytes=1MB
 stdout_logfile_backups=2
 """
 
-# In one group, since groups are stopped one after the other.
+# One group, since groups are stopped one after the other.
 GROUP = """
 [group:swarm]
 programs={names}
@@ -80,5 +80,5 @@ def supervisor_config(processes: Iterable[Process], folder: Path, logs: Path, so
 
 
 def _plain(text: object) -> str:
-    """Escape what supervisord would expand."""
+    """Escape characters that supervisord would expand."""
     return str(text).replace("%", "%%")

@@ -1,4 +1,4 @@
-"""A swarm: which agents, in which world, in which processes.
+"""A swarm: its agents, their world and their processes.
 
 `hitab_bringup.swarm_file` reads it from YAML:
 
@@ -9,18 +9,18 @@
     behavior: Keepaway
     agents:
       keeper_1: {}
-      keeper_2: {behavior: ""}     # anything above may be set for one agent alone
+      keeper_2: {behavior: ""}     # everything above can be set per agent
       scout: {count: 100, per_process: 50}   # scout_1 ... scout_100 in two processes
-    hosts: 4                       # processes for all whose process is not named
+    hosts: 4                       # processes for all agents without a process of their own
     kinds:
       Squad: {orders: {Attack: Search, Rest: nothing}, features: {AnyDone: {any: Done}}}
     commanders:
       corporal: {kind: Squad, commands: {scout: 5}}    # corporal_1 ... corporal_20
       captain: {kind: Squad, commands: corporal}       # one over all of them
 
-What stands above ``agents`` holds for all of them, so that a team of likes is short to write and
-an unlike one just says where it differs. `hitab_commander.kind_reader` tells what a kind of
-commander is; without orders, its orders are the behaviors that all its subordinates share.
+Settings above ``agents`` apply to all agents, so that an agent lists only its differences.
+`hitab_commander.kind_reader` documents kinds of commanders; the default orders of a kind are the
+behaviors that all its subordinates share.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ PACES = ("lockstep", "realtime")
 
 @dataclass(frozen=True)
 class WorldDescription:
-    """The world in which a swarm lives, if it is a simulated one.
+    """The simulated world of a swarm.
 
     Attributes:
         kind: of world, such as ``keepaway``.
-        module: of its node, run by ``python -m``; see `hitab_bringup.swarm_file.world_module`.
+        module: of its node, run with ``python -m``; see `hitab_bringup.swarm_file.world_module`.
         pace: ``lockstep`` or ``realtime``, at ``factor`` of real time.
         parameters: of this kind of world, such as ``taker_speed``.
     """
@@ -61,11 +61,11 @@ class AgentDescription:
     """One agent.
 
     Attributes:
-        library: its library folder; None: in the run folder, kept from run to run.
-        start_from: a library that is copied into its own when that is empty.
-        behavior: what it performs at first, such as ``Keepaway``; empty: nothing.
-        process: name of the process in which it runs; its own name unless it shares one.
-        library_name: of its library's folder in the run folder; empty: that of the process.
+        library: its library folder; None: a folder in the run folder, kept between runs.
+        start_from: a library to copy into its own library if that is empty.
+        behavior: to start with, such as ``Keepaway``; empty: nothing.
+        process: that it runs in; its own name unless it shares one.
+        library_name: name of its library folder in the run folder; empty: that of the process.
         superior: name of its commander; empty: none.
         role: in its commander's group.
     """
@@ -87,9 +87,9 @@ class CommanderDescription(AgentDescription):
     """One commander; its domain is its kind.
 
     Attributes:
-        kind: what it can order and perceive.
-        subordinates: the roles of those that it commands, by name.
-        asks_position: whether it needs to know where they are, for itself or its superiors.
+        kind: defines what it can order and perceive.
+        subordinates: roles of its subordinates, by name.
+        asks_position: whether it needs their positions, for itself or its superiors.
     """
 
     kind: CommanderKind = field(default_factory=lambda: CommanderKind("", ()))
@@ -118,11 +118,11 @@ class SwarmDescription:
         return tuple(member.name for member in self.members)
 
     def with_world(self, **changes: Any) -> SwarmDescription:
-        """Return the same swarm in a world that differs."""
+        """Return the same swarm with changes to its world."""
         if self.world is None:
             raise DescriptionError(f'{self.file}: swarm "{self.name}" has no `world:`')
         return replace(self, world=replace(self.world, **changes))
 
     def with_agents(self, **changes: Any) -> SwarmDescription:
-        """Return the same swarm with something changed in all agents."""
+        """Return the same swarm with changes to all agents."""
         return replace(self, agents=tuple(replace(a, **changes) for a in self.agents))

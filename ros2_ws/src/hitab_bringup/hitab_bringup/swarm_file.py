@@ -30,14 +30,14 @@ from hitab_core.library.yaml_places import Complaints, read_yaml
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"
 AGENT = "{agent}"
-"""Stands for the agent's name in a path."""
+"""Placeholder for the agent's name in a path."""
 
 
 def read_swarm(path: Path) -> SwarmDescription:
     """Read a swarm description.
 
     Raises:
-        DescriptionError: with everything that is wrong, by file and line.
+        DescriptionError: naming everything that is wrong, by file and line.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -47,7 +47,7 @@ def read_swarm(path: Path) -> SwarmDescription:
 
 
 def parse_swarm(text: str, path: Path) -> SwarmDescription:
-    """Read a swarm description from its text; ``path`` is where relative paths begin."""
+    """Read a swarm description from its text; relative paths start at the folder of ``path``."""
     document = read_yaml(text, str(path), error=DescriptionError)
     complaints = Complaints(document, DescriptionError)
     top = Fields(document, complaints)
@@ -85,7 +85,7 @@ def _world(top: Fields) -> WorldDescription:
     fields.done()
     if kind and not _module_exists(module):
         fields.complain(
-            f'there is no world "{kind}": Python module {module} is not installed; install its '
+            f'unknown world "{kind}": Python module {module} is not installed; install its '
             "package, or name the module with `module:`",
             "kind",
         )
@@ -95,7 +95,7 @@ def _world(top: Fields) -> WorldDescription:
 def world_module(kind: str) -> str:
     """Return the module that runs worlds of a kind.
 
-    A package tells its own under the entry-point group ``hitab.worlds``; else it is
+    A package registers its own under the entry-point group ``hitab.worlds``; the default is
     ``<kind>_world.world_main``.
     """
     told = entry_points(group=WORLDS, name=kind)
@@ -122,7 +122,7 @@ def _module_exists(module: str) -> bool:
 
 @dataclass(frozen=True)
 class _Common:
-    """What may be said for all agents, or for one."""
+    """Settings for all agents, or for one."""
 
     domain: str = ""
     library: str = ""
@@ -143,26 +143,26 @@ class _Common:
         if found.start_from != above.start_from and not (base / found.start_from).is_dir():
             fields.complain(
                 f'`start_from:` there is no library folder "{found.start_from}"; correct the '
-                "path, which begins at this file, or leave it out to begin with nothing",
+                "path, which is relative to this file, or leave it out to start empty",
                 "start_from",
             )
         own = found.library != above.library and AGENT not in found.library
         if own and not (base / found.library).is_dir():
             fields.complain(
                 f'`library:` there is no folder "{found.library}"; make it, or leave '
-                "`library` out and each agent has its own in the run folder",
+                "`library` out to give each agent its own in the run folder",
                 "library",
             )
         return found
 
     def libraries(self, base: Path) -> list[Path]:
-        """Return the folders that are known to hold trained behaviors already."""
+        """Return the folders known to hold trained behaviors."""
         named = [text for text in (self.library, self.start_from) if text and AGENT not in text]
         return [base / text for text in named]
 
 
 Groups = dict[str, list[AgentDescription]]
-"""Agents by the key of their line."""
+"""The agents by the key of their line."""
 
 
 def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool) -> Groups:
@@ -170,7 +170,7 @@ def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool
     groups: Groups = {}
     owners: dict[str, str] = {}
     if "agents" not in top or not section.names():
-        top.complain("a swarm needs `agents:`, a line with a name each")
+        top.complain("a swarm needs `agents:`, a mapping with one line per agent")
     for key in section.names():
         fields = section.inner(key)
         _check_name(section, key, "an agent", key)
@@ -212,13 +212,13 @@ def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool
 def _commanders(
     top: Fields, common: _Common, base: Path, words: Words, groups: Groups, hosted: bool
 ) -> list[CommanderDescription]:
-    """Read the commanders; their subordinates in ``groups`` are told who commands them."""
+    """Read the commanders and set the superiors of their subordinates in ``groups``."""
     kinds = read_kinds(top, base)
     section = top.inner("commanders")
     tree = CommanderSection(groups, words)
     lines: dict[str, Line] = {}
     agents = {agent.name: key for key, group in groups.items() for agent in group}
-    # What is said for all agents is not said for commanders, but for the seed.
+    # Settings for all agents do not apply to commanders, except the seed.
     above = _Common(seed=common.seed)
     for key in section.names():
         fields = section.inner(key)
@@ -258,7 +258,7 @@ def _commanders(
 def _commander_maker(
     own: _Common, base: Path, shared: str | None, host: str, role: str
 ) -> Callable[[str], CommanderDescription]:
-    """Return what makes the commanders of a line; ``shared``: their process, if not their own."""
+    """Return a factory for the commanders of a line; ``shared``: their process, if shared."""
 
     def make(name: str) -> CommanderDescription:
         return CommanderDescription(
@@ -292,7 +292,7 @@ def _kind(fields: Fields, kinds: Mapping[str, CommanderKind]) -> CommanderKind |
 def _with_libraries(
     agents: Sequence[AgentDescription], groups: Groups
 ) -> Iterator[AgentDescription]:
-    """Name library folders: likes that share a process share one, unlike ones do not."""
+    """Name library folders: equal agents in a process share one."""
     keys = {agent.name: key for key, group in groups.items() for agent in group}
     inside: dict[str, set[str]] = {}
     for agent in agents:

@@ -1,4 +1,4 @@
-"""The processes of a swarm: the command lines of its world, agents and hosts of many agents."""
+"""The processes of a swarm: command lines of its world, agents and hosts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
 FEW = 25
-"""In swarms of more processes each makes its services only when somebody asks for them."""
+"""In swarms with more processes, each creates its services only on request."""
 
 COMMANDER_NODE = "hitab_commander.commander_node:CommanderNode"
 
@@ -32,10 +32,10 @@ class Process:
 
     Attributes:
         name: unique within the swarm; names its log.
-        module: Python module that is run.
-        namespace: of its node; empty where the process has several.
+        module: Python module to run.
+        namespace: of its node; empty if it has several nodes.
         parameters: ROS parameters of its nodes.
-        agents: names of the agents that run in it.
+        agents: names of its agents.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Process:
 
 
 def _as_yaml(value: Any) -> str:
-    """Write a parameter so that it is read back with the same type: JSON is YAML."""
+    """Write a parameter so that it keeps its type: JSON is YAML."""
     if isinstance(value, tuple):
         value = list(value)
     return json.dumps(value, ensure_ascii=False)
@@ -68,7 +68,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     Args:
         swarm: the description.
         folder: the run folder, for libraries and journals.
-        identity: of the swarm, which its nodes give in their statuses; empty: none.
+        identity: of the swarm, which its nodes publish in their statuses; empty: none.
     """
     found = []
     shared = _shared(swarm)
@@ -90,7 +90,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
 
 
 def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
-    """Return who runs in which process."""
+    """Return the members of each shared process."""
     shared: dict[str, list[AgentDescription]] = {}
     for member in swarm.members:
         shared.setdefault(member.process, []).append(member)
@@ -98,7 +98,7 @@ def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
 
 
 def write_rosters(swarm: SwarmDescription, folder: Path) -> None:
-    """Write a file for each host that tells whom it is to run, and how."""
+    """Write a file for each host with its members and their settings."""
     for name, members in _shared(swarm).items():
         roster = [
             {"name": member.name, **_node_of(member), "parameters": _settings(member, folder)}
@@ -130,7 +130,7 @@ def _world(world: WorldDescription, folder: Path) -> Process:
 
 
 def library_of(member: AgentDescription, folder: Path) -> Path:
-    """Return the library folder of an agent; likes that share a process share it.
+    """Return the library folder of an agent; equal agents in a process share one.
 
     All commanders of a kind share one.
     """
@@ -144,7 +144,7 @@ def kind_file(member: CommanderDescription, folder: Path) -> Path:
 
 
 def _settings(member: AgentDescription, folder: Path) -> dict[str, Any]:
-    """Return the parameters of a node; those that are as by default are left out."""
+    """Return the parameters of a node, leaving out defaults."""
     settings: dict[str, Any] = {
         "domain": member.domain,
         "library": str(library_of(member, folder)),

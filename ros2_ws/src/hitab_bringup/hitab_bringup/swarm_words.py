@@ -1,4 +1,4 @@
-"""Whether the domains and behaviors that a swarm description names exist."""
+"""Checks that the domains and behaviors in a swarm description exist."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from hitab_core.library import SUFFIX
 
 
 class Words:
-    """Checks words; what is said once for all agents is complained about once.
+    """Checks words; complains only once about a setting for all agents.
 
     Args:
-        top: the description's own fields.
+        top: the top-level fields of the description.
     """
 
     def __init__(self, top: Fields) -> None:
@@ -27,7 +27,7 @@ class Words:
         self._repertoires: dict[tuple[str, ...], Mapping[str, tuple[str, ...]]] = {}
 
     def _complain(self, fields: Fields, key: str, text: str) -> None:
-        """Complain where the word stands: at the agent, or above."""
+        """Complain at the word: in the agent's line, or above."""
         if key in fields:
             fields.complain(text, key)
         elif text not in self._said:
@@ -38,7 +38,7 @@ class Words:
         """Complain if there is no such domain."""
         if not name:
             self._complain(fields, "domain", f"`domain:` is missing {has(self._domains)}")
-        elif ":" in name:  # one that is not installed: "module:ATTRIBUTE"
+        elif ":" in name:  # not installed: "module:ATTRIBUTE"
             try:
                 load_domain(name)
             except HitabError as error:
@@ -56,8 +56,8 @@ class Words:
     ) -> None:
         """Complain if an agent cannot perform a behavior.
 
-        A library in the run folder is not known yet: it is taken to have what is missing, and the
-        agent itself complains if it has not.
+        A library in the run folder is not known yet, so it is assumed to have what is missing; if
+        not, the agent itself complains.
         """
         try:
             use = Use.parse(behavior)
@@ -78,7 +78,7 @@ class Words:
             )
 
     def check_commander(self, fields: Fields, commander: CommanderDescription) -> None:
-        """Complain if a commander cannot perform the behavior that it is to begin with."""
+        """Complain if a commander cannot perform its initial behavior."""
         if not commander.behavior:
             return
         try:
@@ -94,7 +94,7 @@ class Words:
             )
 
     def repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
-        """Return the behaviors that a member is known to have, with their parameters."""
+        """Return the known behaviors of a member, with their parameters."""
         if isinstance(member, CommanderDescription):
             known = {
                 order.name: (order.parameter,) if order.parameter else ()
@@ -107,7 +107,7 @@ class Words:
         return self._repertoires[key]
 
     def is_complete(self, member: AgentDescription) -> bool:
-        """Whether a member has nothing but its `repertoire`.
+        """Whether a member has only its `repertoire`.
 
         A library in the run folder is not known yet, and may hold more.
         """
@@ -122,14 +122,14 @@ class Words:
         known = {name: behavior.parameters for name, behavior in domain.behaviors.items()}
         known |= {name: automaton.parameters for name, automaton in domain.automata.items()}
         for folder in _folders(member):
-            # What is wrong with a library is told by the agent itself.
+            # The agent itself reports what is wrong with its library.
             trained = BehaviorLibrary(folder, domain).load(strict=False)
             known |= {name: automaton.parameters for name, automaton in trained.items()}
         return known
 
 
 def _folders(member: AgentDescription) -> list[Path]:
-    """Return the folders that hold trained behaviors of a member already."""
+    """Return the folders that already hold trained behaviors of a member."""
     named = (member.library, member.start_from)
     return [folder for folder in named if folder is not None and folder.is_dir()]
 

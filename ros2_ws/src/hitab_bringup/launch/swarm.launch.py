@@ -1,4 +1,4 @@
-"""Launches a swarm from its description, for users with an installed ROS 2 Jazzy.
+"""Launches a swarm from its description, with an installed ROS 2 Jazzy.
 
     ros2 launch hitab_bringup swarm.launch.py swarm:=keepaway
     ros2 launch hitab_bringup swarm.launch.py swarm:=my_swarm.yaml run_dir:=my_run
@@ -25,7 +25,7 @@ from launch import LaunchContext, LaunchDescription
 
 
 def start(context: LaunchContext) -> list[ExecuteProcess]:
-    """Return the processes of the swarm that the arguments name."""
+    """Return the processes of the requested swarm."""
     given = LaunchConfiguration("swarm").perform(context)
     run_dir = LaunchConfiguration("run_dir").perform(context)
     swarm = read_swarm(find_file(given, "swarms", "swarm"))
@@ -50,14 +50,14 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
 
 
 def shut_down_if_final(event: ProcessExited, context: LaunchContext) -> Shutdown | None:
-    """Shut everything down where starting a process again would not help."""
+    """Shut everything down if restarting a process would not help."""
     if event.returncode != FINAL:
         return None
     return Shutdown(reason=f"{event.process_name} cannot start; see its error above")
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return what is to be launched."""
+    """Return the launch description."""
     return LaunchDescription(
         [
             DeclareLaunchArgument(
@@ -68,7 +68,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "run_dir",
                 default_value="",
-                description="Where libraries and journals go; empty: where `hitab up` puts them",
+                description="Folder for libraries and journals; empty: that of `hitab up`",
             ),
             OpaqueFunction(function=start),
         ]

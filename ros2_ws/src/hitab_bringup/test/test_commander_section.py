@@ -117,14 +117,14 @@ def test_a_run_folder_tells_each_host_whom_to_run_and_each_library_its_kind(tmp_
         (
             "  a: {kind: Company, commands: b}\n  b: {kind: Company, commands: a}\n",
             12,
-            "commanders in a circle: a -> b -> a; let one of them command nobody above it",
+            "commanders in a circle: a -> b -> a; remove one of these from `commands:`",
         ),
         ("  a: {kind: Company, commands: a}\n", 12, "commanders in a circle: a -> a"),
         (
             "  a: {kind: Squad, commands: [scout, carrier]}\n"
             "  b: {kind: Squad, commands: [carrier_3]}\n",
             13,
-            '"carrier_3" has two commanders, "a" and "b"; take it away from one',
+            '"carrier_3" has two commanders, "a" and "b"; remove it from one',
         ),
         (
             "  a: {kind: Squad, commands: [scuot]}\n",
@@ -134,11 +134,11 @@ def test_a_run_folder_tells_each_host_whom_to_run_and_each_library_its_kind(tmp_
         ("  a: {kind: Squad, commands: [scuot]}\n", 12, 'Did you mean "scout"?'),
         ("  a: {kind: Sqad, commands: scout}\n", 12, 'there is no kind "Sqad" under `kinds:`'),
         ("  a: {kind: Squad}\n", 12, "`commands:` is missing here"),
-        ("  a: {kind: Squad, commands: []}\n", 12, "`commands:` names nobody"),
+        ("  a: {kind: Squad, commands: []}\n", 12, "`commands:` is empty"),
         (
             "  a: {kind: Squad, commands: {scout: 1, carrier: 3}}\n",
             12,
-            "these counts make different numbers of commanders (4 of scout, 6 of carrier)",
+            "these counts give different numbers of commanders (4 of scout, 6 of carrier)",
         ),
         ("  scout: {kind: Squad, commands: carrier}\n", 12, 'a second "scout" (see `agents:`)'),
         ("  world: {kind: Squad, commands: scout}\n", 12, 'cannot be called "world"'),
@@ -153,7 +153,7 @@ def test_whatever_is_no_tree_is_refused_with_its_line(text, line, expected):
 
 def test_an_order_must_mean_something_for_every_role_and_be_known_to_all(tmp_path):
     told = complaint("  a: {kind: Squad, commands: [b]}\n  b: {kind: Squad, commands: scout}\n")
-    assert 'the order "Attack" does not tell what role "b" does; add it, or `others:`' in told
+    assert 'the order "Attack" has no behavior for role "b"; add it, or `others:`' in told
     (tmp_path / "library").mkdir()
     text = (
         "domain: keepaway\nstart_from: library\nagents: {a: {}}\n"
@@ -163,7 +163,7 @@ def test_an_order_must_mean_something_for_every_role_and_be_known_to_all(tmp_pat
     with pytest.raises(DescriptionError) as error:
         parse_swarm(text, tmp_path / "team.yaml")
     assert str(error.value).startswith(f"{tmp_path}/team.yaml:7: the order ")
-    assert 'has "a" perform the unknown behavior "GoFsat" (has: ' in str(error.value)
+    assert 'gives "a" the unknown behavior "GoFsat" (has: ' in str(error.value)
 
 
 def test_what_is_wrong_with_a_kind_is_told_where_it_stands():

@@ -107,7 +107,7 @@ def test_a_missing_library_is_told_with_the_way_out():
         ("domain: keepaway\nagent: {a: {}}\n", 'Did you mean "agents"?'),
         ("domain: keepaway\nagents: {a: {count: 0}}\n", "`count: 0` must be at least 1"),
         ("domain: keepaway\nagents: {a: {seed: x}}\n", "`seed:` must be a whole number"),
-        ("domain: keepaway\nworld: {kind: chess}\nagents: {a: {}}\n", 'there is no world "chess"'),
+        ("domain: keepaway\nworld: {kind: chess}\nagents: {a: {}}\n", 'unknown world "chess"'),
         (
             "domain: keepaway\nworld: {kind: keepaway, pace: fast}\nagents: {a: {}}\n",
             "2: `pace: fast` is not known (has: lockstep, realtime)",

@@ -1,4 +1,4 @@
-"""The verbs of the `hitab` command, a module for each group of them.
+"""The verbs of the `hitab` command, one module per group.
 
-What costs time to import (rclpy, numpy, matplotlib) is imported inside the verbs that need it.
+Slow imports (rclpy, numpy, matplotlib) happen inside the verbs that need them.
 """

@@ -1,4 +1,4 @@
-"""Verbs that tell agents what to do: demonstrate, perform, distribute, vocabulary."""
+"""Verbs that command agents: demonstrate, perform, distribute, vocabulary."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hitab_client.command_options import AgentName, JsonPath, SwarmName
 Behavior = Annotated[str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")]
 Targets = Annotated[
     list[str] | None,
-    typer.Argument(help="What its parameters are bound to, such as ball.", show_default=False),
+    typer.Argument(help="Targets for its parameters, such as ball.", show_default=False),
 ]
 
 
@@ -28,10 +28,10 @@ def register(app: typer.Typer) -> None:
 def demonstrate(
     agent: AgentName, behavior: Behavior, targets: Targets = None, swarm: SwarmName = None
 ) -> None:
-    """Command a behavior in training: the agent performs it now, and learns from it.
+    """Command a behavior in training: the agent performs it now and learns from it.
 
-    The agent records what it perceives together with the change of state: an example. Command
-    the behavior that it performs already to say: keep going here. `hitab train` begins a training.
+    The agent records an example: what it perceives and the change of state. Command the behavior
+    that it is already performing to say: keep going here. `hitab train` begins a training.
 
     Examples:
 
@@ -49,17 +49,17 @@ def demonstrate(
     path = " > ".join(status.active_path) or use.name
     console.say(
         f"{agent} performs {path}; {status.behavior} has {status.examples} examples "
-        f"({status.default_examples} default ones)"
+        f"({status.default_examples} default)"
     )
 
 
 def perform(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A behavior; nothing: stop.")] = "",
+    behavior: Annotated[str, typer.Argument(help="A behavior; without one, stop.")] = "",
     targets: Targets = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Have an agent perform a behavior from its beginning; without one, nothing.
+    """Make an agent perform a behavior from its beginning; without one, stop it.
 
     Examples:
 
@@ -80,21 +80,21 @@ def perform(
 
 def distribute(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A trained behavior of that agent's library.")],
+    behavior: Annotated[str, typer.Argument(help="A trained behavior in that agent's library.")],
     targets: Targets = None,
     to: Annotated[
         list[str] | None,
-        typer.Option("--to", help="A receiver; may be repeated. All others by default."),
+        typer.Option("--to", help="A receiver; may be repeated. Default: all other agents."),
     ] = None,
     start: Annotated[
-        bool, typer.Option("--start", help="Have them begin performing it, at Start.")
+        bool, typer.Option("--start", help="Make the receivers perform it, from Start.")
     ] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Send a behavior, and all that it is made of, from one agent to the others.
+    """Send a behavior and everything it uses from one agent to the others.
 
-    Each receiver verifies what it got, and this tells who took it in and who did not.
+    Each receiver verifies what it got; the output lists which ones accepted it.
 
     Examples:
 
@@ -137,7 +137,7 @@ def distribute(
 
 
 def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) -> None:
-    """Tell what an agent can be commanded, what it perceives, and what the targets are."""
+    """Show an agent's vocabulary: its behaviors, features and targets."""
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
     trained, one_shot = set(words.trained), set(words.one_shot)

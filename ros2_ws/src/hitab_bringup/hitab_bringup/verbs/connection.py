@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Connection:
-    """The agents and the world; the run folder too, if `hitab up` has started the swarm."""
+    """The agents and the world; also the run folder, if `hitab up` started the swarm."""
 
     link: RosLink
     agents: SwarmClient
@@ -24,10 +24,10 @@ class Connection:
 
 @contextmanager
 def connection(swarm: str | None = None) -> Iterator[Connection]:
-    """Connect to the named swarm, or to the one that is up, or to whatever is in the ROS domain.
+    """Connect to the named swarm, or the one that is up, or any nodes in the ROS domain.
 
     Args:
-        swarm: its name, its identity or its run folder.
+        swarm: its name, identity or run folder.
 
     Raises:
         SwarmError: if several are up and none is named.

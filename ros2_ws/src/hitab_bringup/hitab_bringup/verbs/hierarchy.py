@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 PANEL = "Command"
 WAIT_SECONDS = 8.0
-GROUP_SECONDS = 2.0  # once its status is known, its group is known as well
+GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
 REFRESH_SECONDS = 0.2
 SHOWN = 12
-"""Subordinates that are no commanders are shown one by one up to so many."""
+"""Up to this many agents of a commander are shown individually."""
 
 
 def register(app: typer.Typer) -> None:
@@ -31,14 +31,14 @@ def register(app: typer.Typer) -> None:
 
 
 def tree(
-    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep showing it.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
     agents: Annotated[
         bool, typer.Option("--agents/--commanders", help="Show every agent, or commanders only.")
     ] = True,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Show who commands whom: each commander's order, and how many perform it.
+    """Show the command hierarchy: each commander's order, and how many agents perform it.
 
     Examples:
 
@@ -72,7 +72,7 @@ def _nobody(swarm_up: Connection, view: CommandView) -> Exception:
     if not swarm_up.agents.await_agents(seconds=0.5):
         return SwarmError("no commander answers, and no agent; start a swarm with `hitab up`")
     return SwarmError(
-        "no commander answers; a swarm has some if its description has `commanders:`"
+        "no commander answers; a swarm has commanders if its description has `commanders:`"
     )
 
 
@@ -116,7 +116,7 @@ def _line(branch: Branch) -> str:
         return f"{branch.name}: {doing}{_why_not(branch)}"
     mode = "" if branch.mode in ("performing", "idle", "") else f" ({branch.mode})"
     if not branch.order:
-        return f"{branch.name}{mode}: {doing}, has ordered nothing yet{_why_not(branch)}"
+        return f"{branch.name}{mode}: {doing}, no order yet{_why_not(branch)}"
     does = "" if doing == branch.order else f"{doing}, "
     share = f"{branch.counts[0]} of {branch.counts[1]} perform it"
     of_agents = f"{branch.leaves[0]} of {branch.leaves[1]} agents"
@@ -127,7 +127,7 @@ def _line(branch: Branch) -> str:
 def _why_not(branch: Branch) -> str:
     if branch.silent:
         return "  silent"
-    return "  does not perform what is ordered" if branch.obeys is False else ""
+    return "  does not perform the order" if branch.obeys is False else ""
 
 
 def _style(branch: Branch) -> str:
@@ -137,7 +137,7 @@ def _style(branch: Branch) -> str:
 
 
 def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
-    """Return a line for each agent, or for each behavior where there are many."""
+    """Return one line per agent, or per behavior if there are many agents."""
     from rich.text import Text
 
     if len(leaves) <= SHOWN:
@@ -158,13 +158,13 @@ def order(
     ],
     targets: Annotated[
         list[str] | None,
-        typer.Argument(help="What its parameters are bound to.", show_default=False),
+        typer.Argument(help="Targets for its parameters.", show_default=False),
     ] = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Have a commander give an order, or perform what it has learned; its group obeys at once.
+    """Make a commander give an order, or perform what it has learned; its group obeys at once.
 
-    Its own commander's next order takes the place of this one.
+    The next order from its own commander replaces this one.
 
     Examples:
 
@@ -182,8 +182,8 @@ def order(
         view.await_groups(GROUP_SECONDS, (commander,))
         if commander not in view.groups:
             raise SwarmError(
-                f"{commander} is no commander {has(view.groups)}; `hitab perform {commander} "
-                f"{behavior}` has an agent perform something"
+                f"{commander} is not a commander {has(view.groups)}; `hitab perform {commander} "
+                f"{behavior}` makes an agent perform a behavior"
             )
         swarm_up.agents.perform(commander, use.name, [*use.arguments, *(targets or [])])
         name = Use(use.name, (*use.arguments, *(targets or [])))
@@ -199,7 +199,7 @@ def order(
 
 
 def _obeyed(group: Any, behavior: str) -> bool:
-    """Whether a commander performs a behavior, and those of its group that are there obey."""
+    """Whether a commander performs a behavior and the reachable members of its group obey."""
     if group.behavior != behavior or not group.order:
         return False
     return all(o or s for o, s in zip(group.obeying, group.silent, strict=True))

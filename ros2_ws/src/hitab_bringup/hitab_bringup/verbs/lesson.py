@@ -13,7 +13,7 @@ from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 
 app = typer.Typer(
-    help="Play lessons: files that teach as a person would, over the same topics.",
+    help="Play lessons: files that teach like a person, over the same topics.",
     no_args_is_help=True,
 )
 Files = Annotated[
@@ -26,7 +26,7 @@ def run(
     lessons: Files,
     factor: Annotated[
         float,
-        typer.Option(help="Play at so many times real time, to watch; 0: as fast as can be."),
+        typer.Option(help="Multiple of real time, for watching; 0: as fast as possible."),
     ] = 0.0,
     swarm: SwarmName = None,
     json: JsonPath = None,
@@ -56,7 +56,7 @@ def run(
             budget = f" of {report.budget}" if report.budget else ""
             console.say(
                 f"{report.lesson}: {report.examples}{budget} examples "
-                f"({report.default_examples} default ones), {report.commands} commands, "
+                f"({report.default_examples} default), {report.commands} commands, "
                 f"{report.simulated_s:.1f} s of training in {report.wall_s:.1f} s"
             )
     console.write_json(json, [asdict(report) for report in reports])
@@ -64,7 +64,7 @@ def run(
 
 @app.command("list")
 def list_lessons() -> None:
-    """List the lessons that are shipped."""
+    """List the shipped lessons."""
     from hitab_bringup.shipped import shipped_folders
     from hitab_client.lessons import read_lesson
 

@@ -10,7 +10,7 @@ import typer
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 
-app = typer.Typer(help="Look into libraries of trained behaviors.", no_args_is_help=True)
+app = typer.Typer(help="Inspect libraries of trained behaviors.", no_args_is_help=True)
 
 Library = Annotated[
     Path | None,
@@ -18,13 +18,14 @@ Library = Annotated[
         "--library",
         "-l",
         envvar="HITAB_LIBRARY",
-        help="A library folder. By default that of --agent in the swarm that is up, else the "
+        help="A library folder. Default: that of --agent in the swarm that is up, else the "
         "shipped one.",
         show_default=False,
     ),
 ]
 Agent = Annotated[
-    str | None, typer.Option("--agent", help="Whose library, in the swarm that is up.")
+    str | None,
+    typer.Option("--agent", help="The agent whose library to use; its swarm must be up."),
 ]
 Name = Annotated[str, typer.Argument(help="Name of a behavior.")]
 
@@ -121,13 +122,13 @@ def show(
     agent: Agent = None,
     swarm: SwarmName = None,
     picture: Annotated[
-        Path | None, typer.Option("--picture", help="Draw it instead, to a PNG or SVG file.")
+        Path | None, typer.Option("--picture", help="Draw it to a PNG or SVG file instead.")
     ] = None,
     deep: Annotated[
-        bool, typer.Option("--deep", help="Show the automata that it is made of, too.")
+        bool, typer.Option("--deep", help="Also show the automata that it uses.")
     ] = False,
 ) -> None:
-    """Show a behavior: its states, what leads from one to the next, and its trees.
+    """Show a behavior: its states, its transitions and its trees.
 
     Examples:
 
@@ -164,7 +165,7 @@ def _known(name: str, loaded: Any) -> str:
 
 @app.command()
 def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None) -> None:
-    """Check all files of a library: form, digests, and whether they fit together.
+    """Check all files of a library: format, digests and whether they fit together.
 
     Example:
 
@@ -178,13 +179,15 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
 @app.command()
 def diff(
     name: Name,
-    before: Annotated[int | None, typer.Argument(help="A version; the last but one.")] = None,
-    after: Annotated[int | None, typer.Argument(help="Another version; the newest.")] = None,
+    before: Annotated[
+        int | None, typer.Argument(help="A version; default: the one before.")
+    ] = None,
+    after: Annotated[int | None, typer.Argument(help="Another; default: the newest.")] = None,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Tell what has changed from one version of a behavior to another.
+    """Show the differences between two versions of a behavior.
 
     Examples:
 
@@ -201,9 +204,7 @@ def diff(
     if not versions:
         _known(name, opened.names())
     if len(versions) < 2 and before is None:
-        raise LibraryError(
-            f'{opened.folder}: "{name}" has no earlier version; there is nothing to compare'
-        )
+        raise LibraryError(f'{opened.folder}: "{name}" has no earlier version to compare with')
     old = opened.version(name, before if before is not None else versions[-2])
     new = opened.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
@@ -220,7 +221,7 @@ def restore(
 ) -> None:
     """Make an earlier version of a behavior the newest one.
 
-    An agent that is up takes it in when it loads its library again.
+    A running agent uses it after it reloads its library.
 
     Example:
 
@@ -233,7 +234,7 @@ def restore(
 
 @app.command()
 def accept(path: Annotated[Path, typer.Argument(help="A behavior file.")]) -> None:
-    """Take a behavior file as it was edited by hand: check it, and state its digests anew.
+    """Accept a behavior file that was edited by hand: check it and update its digests.
 
     Example:
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 PANEL = "Swarm"
 RunDir = Annotated[
     Path | None,
-    typer.Option("--run-dir", help="Where its files go, instead of the folder of that name."),
+    typer.Option("--run-dir", help="Folder for its files, instead of the default one."),
 ]
 
 
@@ -33,13 +33,15 @@ def up(
     swarm: Annotated[
         str, typer.Argument(help="A swarm description, or the name of a shipped one.")
     ] = "keepaway",
-    pace: Annotated[str, typer.Option(help="lockstep or realtime, instead of what it says.")] = "",
+    pace: Annotated[
+        str, typer.Option(help="lockstep or realtime; overrides the description.")
+    ] = "",
     paused: Annotated[bool, typer.Option("--paused", help="Start with the world paused.")] = False,
     run_dir: RunDir = None,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
 
-    Waits until every agent and the world answer. Killed processes are started again.
+    Waits until every agent and the world answer. Killed processes are restarted.
 
     Examples:
 
@@ -74,12 +76,12 @@ def up(
 
 def down(
     name: Annotated[
-        str | None, typer.Argument(metavar="[SWARM]", help="Which, if several are up.")
+        str | None, typer.Argument(metavar="[SWARM]", help="The swarm, if several are up.")
     ] = None,
     swarm: SwarmName = None,
     run_dir: RunDir = None,
 ) -> None:
-    """Stop a swarm, and whatever of it is still running.
+    """Stop a swarm and all its processes.
 
     Examples:
 
@@ -107,15 +109,15 @@ def down(
         killed = stop(folder)
     console.say(f"{record.swarm if record else folder.path.name} is down")
     if killed:
-        console.note(f"{len(killed)} processes did not stop by themselves and were killed")
+        console.note(f"{len(killed)} processes did not stop and were killed")
 
 
 def status(
-    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep showing it.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Show the agents: what mode they are in, what they perform, what went wrong.
+    """Show the agents: their modes, what they perform and what went wrong.
 
     Examples:
 
@@ -147,7 +149,7 @@ def _watch(swarm_up: Connection) -> None:
 
 
 def _status_data(swarm_up: Connection) -> dict[str, Any]:
-    """Return all that is known of a swarm, as plain data."""
+    """Return all that is known about a swarm, as plain data."""
     agents = [
         {
             "agent": name,
@@ -205,7 +207,7 @@ def _rendered(data: dict[str, Any]) -> Group:
             )
         )
         for name in world["missing"]:
-            lines.append(Text(f"the world hears no {name}", style="red"))
+            lines.append(Text(f"the world does not hear {name}", style="red"))
         lines += [Text(text, style="red") for text in _wrong(world)]
     table = Table(box=None, pad_edge=False)
     for column in ("agent", "mode", "behavior", "active", "examples", "library"):
@@ -233,6 +235,6 @@ def _rendered(data: dict[str, Any]) -> Group:
 
 
 def _wrong(status: dict[str, Any]) -> list[str]:
-    """Return what is wrong and lasts, and what was refused last."""
+    """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
     return [*faults, *([last] if last and last not in faults else [])]

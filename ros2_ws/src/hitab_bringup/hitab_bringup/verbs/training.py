@@ -17,10 +17,10 @@ PANEL = "Train"
 
 
 class ExamplesGroup(TyperGroup):
-    """Takes the name of an agent alone as wishing to see its examples."""
+    """Takes an agent's name without a command as a request to list its examples."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return what to do, and the arguments of that."""
+        """Return the command to run and its arguments."""
         if not (args[0] in self.commands or get_close_matches(args[0], self.commands)):
             args = ["list", *args]
         return super().resolve_command(ctx, args)
@@ -28,7 +28,7 @@ class ExamplesGroup(TyperGroup):
 
 examples_app = typer.Typer(
     cls=ExamplesGroup,
-    help="Look at and correct the examples of a training: `hitab examples keeper_1` lists them.",
+    help="List and correct the examples of a training: `hitab examples keeper_1` lists them.",
     no_args_is_help=True,
 )
 
@@ -48,7 +48,7 @@ def train(
     agent: AgentName,
     automaton: Annotated[
         str | None,
-        typer.Argument(help="What to train; nothing: take over from what is tested."),
+        typer.Argument(help="What to train; without it, take over from what is tested."),
     ] = None,
     feature: Annotated[
         list[str] | None,
@@ -56,7 +56,9 @@ def train(
     ] = None,
     state: Annotated[
         list[str] | None,
-        typer.Option("--state", "-s", help="A behavior that may be commanded; any by default."),
+        typer.Option(
+            "--state", "-s", help="A behavior that may be commanded; repeat. Default: any."
+        ),
     ] = None,
     parameter: Annotated[
         list[str] | None,
@@ -64,28 +66,28 @@ def train(
             "--parameter",
             "-p",
             metavar="A=ball",
-            help="A parameter, and what it is bound to during the training; repeat.",
+            help="A parameter and its target during the training; repeat.",
         ),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on from the examples of the saved behavior.")
+        bool, typer.Option("--resume", help="Resume from the examples of the saved behavior.")
     ] = False,
     resume_from: Annotated[
-        str, typer.Option("--from", help="Go on from the examples of another saved behavior.")
+        str, typer.Option("--from", help="Resume from the examples of another saved behavior.")
     ] = "",
     classifier: Annotated[
-        str, typer.Option(help="A scikit-learn classifier in the place of the tree.")
+        str, typer.Option(help="A scikit-learn classifier in place of the tree.")
     ] = "",
     discard: Annotated[
-        bool, typer.Option("--discard", help="Give up a training that was not saved.")
+        bool, typer.Option("--discard", help="Discard an unsaved training.")
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Begin to train an automaton; without one, take over from what was learned.
+    """Begin training an automaton; without one, take over from what was learned.
 
-    Choose the features that the decisions may look at before you begin. Then command behaviors
-    with `hitab demonstrate`, try what was learned with `hitab test`, take over again with
-    `hitab train AGENT`, and save.
+    First choose the features that the decisions may use. Then command behaviors with `hitab
+    demonstrate`, try what was learned with `hitab test`, take over again with `hitab train AGENT`,
+    and save.
 
     Examples:
 
@@ -136,7 +138,7 @@ def start_testing(
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Give the agent back to what it has learned, without a reset.
+    """Give control to what the agent has learned, without a reset.
 
     Example:
 
@@ -148,9 +150,9 @@ def start_testing(
 
 
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:
-    """Take back the last command, deletion or relabelling.
+    """Undo the last command, deletion or relabelling.
 
-    Taking back a command has the agent perform again what it performed before.
+    Undoing a command makes the agent perform again what it performed before.
 
     Example:
 
@@ -162,7 +164,7 @@ def undo(agent: AgentName, swarm: SwarmName = None) -> None:
 
 
 def redo(agent: AgentName, swarm: SwarmName = None) -> None:
-    """Do again what was taken back last, unless something else was done since.
+    """Redo what was undone last, unless something else was done since.
 
     Example:
 
@@ -175,21 +177,23 @@ def redo(agent: AgentName, swarm: SwarmName = None) -> None:
 
 def save(
     agent: AgentName,
-    name: Annotated[str, typer.Option(help="Another name than it was begun with.")] = "",
+    name: Annotated[
+        str, typer.Option(help="A new name; default: the name given to `hitab train`.")
+    ] = "",
     bind: Annotated[
         list[str] | None,
         typer.Option(metavar="ball=A", help="Replace a target or parameter; repeat."),
     ] = None,
-    description: Annotated[str, typer.Option(help="For people who browse the library.")] = "",
+    description: Annotated[str, typer.Option(help="Shown in the library.")] = "",
     keep_unused: Annotated[
         bool,
-        typer.Option(help="Keep features that nothing uses yet, to go on training with them."),
+        typer.Option(help="Keep features that nothing uses yet, to resume training with them."),
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Trim what was learned and add it to the agent's library.
 
-    It can be commanded from then on, as a state of the next, higher behavior.
+    From then on it can be commanded, as a state of a higher behavior.
 
     Examples:
 
@@ -212,23 +216,23 @@ def save(
     for parameter in bound.values():
         if parameter not in targets:
             console.say(
-                f'"{parameter}" is a parameter now, since no target is called so'
+                f'"{parameter}" is now a parameter, since no target has this name'
                 f"{did_you_mean(parameter, targets)}"
             )
     if answer.trimmed:
-        console.say(f"left out, since nothing uses it: {', '.join(answer.trimmed)}")
+        console.say(f"trimmed because unused: {', '.join(answer.trimmed)}")
 
 
 @examples_app.command("list")
 def examples_list(
     agent: AgentName,
     automaton: Annotated[
-        str, typer.Argument(help="A trained behavior; by default, what is being trained.")
+        str, typer.Argument(help="A trained behavior; default: what is being trained.")
     ] = "",
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """List the examples of the training under way, or of a trained behavior.
+    """List the examples of the current training, or of a trained behavior.
 
     Examples:
 
@@ -271,7 +275,7 @@ def examples_list(
     )
 
 
-Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see the list.")]
+Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
 
 
 @examples_app.command("delete")
@@ -286,10 +290,10 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
 def examples_relabel(
     agent: AgentName,
     numbers: Numbers,
-    to: Annotated[str, typer.Option("--to", help="The behavior that was right there.")],
+    to: Annotated[str, typer.Option("--to", help="The correct next state.")],
     swarm: SwarmName = None,
 ) -> None:
-    """Change where examples lead to. Example: hitab examples relabel keeper_1 5 --to GoSlow."""
+    """Change where examples lead. Example: hitab examples relabel keeper_1 5 --to GoSlow."""
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
     console.say(answer.message)

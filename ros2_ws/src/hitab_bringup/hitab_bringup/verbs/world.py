@@ -29,29 +29,31 @@ def pause(swarm: SwarmName = None) -> None:
 
 @app.command()
 def resume(swarm: SwarmName = None) -> None:
-    """Let the world go on."""
+    """Resume the world."""
     _control(swarm, "resume")
 
 
 @app.command()
 def step(
-    cycles: Annotated[int, typer.Argument(help="How many cycles.", min=1)] = 1,
+    cycles: Annotated[int, typer.Argument(help="Number of cycles.", min=1)] = 1,
     swarm: SwarmName = None,
 ) -> None:
-    """Let some cycles pass, then pause."""
+    """Run some cycles, then pause."""
     _control(swarm, "step", cycles=cycles)
 
 
 @app.command()
 def reset(swarm: SwarmName = None) -> None:
-    """Begin a new episode, all agents at Start."""
+    """Begin a new episode with all agents in Start."""
     _control(swarm, "reset")
 
 
 @app.command()
 def pace(
     pace: Annotated[str, typer.Argument(help="lockstep or realtime.")],
-    factor: Annotated[float, typer.Option(help="Of real time, in real-time pace.", min=0.0)] = 0.0,
+    factor: Annotated[
+        float, typer.Option(help="Multiple of real time, for realtime.", min=0.0)
+    ] = 0.0,
     swarm: SwarmName = None,
 ) -> None:
     """Set how fast the world runs.
@@ -79,11 +81,11 @@ def place(
         ),
     ],
     new_episode: Annotated[
-        bool, typer.Option("--new-episode", help="Begin a new episode from there.")
+        bool, typer.Option("--new-episode", help="Begin a new episode from these positions.")
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Put things somewhere; what is not given is kept.
+    """Put things somewhere; fields that are not given are kept.
 
     Example:
 
@@ -113,7 +115,7 @@ def snapshot(
     name: Annotated[str, typer.Argument(help="Name of the snapshot.")] = "",
     swarm: SwarmName = None,
 ) -> None:
-    """Keep the world's state under a name, bring it back or forget it.
+    """Save the world's state under a name, restore it or delete it.
 
     Examples:
 
