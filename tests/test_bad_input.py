@@ -227,5 +227,5 @@ def test_a_second_agent_of_the_same_name_is_refused(training, tmp_path):
     # Its supervisor must not start it again and again; it says whose the name is.
     assert done.returncode == FINAL
     swarm = training.record.identity
-    assert f'error: "{AGENT}" is running already in swarm {swarm}' in done.stderr
+    assert f'error: "{AGENT}" is already running in swarm {swarm}' in done.stderr
     assert training.agents.command(AGENT, "GoFast").mode == "training"

@@ -136,7 +136,7 @@ def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, pla
         assert log.count("spawned: 'lone'") == 1
         ((_, other),) = [f for f in running_swarms() if f[0].path != second.path]
         with pytest.raises(
-            SwarmError, match=f'"lone" is running already in swarm {other.identity}'
+            SwarmError, match=f'"lone" is already running in swarm {other.identity}'
         ):
             supervision.refuse_failed(record, second)
     finally:

@@ -1,4 +1,4 @@
-"""What all nodes share: names, qualities of service, conversions, executor loop."""
+"""Shared by all nodes: names, QoS profiles, conversions, executor loop."""
 
 import lazy_loader
 

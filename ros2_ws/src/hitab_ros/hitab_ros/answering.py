@@ -1,4 +1,4 @@
-"""Answering services: a refusal is a reply, too."""
+"""Answers service requests; a refusal is also a reply."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from hitab_ros.plain_text import plain
 from hitab_ros.recent_requests import RecentRequests
 
 Serve = Callable[[Any, Any], str]
-"""Does what a request asks for, fills in the response, and returns its message."""
+"""Carries out a request, fills in the response and returns its message."""
 
 
 def what_went_wrong(error: Exception) -> str:
-    """Say an error in words, with its place if it is not a user's but one in the code."""
+    """Describe an error, with its place in the code unless it is a user's error."""
     try:
         said = str(error)
-    except Exception:  # an error of somebody else's
-        said = "(it cannot be said)"
+    except Exception:  # a foreign error without a usable text
+        said = "(no description)"
     if isinstance(error, HitabError):
         return plain(said)
     places = traceback.extract_tb(error.__traceback__)
@@ -31,14 +31,14 @@ def what_went_wrong(error: Exception) -> str:
 def answering(
     serve: Serve, answered: Callable[[str], None] = lambda error: None
 ) -> Callable[[Any, Any], Any]:
-    """Return a service's callback, to be made on a `GuardedNode`, which answers what it raises.
+    """Return a service callback, for use on a `GuardedNode`, which answers with any exception.
 
-    A request with a number (fields ``request`` and ``client``) that is sent again is not done
-    again: it gets the same reply.
+    A repeated request with a number (fields ``request`` and ``client``) is not carried out again:
+    it gets the same reply.
 
     Args:
-        serve: what the service does; what it raises becomes the reply's message.
-        answered: called before the reply is sent, with the error, or "" if all went well.
+        serve: carries out a request; the text of its exception becomes the reply's message.
+        answered: called before the reply is sent, with the error, or "" on success.
     """
     recent: RecentRequests[Any] = RecentRequests()
 

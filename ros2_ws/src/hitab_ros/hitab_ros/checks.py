@@ -1,8 +1,8 @@
-"""Checks, at the border, of what others send: names, lengths of texts and lists, numbers.
+"""Validates incoming messages: names, lengths of texts and lists, numbers.
 
-Every message and request of the project's own types is checked before any callback sees it; what
-is refused here needs no check further in. The rules follow from the types of the fields, with
-exceptions in the tables below, so that a new message is checked as well.
+Every message and request of the project's own types is checked before any callback sees it, so
+that callbacks need no checks of their own. The rules follow from the types of the fields, with
+exceptions in the tables below, so new messages are checked as well.
 """
 
 from __future__ import annotations
@@ -22,46 +22,46 @@ from hitab_ros.plain_text import plain
 PACKAGE = "hitab_msgs"
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,99}\Z")
-"""What can stand in the name of a topic, as the names of agents, hosts and worlds do."""
+"""Pattern of a part of a topic name, such as the name of an agent, host or world."""
 
 NAME_RULE = "use up to 100 letters, digits and _, not beginning with a digit"
 
 NAMES = frozenset({"HostRoster.agents", "HostRoster.host"})
-"""Fields of which names of topics are made."""
+"""Fields that become parts of topic names."""
 
 TEXT_MAX = 1000
 LONG_TEXT_MAX = 10_000_000
 LONG_TEXTS = frozenset({"BehaviorFile.text"})
 SEVERAL_LINES = frozenset({"text", "description", "last_error", "faults", "message", "note"})
-"""Fields, of whatever message, that people read and that may have several lines."""
+"""Fields of any message with text for people, which may have several lines."""
 PATH_TEXT_MAX = 4096
 PATHS = frozenset({"LoadLibrary_Request.path"})
 
 ITEMS_MAX = 20_000
-"""Items of a list; the largest are the rosters and batches of a host."""
+"""Maximum items of a list; the largest are the rosters and batches of a host."""
 VALUES_MAX = 1_000_000
-"""Numbers in a list."""
+"""Maximum numbers in a list."""
 
 MAY_BE_INFINITE = frozenset({"values", "measures", "position"}) | {
-    *("factor", "x", "y", "heading", "vx", "vy", "radius")  # a world says of what it is wrong
+    *("factor", "x", "y", "heading", "vx", "vy", "radius")  # the world reports what is wrong
 }
-"""Fields, of whatever message, with numbers of a domain, which knows what they may be: a report
-is a sign of life, too, and not left out for one of them."""
+"""Fields of any message with numbers that only a domain can check. A report is also a heartbeat,
+so it is not dropped because of them."""
 
 AHEAD_S = 3600.0
-"""Numbers that are made of the time of day may be so far ahead of this machine's clock."""
+"""How far numbers made from the time of day may be ahead of this machine's clock."""
 TIMES_OF_DAY = frozenset({"HostRoster.number", "Order.epoch", "Report.epoch"})
-"""Such numbers, ns. One from the far future would make all that follow old."""
+"""Such numbers, ns. One from the far future would make all later ones look old."""
 
 Check = Callable[[Any], None]
 
 
 class BadMessage(HitabError):
-    """A message that cannot be meant; the text names the field and what would be right."""
+    """An invalid message; the text names the field and the expected value."""
 
 
 def check(message: Any) -> None:
-    """Check a message or request of the project's own; any other passes.
+    """Check a message or request of the project's own types; any other passes.
 
     Raises:
         BadMessage: naming the first field that is wrong.
@@ -72,7 +72,7 @@ def check(message: Any) -> None:
 
 
 def too_far_ahead(number: int) -> bool:
-    """Whether a number made of the time of day is from a future that no clock is wrong by."""
+    """Whether a number made from the time of day is too far in the future for a clock error."""
     return number > time.time_ns() + int(AHEAD_S * 1e9)
 
 
@@ -131,11 +131,11 @@ def _text_check(place: str) -> Callable[[str], None]:
 
     def text(value: str) -> None:
         if len(value) > limit:
-            raise BadMessage(f"{place} has {len(value)} characters; at most {limit} are taken")
+            raise BadMessage(f"{place} has {len(value)} characters; the limit is {limit}")
         if named and NAME.match(value) is None:
             raise BadMessage(f"{place}: {_shown(value)} is not a name; {NAME_RULE}")
         if not (value.isprintable() or (lines and "\0" not in value)):
-            raise BadMessage(f"{place}: {_shown(value)} has control characters; leave them out")
+            raise BadMessage(f"{place}: {_shown(value)} has control characters; remove them")
 
     return text
 
@@ -189,4 +189,4 @@ def _time_of_day(place: str, field: str) -> Check:
 
 def _check_count(place: str, items: Sequence[Any], most: int) -> None:
     if len(items) > most:
-        raise BadMessage(f"{place} has {len(items)} items; at most {most} are taken")
+        raise BadMessage(f"{place} has {len(items)} items; the limit is {most}")

@@ -1,8 +1,8 @@
-"""What the exit code of a node's process tells its supervisor."""
+"""Exit codes that a node's process reports to its supervisor."""
 
 FINAL = 3
-"""Exit code of a process that is not worth being started again."""
+"""Exit code of a process that should not be restarted."""
 
 FINAL_AFTER = "HITAB_FINAL_AFTER_S"
-"""Environment variable of a supervisor that tries again, whatever the exit code, what ends
-earlier than so many seconds after its start: such a process ends no earlier."""
+"""Environment variable with the start period, s, during which a supervisor restarts a process
+whatever its exit code. A process that should not be restarted waits until it is over."""

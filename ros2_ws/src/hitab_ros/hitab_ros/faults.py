@@ -1,4 +1,4 @@
-"""What is wrong with a node and lasts: each fault has a key, and goes when its cause ends."""
+"""Persistent faults of a node: each has a key, and is cleared when its cause ends."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Callable
 from hitab_ros.plain_text import plain
 
 FAULTS_MAX = 50
-"""Faults that are kept; a node in which more things fail shows the first ones."""
+"""Maximum number of faults that are kept; the first ones stay."""
 
 SHOWN_MAX = 10
-"""Faults that a status carries."""
+"""Maximum number of faults in a status."""
 
 
 class Faults:
     """The faults of one node, oldest first.
 
     Attributes:
-        changed: called when a fault appears, changes or goes.
-        by_key: the texts, to be read only.
+        changed: called when a fault appears, changes or is cleared.
+        by_key: the texts; read-only.
     """
 
     def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
@@ -32,11 +32,11 @@ class Faults:
         return bool(self.by_key)
 
     def set(self, key: str, text: str) -> bool:
-        """Keep a fault until `clear` is called with its key; return whether it is a new one.
+        """Keep a fault until `clear` is called with its key; return whether it is new.
 
         Args:
-            key: what fails; only one fault is kept for it.
-            text: what is wrong and, if there is one, the way out. An empty text clears it.
+            key: what fails; one fault is kept per key.
+            text: what is wrong and, if there is one, the way out. An empty text clears the fault.
         """
         if not text:
             self.clear(key)
@@ -50,16 +50,16 @@ class Faults:
         return before is None
 
     def clear(self, key: str) -> None:
-        """Forget a fault, since its cause has ended."""
+        """Remove a fault whose cause has ended."""
         if self.by_key.pop(key, None) is not None:
             self.changed()
 
     def text(self, key: str) -> str:
-        """Return what is wrong under a key; "" if nothing is."""
+        """Return the fault under a key; "" if there is none."""
         return self.by_key.get(key, "")
 
     def texts(self) -> list[str]:
-        """Return what is wrong, as a status shows it."""
+        """Return the faults as a status shows them."""
         texts = list(self.by_key.values())
         more = len(texts) - SHOWN_MAX
         return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {more} more faults"]

@@ -1,8 +1,8 @@
-"""The one guard through which every callback of every node goes.
+"""The guard around every callback of every node.
 
-An exception that leaves a callback ends the process (rclpy's EventsExecutor), and with it all
-other nodes there. A guarded callback logs what it raised, once for each cause and with the trace,
-and shows it among the node's faults until the same callback succeeds again.
+An exception that leaves a callback ends the process (rclpy's EventsExecutor) and all its nodes. A
+guarded callback logs its exception with the trace, once per cause, and lists it among the node's
+faults until the callback succeeds again.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from hitab_ros.faults import Faults
 from hitab_ros.sparing_log import SparingLog
 
 TRACE_MAX = 6000
-"""Characters of a trace that are logged."""
+"""Maximum characters of a logged trace."""
 
 
 class Guard:
-    """Runs callbacks so that what one raises ends neither the process nor anything else in it.
+    """Runs callbacks so that their exceptions do not end the process.
 
     Attributes:
-        faults: of the node that the callbacks belong to.
-        log: writes what others send, or what fails, sparingly.
+        faults: of the callbacks' node.
+        log: rate-limited log of failures and of received text.
     """
 
     def __init__(self, write: Callable[[str], None]) -> None:
-        """Make it.
+        """Create a guard.
 
         Args:
             write: writes to the node's log.
@@ -43,11 +43,11 @@ class Guard:
         self.log = SparingLog(write)
 
     def failed(self, key: str, error: Exception) -> None:
-        """Log an error, once for each cause, and show it until ``key`` succeeds.
+        """Log an error, once per cause, and list it as a fault until ``key`` succeeds.
 
         Args:
             key: what failed, in words, such as ``topic command``.
-            error: what was raised.
+            error: the exception.
         """
         places = traceback.extract_tb(error.__traceback__)
         place = (places[-1].filename, places[-1].lineno) if places else ("", 0)
@@ -63,9 +63,9 @@ class Guard:
         """Call a function; return whether it returned instead of raising.
 
         Args:
-            key: what it does, in words.
-            call: the function; what it returns is dropped.
-            arguments: what to call it with.
+            key: the activity, in words.
+            call: the function; its result is ignored.
+            arguments: of the call.
         """
         try:
             call(*arguments)
@@ -79,7 +79,7 @@ class Guard:
     def wrap(
         self, key: str, callback: Callable[..., Any], otherwise: Any = None
     ) -> Callable[..., Any]:
-        """Return a callback that never raises but returns ``otherwise`` instead."""
+        """Return a callback that returns ``otherwise`` instead of raising."""
         faults, failing = self.faults, self.faults.by_key
 
         if inspect.iscoroutinefunction(callback):
@@ -115,13 +115,13 @@ class Guard:
     ) -> Callable[..., Any]:
         """Return a subscription's callback that never raises.
 
-        A message that cannot be meant (see `hitab_ros.checks`) is left out, which is logged once:
-        it is no fault of the node.
+        An invalid message (see `hitab_ros.checks`) is dropped and logged once; it is not a fault
+        of the node.
 
         Args:
             key: the topic, in words.
             callback: takes a message.
-            checked: whether messages are checked; if not, the callback does so itself.
+            checked: whether to check messages; otherwise the callback must do so.
         """
         guarded = self.wrap(key, callback)
         if not checked:
@@ -132,18 +132,18 @@ class Guard:
             try:
                 check(message)
             except BadMessage as error:
-                self.log(f"{key}: left out what was sent: {error}", key)
+                self.log(f"{key}: dropped an invalid message: {error}", key)
                 return None
             return guarded(message, *information)
 
         return checked_and_guarded
 
     def wrap_service(self, key: str, serve: Callable[..., Any]) -> Callable[..., Any]:
-        """Return a service's callback that always returns a response that can be sent.
+        """Return a service callback that always returns a valid response.
 
-        Where the given one raises, or returns what cannot be sent, the response has ``success``
-        false and the reason in ``message``, as far as it has these fields. A `HitabError` is the
-        caller's mistake: it is answered, but is not a fault of the node.
+        If ``serve`` raises, or returns an invalid response, the response has ``success`` false and
+        the reason in ``message``, if it has these fields. A `HitabError` is the caller's mistake:
+        it is answered but is not a fault of the node.
         """
 
         @functools.wraps(serve)
@@ -168,7 +168,7 @@ class Guard:
 
 
 def refusal(kind: type[Any], error: Exception) -> Any:
-    """Return a response that refuses, with the reason if it has a field for that."""
+    """Return a refusing response, with the reason if it has a field for that."""
     response = kind()
     if hasattr(response, "message"):
         response.message = what_went_wrong(error)

@@ -1,4 +1,4 @@
-"""The node that all nodes of the project are: its callbacks, whoever makes them, are guarded."""
+"""The base class of all nodes of the project, with guarded callbacks."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from hitab_ros.guard import Guard
 
 
 class GuardedNode(Node):
-    """A node in which nothing that a callback raises leaves the callback.
+    """A node whose callbacks cannot raise into the executor.
 
-    Subscriptions, timers, services, clients and guard conditions that are made on it are guarded,
-    also those of a robot's link that somebody else has written. It has neither the topics nor the
-    services that nobody here uses, unless asked for.
+    Subscriptions, timers, services, clients and guard conditions created on it are guarded,
+    including those of a user's robot link. It omits unused standard topics and services by
+    default.
 
     Attributes:
-        guard: runs the callbacks; its faults belong into the node's status.
+        guard: runs the callbacks; its faults belong in the node's status.
     """
 
     def __init__(self, node_name: str, **options: Any) -> None:
@@ -33,10 +33,10 @@ class GuardedNode(Node):
         try:
             self.faults_changed()
         except Exception as error:  # the guard calls this while it handles another error
-            self.guard.log(f"faults cannot be shown: {what_went_wrong(error)}", "faults")
+            self.guard.log(f"faults cannot be published: {what_went_wrong(error)}", "faults")
 
     def faults_changed(self) -> None:
-        """Do what has to be done when a fault has appeared or gone, such as publish a status."""
+        """React to a change of the faults, for example by publishing a status."""
 
     def create_subscription(
         self,
@@ -47,21 +47,21 @@ class GuardedNode(Node):
         checked: bool = True,
         **options: Any,
     ) -> Any:
-        """Subscribe; see `rclpy.node.Node`. With ``checked`` bad messages are left out."""
+        """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped."""
         guarded = self.guard.wrap_topic(f"topic {topic}", callback, checked=checked)
         return super().create_subscription(msg_type, topic, guarded, *args, **options)
 
     def create_timer(
         self, timer_period_sec: float, callback: Callable[..., Any], *args: Any, **options: Any
     ) -> Any:
-        """Make a timer; see `rclpy.node.Node`."""
+        """Create a timer; see `rclpy.node.Node`."""
         guarded = self.guard.wrap(f"timer {name_of(callback)}", callback)
         return super().create_timer(timer_period_sec, guarded, *args, **options)
 
     def create_guard_condition(
         self, callback: Callable[..., Any], *args: Any, **options: Any
     ) -> Any:
-        """Make a guard condition; see `rclpy.node.Node`."""
+        """Create a guard condition; see `rclpy.node.Node`."""
         guarded = self.guard.wrap(f"condition {name_of(callback)}", callback)
         return super().create_guard_condition(guarded, *args, **options)
 
@@ -73,12 +73,12 @@ class GuardedNode(Node):
         *args: Any,
         **options: Any,
     ) -> Any:
-        """Offer a service; see `rclpy.node.Node`."""
+        """Create a service; see `rclpy.node.Node`."""
         guarded = self.guard.wrap_service(f"service {srv_name}", callback)
         return super().create_service(srv_type, srv_name, guarded, *args, **options)
 
     def create_client(self, srv_type: Any, srv_name: str, *args: Any, **options: Any) -> Any:
-        """Make a client, whose answers are guarded as well; see `rclpy.node.Node`."""
+        """Create a client with guarded answers; see `rclpy.node.Node`."""
         client = super().create_client(srv_type, srv_name, *args, **options)
         call_async = client.call_async
 
@@ -96,7 +96,7 @@ class GuardedNode(Node):
 
 
 def name_of(callback: Callable[..., Any]) -> str:
-    """Return what a callback is called, for people."""
+    """Return a callback's name, for people."""
     while isinstance(callback, functools.partial):
         callback = callback.func
     return getattr(callback, "__qualname__", type(callback).__name__)

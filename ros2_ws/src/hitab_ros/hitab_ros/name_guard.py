@@ -1,4 +1,4 @@
-"""Refusing to run two nodes of one name, which would both answer to every command."""
+"""Refuses to run two nodes with the same name, which would both obey every command."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from hitab_ros import names, qos
 from hitab_ros.spinning import FinalError, Spinner
 
 DISCOVERY_S = 0.7
-"""How long to look for others; nodes on the same machine find each other well within this."""
+"""How long to look for others; nodes on one machine discover each other well within this."""
 
 DEAD_AFTER_S = 2.5
-"""How long one that was found is given to say something; killed ones are found for longer."""
+"""How long to wait for a discovered node to publish; killed ones stay discovered for longer."""
 
-_PARTICIPANT = 12  # bytes of an endpoint's identifier that tell the process
+_PARTICIPANT = 12  # bytes of an endpoint's identifier that identify the process
 
 
 class NameTakenError(FinalError):
-    """Another node of the same name is there; starting once more does not help."""
+    """Another node with the same name is up; restarting does not help."""
 
 
 def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type[Any]) -> None:
-    """Look around for a while and make sure that no other process has these names.
+    """Look for other nodes for a while, and raise if another process has one of these names.
 
     Args:
         spinning: to wait with; the nodes have been added to its executor.
-        nodes: which are about to join the swarm. Each has a publisher on its status topic by
-            now but has published nothing yet.
+        nodes: about to join the swarm. Each must have a publisher on its status topic but must not
+            have published yet.
         status: type of the messages on that topic.
 
     Raises:
-        NameTakenError: naming the agent that is there already, and its swarm if that is
-            another one. Where two start at once, one of them gives way.
-        HitabError: the same, where the other one is part of the same swarm.
+        NameTakenError: naming the agent that is already up, and its swarm if that is another one.
+            If two start at once, one of them gives way.
+        HitabError: the same, if the other one belongs to the same swarm.
     """
-    # The identifier of an endpoint that can only be ours tells which of the others are.
+    # The identifier of an endpoint that can only be ours reveals which others are ours.
     marker_topic = f"marker_{uuid.uuid4().hex}"
     marker = nodes[0].create_publisher(status, marker_topic, 1)
     spinning.spin_until(lambda: False, DISCOVERY_S)
@@ -48,8 +48,8 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
     doubtful = {node: others for node in nodes if (others := _participants(node) - ours)}
     if not doubtful:
         return
-    # Somebody has these names, too: who has published its status was there before.
-    established: dict[str, str] = {}  # with the swarm that each belongs to
+    # Others have these names, too: those that have published a status were there first.
+    established: dict[str, str] = {}  # with the swarm of each
     listeners = []
     for node in doubtful:
         name = names.own_name(node)
@@ -67,8 +67,9 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
     ours_first = min(ours)
     try:
         spinning.spin_until(lambda: len(established) == len(doubtful), DISCOVERY_S)
-        # Of two that start at once the first by identifier goes on, and the other will hear it.
-        # Whoever is not heard at all was killed: what it left behind is no reason to give way.
+        # Of two that start at once, the one with the lower identifier continues, and the other
+        # will hear it. A node that never publishes was killed; its leftovers are no reason to give
+        # way.
         spinning.spin_until(lambda: not any(map(undecided, doubtful)), DEAD_AFTER_S)
         for node in doubtful:
             if (name := names.own_name(node)) in established:
@@ -80,10 +81,10 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
 
 def _taken(name: str, other: str, own: str) -> HitabError:
     where = f"swarm {other}, in the same ROS domain" if other not in ("", own) else "this swarm"
-    # What is left of this very swarm may be gone at the next try.
+    # Leftovers of this same swarm may be gone at the next try.
     kind = HitabError if own and other == own else NameTakenError
     return kind(
-        f'"{name}" is running already in {where}; give this one another name, or stop the '
+        f'"{name}" is already running in {where}; give this one another name, or stop the '
         "other one"
     )
 
@@ -93,7 +94,7 @@ def _swarm_of(node: Node) -> str:
 
 
 def _participants(node: Node, topic: str = names.STATUS) -> set[bytes]:
-    """Return the processes that publish on a topic of a node's namespace."""
+    """Return the processes that publish on a topic in a node's namespace."""
     full = f"{node.get_namespace().rstrip('/')}/{topic}"
     found = node.get_publishers_info_by_topic(full)
     return {bytes(info.endpoint_gid)[:_PARTICIPANT] for info in found}

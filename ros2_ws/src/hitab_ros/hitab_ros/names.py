@@ -1,7 +1,7 @@
 """Names of all topics and services.
 
-An agent and a world each live in a namespace of their own name. All of these names are relative
-to it, except those of the swarm, which are relative to the namespace that holds them all.
+An agent or a world has a namespace with its own name. All of these names are relative to it,
+except those of the swarm, which are relative to the enclosing namespace.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ GET_VOCABULARY = "get_vocabulary"
 GET_BEHAVIOR = "get_behavior"
 READ_FEATURES = "read_features"
 
-# Of a commander, beside those of an agent.
+# Of a commander, in addition to those of an agent.
 ORDER = "order"
 REPORTS = "reports"
 GROUP = "group"
@@ -33,7 +33,7 @@ GROUP = "group"
 # Of a host of many agents.
 PERCEPTS = "percepts"
 
-# Of a world; its status topic is called STATUS too.
+# Of a world; its status topic is also STATUS.
 ACTIONS = "actions"
 ACTION_BATCHES = "action_batches"
 STATE = "state"
@@ -42,7 +42,7 @@ CONTROL = "control"
 PLAY = "play"
 PLACE = "place"
 SNAPSHOT = "snapshot"
-CLOCK = "/clock"  # absolute, as ROS wants it
+CLOCK = "/clock"  # absolute, as required by ROS
 
 # Of the swarm.
 HOSTS = "hosts"
@@ -51,15 +51,15 @@ DISTRIBUTION_ACK = "distribution_ack"
 
 
 def own_name(node: Node) -> str:
-    """Return the name of the agent or world that a node is: the last part of its namespace."""
+    """Return the name of a node's agent or world: the last part of its namespace."""
     return node.get_namespace().rsplit("/", 1)[-1] or node.get_name()
 
 
 def swarm_namespace(node: Node) -> str:
-    """Return the namespace that holds all agents and the world, without a trailing slash."""
+    """Return the namespace of all agents and the world, without a trailing slash."""
     return node.get_namespace().rsplit("/", 1)[0]
 
 
 def in_swarm(node: Node, *parts: str) -> str:
-    """Return the full name of something in the swarm: ``in_swarm(node, "world", "actions")``."""
+    """Return a full name in the swarm, as in ``in_swarm(node, "world", "actions")``."""
     return "/".join((swarm_namespace(node), *parts))

@@ -1,13 +1,13 @@
-"""Texts that came from elsewhere, made fit for logs, statuses and terminals."""
+"""Makes foreign text safe for logs, statuses and terminals."""
 
 from __future__ import annotations
 
 TEXT_MAX = 1000
-"""Characters of a text that are shown."""
+"""Maximum characters of a text."""
 
 
 def plain(text: str, limit: int = TEXT_MAX) -> str:
-    """Return a text of bounded length without control characters, line ends excepted."""
+    """Return a text of bounded length without control characters except line ends."""
     if len(text) > limit:
         half = (limit - 5) // 2
         text = f"{text[:half]} ... {text[-half:]}"

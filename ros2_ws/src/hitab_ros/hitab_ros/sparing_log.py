@@ -1,4 +1,4 @@
-"""Logging what is sent by others, or fails again and again, without filling the disk."""
+"""Logs foreign text and repeated failures without filling the disk."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from collections.abc import Callable, Hashable
 from hitab_ros.plain_text import plain
 
 AT_ONCE = 20
-"""Lines that may be written at once ..."""
+"""Maximum lines in a burst."""
 
 REFILL_S = 10.0
-"""... and the time, s, after which one more may be."""
+"""Time, s, after which one more line is allowed."""
 
 REMEMBERED = 500
-"""Distinct causes that are remembered."""
+"""Maximum number of causes remembered."""
 
 
 class SparingLog:
-    """Writes the same thing once, and different things at a bounded rate."""
+    """Writes equal texts once, and different texts at a limited rate."""
 
     def __init__(
         self, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic
@@ -32,12 +32,12 @@ class SparingLog:
         self._left_out = 0
 
     def __call__(self, text: str, cause: Hashable = None, limit: int = 1000) -> None:
-        """Write a text unless the same was written before or too much is written.
+        """Write a text, unless it repeats an earlier one or exceeds the rate.
 
         Args:
-            text: what to write.
-            cause: what it is about, if that is not the text itself.
-            limit: characters of it that are written.
+            text: to write.
+            cause: identifies repetitions; the text itself by default.
+            limit: maximum characters written.
         """
         cause = text if cause is None else cause
         if cause in self._seen:
@@ -54,6 +54,6 @@ class SparingLog:
         self._seen[cause] = None
         text = plain(text, limit)
         if self._left_out:
-            text += f" ({self._left_out} other messages were left out before this one)"
+            text += f" ({self._left_out} other messages were dropped before this one)"
             self._left_out = 0
         self._write(text)

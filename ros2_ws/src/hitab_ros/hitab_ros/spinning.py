@@ -1,4 +1,4 @@
-"""Running nodes in a process: start, spin until told to stop, clean up.
+"""Runs nodes in a process: start, spin until stopped, clean up.
 
 The experimental EventsExecutor handles a hundred times more subscriptions than the default one.
 In rclpy 7.1 it dispatches nothing under `spin()`, hence the loop over `spin_once`.
@@ -31,20 +31,20 @@ _WAKE_S = 0.1
 
 
 class FinalError(HitabError):
-    """Starting the process again would not help; its exit code is `FINAL`."""
+    """An error that a restart would not fix; the exit code is `FINAL`."""
 
 
 def make_node(name: str, **options: Any) -> GuardedNode:
-    """Return a node without the topics and services that nobody here uses."""
+    """Return a node without unused standard topics and services."""
     return GuardedNode(name, **options)
 
 
 class Spinner:
-    """Spins an executor until `stop` is called or the process is told to end.
+    """Spins an executor until `stop` is called or the process gets a signal to end.
 
     Attributes:
         stopped: whether the loop should end.
-        exit_code: of the process, once it has.
+        exit_code: of the process, once stopped.
     """
 
     def __init__(self, executor: Executor) -> None:
@@ -54,15 +54,15 @@ class Spinner:
         self._guard = Guard(rclpy.logging.get_logger("executor").error)
 
     def stop(self, exit_code: int = 0) -> None:
-        """End the loop after the callback that runs now; callable from a signal handler."""
+        """End the loop after the current callback; safe in a signal handler."""
         self.stopped = True
         self.exit_code = self.exit_code or exit_code
 
     def spin_once(self, timeout_sec: float = _WAKE_S) -> None:
-        """Handle what has come, or wait so long, s, for something to come.
+        """Handle pending events, or wait up to ``timeout_sec`` for one.
 
-        Callbacks are guarded by their nodes; what goes wrong between the middleware and a
-        callback, such as a message that cannot be read, is only logged.
+        Nodes guard their callbacks; a failure between the middleware and a callback, such as an
+        unreadable message, is only logged.
         """
         self._guard.run("handling an event", self.executor.spin_once, timeout_sec)
 
@@ -87,10 +87,9 @@ class Spinner:
 
 @contextmanager
 def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
-    """Start ROS, give an executor to add nodes to, and take everything down at the end.
+    """Start ROS, yield a spinner for nodes, and shut everything down at the end.
 
-    SIGINT and SIGTERM stop the spinning after the present callback, so that nothing is cut in
-    the middle of a write.
+    SIGINT and SIGTERM stop the spinning after the current callback, so that no write is cut off.
     """
     given = None if arguments is None else list(arguments)
     rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
@@ -119,16 +118,16 @@ Loop = Callable[["Spinner"], int]
 
 
 def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None = None) -> int:
-    """Be the main function of a node's process.
+    """Run the main function of a node's process.
 
     Args:
-        start: makes nodes and adds them to the spinner's executor. It may return the main loop
-            that the process needs instead of handling one event after the other.
+        start: creates nodes and adds them to the spinner's executor. It may return a main loop to
+            run instead of handling one event after the other.
         arguments: the command line, with ROS arguments; None: that of the process.
 
     Returns:
-        The exit code: 1 after an error that a user has to mend, which is printed in one line;
-        `FINAL` if starting the process again would not help.
+        The exit code: 1 after an error that a user can fix, which is printed in one line; `FINAL`
+        if a restart would not help.
     """
     began = time.monotonic()
     try:
@@ -144,7 +143,7 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
         return 1
     except (NameValidationException, ParameterException) as error:
         why = " ".join(str(error).split())
-        print(f"error: {why}; look at the names and parameters that it is given", file=sys.stderr)
+        print(f"error: {why}; check the names and parameters given to it", file=sys.stderr)
         return 1
     except (KeyboardInterrupt, ExternalShutdownException):
         return 0

@@ -1,4 +1,4 @@
-"""For tests of nodes: a place where nobody else is heard."""
+"""For tests of nodes: an isolated ROS domain."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 
 @contextmanager
 def context_of_its_own() -> Iterator[Context]:
-    """Yield a context, on this machine, in a ROS domain that no other test uses meanwhile."""
+    """Yield a context in a ROS domain, on this machine, that no other test uses."""
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     context = Context()
     with domain_id() as number:
