@@ -7,18 +7,15 @@ the actions. Errors that a user can fix raise `HitabError` and leave the agent u
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import HitabError, LibraryError, TrainingError, VocabularyError, has
+from hitab_core.errors import TrainingError, VocabularyError, has
 from hitab_core.example import Example
-from hitab_core.example_codec import example_record
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
@@ -32,9 +29,7 @@ from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
-from hitab_core.training.example_journal import ExampleJournal
-from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.training_record import replay
+from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.use import Use
 
@@ -79,7 +74,6 @@ class Agent:
         self.cycle = 0
         self.mode = Mode.IDLE
         self.top: Use | None = None
-        self.session: TrainingSession | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
@@ -92,9 +86,10 @@ class Agent:
             most_probable,
             observe,
         )
-        self._journal_path = None if journal_folder is None else journal_folder / "training.jsonl"
-        self._journal: ExampleJournal | None = None
-        self._resume_interrupted_training()
+        self.journal = TrainingJournal(journal_folder, domain.name)
+        self.session = self.journal.resume(self._context, library.has_saved)
+        if self.session is not None:
+            self.mode = Mode.TRAINING
 
     # -- what it knows ----------------------------------------------------------------------
 
@@ -264,8 +259,8 @@ class Agent:
                 curriculum.classifier,
             )
             examples = _with_features(earlier, features)
-        session = TrainingSession(self._context, curriculum, examples, self._write)
-        self._begin_journal(curriculum, examples)
+        session = TrainingSession(self._context, curriculum, examples, self.journal.write)
+        self.journal.begin(curriculum, examples)
         self._stop()
         self.session = session
         self.mode = Mode.TRAINING
@@ -355,9 +350,9 @@ class Agent:
                 state = prepare(self._context, edition, None, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
-            self._write({"do": "save", "automaton": saved.name, "checksum": saved.checksum})
+            self.journal.saved(saved.name, saved.checksum)
             change.commit()
-        self._close_journal()
+        self.journal.archive()
         notes += self._swap(state, self.library, ends_training=True)
         return saved.automaton, self.library.path(saved.name), notes
 
@@ -403,9 +398,7 @@ class Agent:
             TrainingError: if there is none.
         """
         self._session()
-        if self._journal is not None:
-            self._journal.archive()
-            self._journal = None
+        self.journal.discard()
         self._stop()
         self.session = None
         self.mode = Mode.IDLE
@@ -521,77 +514,6 @@ class Agent:
         elif self.session is None or self.mode is Mode.PERFORMING:
             self.mode = Mode.IDLE
         return notes
-
-    # -- the journal of a training ----------------------------------------------------------
-
-    def _begin_journal(self, curriculum: Curriculum, examples: Iterable[Example]) -> None:
-        if self._journal_path is None:
-            return
-        journal = ExampleJournal.begin(
-            self._journal_path,
-            {
-                "do": "begin",
-                "domain": self.domain.name,
-                "curriculum": curriculum.to_record(),
-                "examples": [example_record(e) for e in examples],
-            },
-        )
-        if self._journal is not None:
-            self._journal.close()
-        self._journal = journal
-
-    def _write(self, record: Mapping[str, object]) -> None:
-        if self._journal is not None:
-            self._journal.append(record)
-
-    def _close_journal(self) -> None:
-        """Archive the journal of a saved training; if that fails, the next start does it."""
-        journal, self._journal = self._journal, None
-        if journal is not None:
-            with suppress(LibraryError):
-                journal.archive()
-            journal.close()
-
-    def _resume_interrupted_training(self) -> None:
-        path = self._journal_path
-        if path is None or not path.exists():
-            return
-        journal = ExampleJournal.open(path)
-        records = list(journal.records())
-        if not records:
-            journal.discard()
-            return
-        last = records[-1]
-        if last.get("do") == "save" and self.library.has_saved(
-            str(last.get("automaton")), str(last.get("checksum"))
-        ):
-            # The process ended after saving the behavior and before archiving the journal.
-            with suppress(LibraryError):
-                journal.archive()
-            journal.close()
-            return
-        try:
-            self.session = self._replayed(records)
-        except (HitabError, KeyError, TypeError, ValueError) as error:
-            journal.close()
-            raise LibraryError(
-                f"{path}: the interrupted training cannot be resumed: {error}; "
-                "fix that, or move this file away to start without that training"
-            ) from error
-        self._journal = journal
-        self.mode = Mode.TRAINING
-
-    def _replayed(self, records: Sequence[Mapping[str, Any]]) -> TrainingSession:
-        begin, *rest = records
-        if begin["domain"] != self.domain.name:
-            raise TrainingError(
-                f'it is of domain "{begin["domain"]}", and {self.name} has "{self.domain.name}"'
-            )
-        curriculum = Curriculum.from_record(begin["curriculum"])
-        log = replay([{"do": "command", "examples": begin["examples"]}], ExampleLog())
-        session = TrainingSession(self._context, curriculum, log.examples, self._write)
-        session.replay(rest)
-        return session
 
 
 def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example, ...]:

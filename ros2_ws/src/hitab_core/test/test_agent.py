@@ -144,7 +144,7 @@ def test_a_training_survives_the_process_with_everything_that_was_done_to_it(mak
     agent.session.relabel([4], Use("Right"))
     agent.session.delete([2])
     expected = agent.session.examples
-    agent._journal.close()  # as the end of the process does
+    agent.journal.close()  # as the end of the process does
     again = make()
     assert again.mode is Mode.TRAINING
     assert again.session.examples == expected
@@ -280,7 +280,7 @@ def test_a_command_that_cannot_be_written_down_changes_nothing(make, monkeypatch
     assert agent.mode is Mode.TRAINING
     agent.command(Use("Right"))
     expected = agent.session.examples
-    agent._journal.close()  # as the end of the process does
+    agent.journal.close()  # as the end of the process does
     assert make().session.examples == expected
 
 
@@ -294,7 +294,7 @@ def test_a_training_that_cannot_be_written_down_leaves_the_earlier_one_safe(make
     assert agent.behavior == "Home"
     agent.command(Use("Right"))
     expected = agent.session.examples
-    agent._journal.close()  # as the end of the process does
+    agent.journal.close()  # as the end of the process does
     assert make().session.examples == expected
 
 
@@ -304,7 +304,7 @@ def test_a_training_whose_files_are_removed_is_written_again(make, tmp_path):
     shutil.rmtree(tmp_path / "ann")
     agent.command(Use("Right"))
     expected = agent.session.examples
-    agent._journal.close()  # as the end of the process does
+    agent.journal.close()  # as the end of the process does
     again = make()
     assert again.session.examples == expected
     shutil.rmtree(tmp_path / "ann")
@@ -327,7 +327,7 @@ def test_commands_after_a_test_are_corrections_also_after_a_restart(make):
     agent = make()
     teach_home(agent)
     agent.test()
-    agent._journal.close()  # as the end of the process does
+    agent.journal.close()  # as the end of the process does
     again = make()
     see(again, -3.0)
     assert again.command(Use("Right"))[0].kind is ExampleKind.CORRECTION
@@ -340,7 +340,7 @@ def test_an_interrupted_training_that_does_not_fit_is_told_with_its_file(make, t
     agent.begin(Curriculum("Far", (Use("x"),)))
     see(agent, 5.0)
     agent.command(Use("Home"))
-    agent._journal.close()  # as the end of the process does
+    agent.journal.close()  # as the end of the process does
     (tmp_path / "ann" / "library" / "Home.hfa.yaml").unlink()
     with pytest.raises(LibraryError, match=r"training.jsonl: .*\"Home\".*move this file away"):
         make()

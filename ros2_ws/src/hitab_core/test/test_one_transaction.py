@@ -71,7 +71,7 @@ def teach(agent, name, *states, parameters=(), save=True):
 
 def end_of(agent, journal=None):
     """Let go of what the kernel lets go of when a process ends."""
-    for held in (journal, agent._journal):
+    for held in (journal, agent.journal._file):
         if held is not None:
             held.close()
 
@@ -137,7 +137,7 @@ def test_disk_memory_and_answer_agree_whichever_operation_fails(
         teach(agent, "Home", "Left", "Right")
         teach(agent, "Away", "Right", save=False)
         act = change(agent, make_one)
-        before, journal = known(agent), agent._journal
+        before, journal = known(agent), agent.journal._file
         with monkeypatch.context() as patch:
             disk = FaultyDisk(patch, tmp_path, number, how)
             answer, why = "done", str(tmp_path)
@@ -180,7 +180,7 @@ def test_the_training_that_was_saved_is_not_offered_again_if_the_journal_could_n
 ):
     agent = make()
     teach(agent, "Home", "Left", "Right", save=False)
-    journal = agent._journal
+    journal = agent.journal._file
     archived = "hitab_core.training.example_journal.ExampleJournal.archive"
     with monkeypatch.context() as patch:
 

@@ -86,7 +86,7 @@ class Trained:
         self.agent.command(Use(label))
 
     def crash(self) -> None:
-        self.agent._journal.close()  # as the end of the process does
+        self.agent.journal.close()  # as the end of the process does
         self._start()
         self.see(0.0)
 
@@ -412,7 +412,7 @@ def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: l
             assert (log.can_undo, log.can_redo) == (bool(model.past), bool(model.future))
             assert log.defaults == sum(e[4] == "default" for e in model.examples)
             assert (trained.agent.mode is Mode.PERFORMING) == model.away
-        trained.agent._journal.close()
+        trained.agent.journal.close()
 
 
 # What it costs ----------------------------------------------------------------------------------

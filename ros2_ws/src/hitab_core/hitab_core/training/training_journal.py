@@ -1,0 +1,153 @@
+"""The journal of an agent's training, from its beginning until it is saved or discarded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from hitab_core.errors import HitabError, LibraryError, TrainingError
+from hitab_core.example import Example
+from hitab_core.example_codec import example_record
+from hitab_core.running.running_automaton import RunContext
+from hitab_core.training.example_journal import ExampleJournal
+from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.training_record import replay
+from hitab_core.training.training_session import Curriculum, TrainingSession
+
+FILE_NAME = "training.jsonl"
+
+
+class TrainingJournal:
+    """Keeps the training under way on disk, so that it survives the process.
+
+    Without a folder it keeps nothing.
+    """
+
+    def __init__(self, folder: Path | None, domain: str) -> None:
+        """Name the journal; nothing is read or written yet.
+
+        Args:
+            folder: where it is; None: nowhere.
+            domain: name of the agent's domain.
+        """
+        self._path = None if folder is None else folder / FILE_NAME
+        self._domain = domain
+        self._file: ExampleJournal | None = None
+
+    def begin(self, curriculum: Curriculum, examples: Iterable[Example]) -> None:
+        """Begin the journal of a training, in place of the one before.
+
+        Raises:
+            LibraryError: if it cannot be written; then the one before is still there.
+        """
+        if self._path is None:
+            return
+        file = ExampleJournal.begin(
+            self._path,
+            {
+                "do": "begin",
+                "domain": self._domain,
+                "curriculum": curriculum.to_record(),
+                "examples": [example_record(e) for e in examples],
+            },
+        )
+        self.close()
+        self._file = file
+
+    def write(self, record: Mapping[str, object]) -> None:
+        """Write what was done; it is on disk when this returns.
+
+        Raises:
+            LibraryError: if it cannot be written.
+        """
+        if self._file is not None:
+            self._file.append(record)
+
+    def saved(self, behavior: str, checksum: str) -> None:
+        """Write that the training is being saved.
+
+        If the process ends before `archive`, the next one recognizes the saved file by this.
+
+        Raises:
+            LibraryError: if it cannot be written.
+        """
+        self.write({"do": "save", "automaton": behavior, "checksum": checksum})
+
+    def discard(self) -> None:
+        """Archive the journal of a training that is given up.
+
+        Raises:
+            LibraryError: if it cannot be moved.
+        """
+        if self._file is not None:
+            self._file.archive()
+            self._file = None
+
+    def archive(self) -> None:
+        """Archive the journal of a saved training; if that fails, the next start does it."""
+        file, self._file = self._file, None
+        if file is not None:
+            with suppress(LibraryError):
+                file.archive()
+            file.close()
+
+    def close(self) -> None:
+        """Close the file; it stays where it is."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def resume(
+        self, context: RunContext, has_saved: Callable[[str, str], bool]
+    ) -> TrainingSession | None:
+        """Return the interrupted training, if there is one.
+
+        Args:
+            context: of the agent.
+            has_saved: whether the library has a behavior of this name and checksum.
+
+        Raises:
+            LibraryError: if it cannot be read or resumed.
+        """
+        path = self._path
+        if path is None or not path.exists():
+            return None
+        file = ExampleJournal.open(path)
+        records = list(file.records())
+        if not records:
+            file.discard()
+            return None
+        last = records[-1]
+        if last.get("do") == "save" and has_saved(
+            str(last.get("automaton")), str(last.get("checksum"))
+        ):
+            # The process ended after saving the behavior and before archiving the journal.
+            self._file = file
+            self.archive()
+            return None
+        try:
+            session = self._replayed(records, context)
+        except (HitabError, KeyError, TypeError, ValueError) as error:
+            file.close()
+            raise LibraryError(
+                f"{path}: the interrupted training cannot be resumed: {error}; "
+                "fix that, or move this file away to start without that training"
+            ) from error
+        self._file = file
+        return session
+
+    def _replayed(
+        self, records: Iterable[Mapping[str, Any]], context: RunContext
+    ) -> TrainingSession:
+        begin, *rest = records
+        if begin["domain"] != self._domain:
+            raise TrainingError(
+                f'it is of domain "{begin["domain"]}", and the agent has "{self._domain}"'
+            )
+        curriculum = Curriculum.from_record(begin["curriculum"])
+        log = replay([{"do": "command", "examples": begin["examples"]}], ExampleLog())
+        session = TrainingSession(context, curriculum, log.examples, self.write)
+        session.replay(rest)
+        return session
