@@ -325,7 +325,7 @@ def test_whoever_performs_what_would_not_fit_keeps_what_it_knew_and_says_so(host
     answers = host.answers()
     refused = answers.pop(busy.name)
     assert not refused.success
-    assert 'cannot perform "Go(ball)" any more' in refused.message
+    assert 'could no longer perform "Go(ball)"' in refused.message
     assert {ack.success for ack in answers.values()} == {True}
     assert busy.edition is before
     assert busy.behavior == "Go(ball)"

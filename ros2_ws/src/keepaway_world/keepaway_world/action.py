@@ -5,11 +5,11 @@ values                command
 ====================  ====================================================================
 ``[]`` or ``[0]``     none
 ``[1, power]``        dash along the body, power from -100 to 100
-``[2, moment]``       turn by ``moment`` rad, from -pi to pi, less the faster the keeper is
+``[2, moment]``       turn by ``moment`` rad, from -pi to pi; less at higher speed
 ``[3, power, dir]``   kick, power from 0 to 100, towards ``dir`` rad relative to the body
 ====================  ====================================================================
 
-Figures beyond their range are clipped, as the server does; further values are ignored.
+Values out of range are clipped, as in the server; extra values are ignored.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _NAMES = {NONE: "none", DASH: "dash", TURN: "turn", KICK: "kick"}
 
 
 class ActionError(ValueError):
-    """An action that means nothing."""
+    """An action that is not valid."""
 
 
 Command = tuple[float, float, float]
@@ -34,10 +34,10 @@ NO_COMMAND: Command = (NONE, 0.0, 0.0)
 
 
 def parse(values: Sequence[float]) -> Command:
-    """Return the command that ``values`` stand for.
+    """Return the command that ``values`` encode.
 
     Raises:
-        ActionError: if there is no such kind, a value is missing or is not a finite number.
+        ActionError: if the kind is unknown, or a value is missing or not finite.
     """
     if len(values) == 0:
         return NO_COMMAND
@@ -45,7 +45,7 @@ def parse(values: Sequence[float]) -> Command:
     length = _LENGTHS.get(kind)
     if length is None:
         known = ", ".join(f"{number:g} {name}" for number, name in _NAMES.items())
-        raise ActionError(f"{kind} is no kind of action (has: {known})")
+        raise ActionError(f"unknown kind of action {kind} (has: {known})")
     if len(values) < length:
         raise ActionError(
             f"a {_NAMES[kind]} has {length} values, not {len(values)}: {list(values)}"

@@ -1,7 +1,7 @@
 """The keepers' basic behaviors (the paper, section 6).
 
-All of them give at most one command a cycle, decide by this cycle's percept alone and remember
-nothing. Powers are those of rcssserver, 0 to 100; speeds are in m/cycle.
+Each gives at most one command per cycle, decides from the current percept alone and keeps no
+state. Powers are those of rcssserver, 0 to 100; speeds are in m/cycle.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from keepaway_world.percept import BALL
 
 FAST, MEDIUM, SLOW = 100.0, 90.0, 75.0
 
-AT_REST = 0.1  # m/cycle: a ball that seems slower than this is left alone
+AT_REST = 0.1  # m/cycle: a ball that looks slower than this is left alone
 
 BALL_RESTS = 0.02  # m/cycle: a ball as slow as this rolls on for a third of a metre
 
 OPEN_STEP = 3.0  # m: how far ahead GetOpen looks down its potential field
-OPEN_ARRIVED = 0.5  # m: a place so near is not worth going to
-TURN_WHEN_OFF = math.radians(10.0)  # a keeper that is off by less dashes
+OPEN_ARRIVED = 0.5  # m: a place closer than this is not worth going to
+TURN_WHEN_OFF = math.radians(10.0)  # a keeper that is off by less than this dashes
 
 
 def go_fast(body: KeeperBody) -> None:
@@ -42,11 +42,11 @@ def go_slow(body: KeeperBody) -> None:
 
 
 def stop(body: KeeperBody) -> None:
-    """Come to rest, and bring a rolling ball that is within kicking range to rest too.
+    """Come to rest, and stop a rolling ball within kicking range.
 
-    A keeper that does not dash rolls out within a metre. The paper does not say what its Stop
-    does to the ball; but where agents cannot collide with it, a ball that nobody stops with a
-    kick rolls past every receiver, and no pass could ever be completed.
+    A keeper that does not dash comes to rest within a metre. The paper does not say what its Stop
+    does to the ball. But where agents cannot collide with the ball, it rolls past every receiver
+    that does not stop it with a kick, and no pass could ever be completed.
     """
     if not body.ball_is_kickable:
         return
@@ -59,7 +59,7 @@ def stop(body: KeeperBody) -> None:
 
 
 def turn_to_ball(body: KeeperBody) -> None:
-    """Turn to face the ball; a fast keeper needs more than one cycle for much of a turn."""
+    """Turn to face the ball; at speed, a large turn takes more than one cycle."""
     direction = body.values[BALL + 1]
     if direction:
         body.turn_by(direction)
@@ -68,8 +68,8 @@ def turn_to_ball(body: KeeperBody) -> None:
 def most_open_keeper(body: KeeperBody) -> int:
     """Return the place of the team mate to pass to.
 
-    The one whose direction makes the largest angle with that of the closest taker, both seen
-    from the passer; the lowest number if several do. Without takers, the closest team mate.
+    It is the one with the largest angle, seen from the passer, to the closest taker; on a tie, the
+    lowest number. Without takers, it is the closest team mate.
     """
     taker = body.closest_taker()
     if taker == NOBODY:
@@ -85,15 +85,15 @@ def most_open_keeper(body: KeeperBody) -> int:
 def pass_ball(body: KeeperBody) -> None:
     """Kick the ball once to the most open team mate and yell its number.
 
-    The ball is to arrive at 1.2 m/cycle. What it does now is accounted for, and how well it is
-    placed for a kick; where one kick is too weak for that, the ball leaves in the right
-    direction as fast as it can be made to. Does nothing if the ball is not kickable.
+    The ball should arrive at 1.2 m/cycle. The kick accounts for the ball's motion and its place
+    beside the player. If one kick is too weak, the ball leaves in the right direction as fast as
+    possible. Does nothing if the ball is not kickable.
     """
     pass_to(body, most_open_keeper(body))
 
 
 def pass_to(body: KeeperBody, receiver: int) -> None:
-    """Kick the ball once to the team mate at a place, as `pass_ball` tells.
+    """Kick the ball once to the team mate at a place, as in `pass_ball`.
 
     Does nothing if the ball is not kickable or there is no such team mate.
     """
@@ -122,9 +122,9 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
 def get_open(body: KeeperBody) -> None:
     """Move away from the team mates, never out of the circle around the box's centre.
 
-    A simple potential field: each team mate repels with a force of 1/distance. The keeper goes a
-    step along the sum of the forces, or to the point of the circle (10 m in the paper's box)
-    nearest to there. It turns if that is not ahead, else it dashes so as to come to rest there.
+    This is a simple potential field: each team mate repels with a force of 1/distance. The keeper
+    goes a step along the sum of the forces, or to the nearest point on the circle (10 m in the
+    paper's box). It turns if that place is not ahead, otherwise it dashes to come to rest there.
     """
     x, y = body.position
     fx = fy = 0.0
@@ -149,7 +149,7 @@ def get_open(body: KeeperBody) -> None:
 
 
 def go_by(body: KeeperBody, dx: float, dy: float) -> None:
-    """Turn towards a place, given relative to the keeper, or dash so as to come to rest there."""
+    """Turn towards a place, given relative to the keeper, or dash to come to rest there."""
     off = wrapped(math.atan2(dy, dx) - body.heading)
     if abs(off) > TURN_WHEN_OFF:
         body.turn_by(off)
@@ -164,7 +164,7 @@ def go_by(body: KeeperBody, dx: float, dy: float) -> None:
 
 
 def open_radius(body: KeeperBody) -> float:
-    """Return how far from the centre GetOpen may go: with all of the body within half the box."""
+    """Return GetOpen's largest distance from the centre: all of the body within half the box."""
     half = min(body.values[percept.WIDTH], body.values[percept.HEIGHT]) / 2.0
     return half - body.parameters.player_radius
 

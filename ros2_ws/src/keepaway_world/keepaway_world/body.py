@@ -1,4 +1,4 @@
-"""A keeper's body: what it perceives in this cycle, and the one command that it gives."""
+"""A keeper's body: its percept and its one command in this cycle."""
 
 from __future__ import annotations
 
@@ -13,26 +13,25 @@ from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import BALL, CYCLES_PER_SECOND, OTHERS
 
 NOBODY = -1
-"""The place of a player that there is not, such as the closest taker without takers."""
+"""The place of a missing player, such as the closest taker if there are none."""
 
 YELL = "pass {}"
-"""What a passer yells: the receiver's number makes it 10 characters at most up to 99999."""
+"""A passer's yell with the receiver's number; 10 characters at most, for numbers to 99999."""
 
 
 class KeeperBody:
     """The `hitab_core.domain.Body` of one keeper.
 
-    Ball and players are referred to by their *place* in the percept: the index of their
-    distance, after which their direction follows. `dash`, `turn` and `kick` set the command of
-    this cycle; the last one counts, as a keeper gives at most one a cycle.
+    The ball and players are identified by their *place* in the percept: the index of their
+    distance, followed by their direction. `dash`, `turn_by` and `kick` set the command of this
+    cycle; the last call counts, since a keeper gives at most one command per cycle.
 
     Args:
         name: of the agent.
-        parameters: the mechanics that the keeper believes in; speeds are in m/cycle.
+        parameters: the mechanics that the keeper assumes; speeds are in m/cycle.
 
     Attributes:
-        values: the percept, laid out as `keepaway_world.percept` tells; the SI units of its
-            velocities included.
+        values: the percept, in the layout and units of `keepaway_world.percept`.
         heard: the messages heard in this cycle.
     """
 
@@ -63,10 +62,10 @@ class KeeperBody:
         self._say = ""
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take this cycle's percept and forget the last one, and the command that followed.
+        """Take this cycle's percept; clear the last one and its command.
 
         Raises:
-            FeatureValueError: if the percept is not laid out for a keeper.
+            FeatureValueError: if the percept does not have a keeper's layout.
         """
         if len(values) != self._length or values[percept.KEEPERS] != self._keepers:
             self._lay_out(values)
@@ -92,7 +91,7 @@ class KeeperBody:
         )
 
     def act(self) -> tuple[Sequence[float], str]:
-        """Return this cycle's command, see `keepaway_world.action`, and what to say."""
+        """Return this cycle's command, see `keepaway_world.action`, and the message to say."""
         return self._action, self._say
 
     # Commands.
@@ -102,7 +101,7 @@ class KeeperBody:
         self._action = [DASH, power]
 
     def turn_by(self, angle: float) -> None:
-        """Turn by ``angle`` rad, or as far as one turn goes: less the faster the keeper is."""
+        """Turn by ``angle`` rad, or as far as one turn goes; less at higher speed."""
         moment = angle * (1.0 + self.parameters.inertia * self.speed)
         self._action = [TURN, min(max(moment, -PI), PI)]
 
@@ -123,12 +122,12 @@ class KeeperBody:
 
     @property
     def position(self) -> tuple[float, float]:
-        """Where it is, m."""
+        """Its position, m."""
         return self.values[percept.X], self.values[percept.Y]
 
     @property
     def heading(self) -> float:
-        """Where its body points, rad."""
+        """The heading of its body, rad."""
         return self.values[percept.HEADING]
 
     @property
@@ -173,7 +172,7 @@ class KeeperBody:
         return number if number < self.number else number + 1
 
     def closest_keeper(self) -> int:
-        """Return the place of the closest other keeper; the lowest number if there are more."""
+        """Return the place of the closest other keeper; on a tie, the lowest number."""
         if self._closest_keeper is None:
             self._closest_keeper = self._closest(self.others)
         return self._closest_keeper
@@ -192,7 +191,7 @@ class KeeperBody:
         return found
 
     def vector_to(self, place: int) -> tuple[float, float]:
-        """Return where the ball or a player is, relative to the keeper, in the world's axes, m."""
+        """Return the ball's or a player's position relative to the keeper, in world axes, m."""
         bearing = self.values[percept.HEADING] + self.values[place + 1]
         distance = self.values[place]
         return distance * math.cos(bearing), distance * math.sin(bearing)

@@ -1,6 +1,6 @@
-"""The keepers' features read for many keepers at once, bit for bit as `features` reads them.
+"""The features of many keepers at once, with exactly the values that `features` reads.
 
-All percepts must be of games with the same numbers of players. Rows are keepers.
+All percepts must come from games with the same numbers of players. Rows are keepers.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from keepaway_world.body import NOBODY, YELL
 from keepaway_world.parameters import PAPER
 from keepaway_world.percept import BALL, OTHERS
 
-_DOUBTFUL = 1e-9  # m: numpy's cosine may differ from math's in the last bit, but by no more
+_DOUBTFUL = 1e-9  # m: numpy's cosine may differ from math's, but only in the last bit
 
 
 def ball_of_all(percepts: BatchPercepts) -> Integers:
@@ -46,12 +46,12 @@ def _closest(values: Floats, first: int, end: int) -> Integers:
 
 
 def distance_to_all(percepts: BatchPercepts, places: Integers) -> Floats:
-    """Return each keeper's distance to what is at its place, m; NaN for `NOBODY`."""
+    """Return each keeper's distance to the player or ball at its place, m; NaN for `NOBODY`."""
     return _at(percepts.values, places, 0)
 
 
 def direction_to_all(percepts: BatchPercepts, places: Integers) -> Floats:
-    """Return each keeper's direction to what is at its place, rad; NaN for `NOBODY`."""
+    """Return each keeper's direction to the player or ball at its place, rad; NaN for `NOBODY`."""
     return _at(percepts.values, places, 1)
 
 

@@ -1,8 +1,8 @@
-"""A hard-coded automaton, to be used beside trained ones and to be compared with them.
+"""A hard-coded automaton, for use with trained ones and for comparison.
 
-As a team on the soccer field fields one trained behavior among programmed ones (the paper,
-section 5), `ServoBall` is the programmed counterpart of a trained approach to the ball: put it
-in the place of the trained automaton, or the other way round, and the rest need not know.
+A team can mix trained and programmed behaviors, like the one in the paper's section 5. `ServoBall`
+is the programmed counterpart of a trained approach to the ball; each can replace the other without
+changes elsewhere.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import math
 
 from hitab_core import START, Automaton, HandWritten, Use
 
-FAR = 3.0  # m from which on it runs
-NEAR = 1.7  # m up to which it slows down
-OFF_FAR = math.radians(10.0)  # it turns if the ball is so far off its heading
-OFF_NEAR = math.radians(25.0)  # likewise within NEAR, where a metre of kicking range forgives more
+FAR = 3.0  # m: it runs beyond this distance
+NEAR = 1.7  # m: it slows down within this distance
+OFF_FAR = math.radians(10.0)  # it turns if the ball is farther off its heading
+OFF_NEAR = math.radians(25.0)  # likewise within NEAR, where the kicking range forgives more
 
 
 def servo(distance: float, direction: float, kickable: float) -> str:
-    """Return what to do to reach a ball at its present position: a P-controller in steps.
+    """Return the behavior to reach the ball at its current position: a stepped P-controller.
 
     Args:
         distance: to the ball, m.

@@ -1,4 +1,4 @@
-"""Play keepaway in one process; see `hitab_world.inprocess`, which does so for any world.
+"""Play keepaway in one process; see `hitab_world.inprocess`, which works for any world.
 
 Example::
 

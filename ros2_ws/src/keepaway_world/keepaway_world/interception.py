@@ -1,7 +1,7 @@
-"""Where a player first meets a rolling ball, and what to do now to get there.
+"""Where a player first meets a rolling ball, and how to get there.
 
-The ball's track is predicted without noise; for each of the next cycles turns and dashes towards
-the ball's place in that cycle are simulated, as the UT Austin keepaway players do. Horizon and
+The ball's track is predicted without noise. For each of the next cycles, turns and dashes towards
+the ball's position in that cycle are simulated, as in the UT Austin keepaway players. Horizon and
 angle are those of takers recorded on the real simulator. Speeds are in m/cycle.
 """
 
@@ -16,7 +16,7 @@ from keepaway_world.physics import Mover
 SOONEST, HORIZON = 2, 40  # cycles that a player looks ahead
 FULL = 100.0
 TURNS_MAX = 5
-ALIGNED = math.radians(10.0)  # a player that is off by less dashes
+ALIGNED = math.radians(10.0)  # a player that is off by less than this dashes
 
 Order = tuple[str, float, float]
 """("dash", power, 0), ("turn", moment, 0) or ("kick", power, direction); angles in rad."""
@@ -29,7 +29,7 @@ class Interceptor:
 
     Args:
         parameters: the mechanics.
-        dash_factor: factor on the power of the player's dashes, which it knows of.
+        dash_factor: factor on the power of the player's dashes, known to the player.
     """
 
     def __init__(self, parameters: KeepawayParameters, dash_factor: float = 1.0) -> None:
@@ -47,14 +47,15 @@ class Interceptor:
             self._rolled.append(self._rolled[-1] + p.ball_decay**cycle)
 
     def track(self, ball: Mover) -> list[Point]:
-        """Return where the ball will be after 0, 1, ... cycles if nobody kicks it, m."""
+        """Return the ball's positions after 0, 1, ... cycles without a kick, m."""
         x, y, vx, vy = ball.x, ball.y, ball.vx, ball.vy
         return [(x + vx * rolled, y + vy * rolled) for rolled in self._rolled]
 
     def intercept(self, player: Mover, track: list[Point]) -> tuple[int, Order]:
-        """Return in how many cycles the player can kick the ball, and its order for this one.
+        """Return the cycles until the player can kick the ball, and its order for this one.
 
-        The cycles are `HORIZON` + 1 if it cannot be reached; it then goes to the track's end.
+        If the ball cannot be reached, this is `HORIZON` + 1 and the player goes to the track's
+        end.
         """
         cycles = self._cycles(player, track)
         x, y = track[min(cycles, HORIZON)]
@@ -83,9 +84,9 @@ class Interceptor:
         return HORIZON + 1
 
     def _turned(self, player: Mover, bearing: float, cycles: int) -> tuple[float, int]:
-        """Return the heading after the turns that it takes to face ``bearing``, and their number.
+        """Return the heading after the turns needed to face ``bearing``, and their number.
 
-        They are as many as fit into ``cycles``, and few.
+        There are at most ``cycles`` turns, and only a few.
         """
         p = self.parameters
         heading, turns = player.heading, 0

@@ -13,11 +13,11 @@ PASS_ARRIVAL_SPEED = 1.2  # m/cycle at which a pass reaches its receiver (UT Aus
 
 
 def off_place(p: KeepawayParameters, distance: float, direction: float) -> float:
-    """Return how badly the ball is placed for a kick: the part of the power that is lost.
+    """Return the fraction of a kick's power that is lost to the ball's position.
 
-    0 for a ball that touches the player in front, 0.25 for one behind or at the edge of the
-    kickable area, 0.5 for both. A ball inside the player, which there is only without
-    collisions, is kicked like one that touches.
+    It is 0 for a ball that touches the player in front, 0.25 for one behind or at the edge of the
+    kickable area, 0.5 for both. A ball inside the player, possible only without collisions, is
+    kicked like one that touches.
 
     Args:
         p: the mechanics.
@@ -31,15 +31,15 @@ def off_place(p: KeepawayParameters, distance: float, direction: float) -> float
 def kick_power(
     p: KeepawayParameters, acceleration: float, distance: float, direction: float
 ) -> float:
-    """Return the power that accelerates a ball so placed by so many m/cycle²; may exceed 100."""
+    """Return the power for an acceleration, m/cycle², of a ball in this place; may exceed 100."""
     return acceleration / (p.kick_rate * (1.0 - off_place(p, distance, direction)))
 
 
 def pass_speed(p: KeepawayParameters, distance: float) -> float:
     """Return the speed, m/cycle, with which a ball must start to arrive at 1.2 m/cycle.
 
-    As the UT Austin players compute it (the paper, section 6, footnote 2): the number of cycles
-    for which the ball rolls is rounded.
+    This is the UT Austin players' formula (the paper, section 6, footnote 2), which rounds the
+    number of cycles for which the ball rolls.
     """
     growth = 1.0 / p.ball_decay
     cycles = math.log(1.0 + distance * (growth - 1.0) / PASS_ARRIVAL_SPEED) / math.log(growth)
@@ -51,14 +51,14 @@ def kick_acceleration(
 ) -> tuple[float, float]:
     """Return the acceleration, m/cycle², of one kick that sends the ball along +x.
 
-    If one kick cannot bring the ball to ``wanted``, the direction counts more than the speed:
-    the ball is kicked as hard as can be so that it leaves along +x, only slower. If it comes too
-    fast even for that, it is brought as near to the wanted velocity as one kick can.
+    If one kick cannot reach ``wanted``, direction matters more than speed: the ball is kicked as
+    hard as possible along +x and leaves slower. If it comes in too fast even for that, the kick
+    gets as close to the wanted velocity as possible.
 
     Args:
         p: the mechanics.
         vx, vy: the ball's velocity along and across the wanted direction, m/cycle.
-        wanted: speed along +x that it should have after the kick, m/cycle.
+        wanted: speed along +x after the kick, m/cycle.
         reachable: largest acceleration of a kick with full power, m/cycle².
     """
     reachable = min(reachable, p.ball_acceleration_max)

@@ -1,7 +1,7 @@
-"""All settable figures of the keepaway world, and two named variants of the game.
+"""All parameters of the keepaway world, and two named variants of the game.
 
 Lengths are in m; speeds and accelerations are per cycle of 0.1 s, as in the RoboCup Soccer
-Simulator (rcssserver 19) whose server parameters most of these are.
+Simulator (rcssserver 19); most of these are its server parameters.
 """
 
 from __future__ import annotations
@@ -34,28 +34,29 @@ _FROM_0 = (
 
 @dataclass(frozen=True)
 class KeepawayParameters(Parameters):
-    """Figures of the game, the mechanics and the senses.
+    """Parameters of the game, the mechanics and the senses.
 
     Attributes:
         keepers, takers: number of players in each team.
         width, height: of the box, which is centred on the origin, m.
-        taker_speed: factor on the power of the takers' dashes (the paper: a quarter), which they
-            know of.
+        taker_speed: factor on the power of the takers' dashes (the paper: a quarter), known to
+            them.
         taker_policy: "intercept": go where the ball can first be reached, seeing all exactly; or
-            "reference": UT Austin's own takers, who see as `sight` says and do not know that
-            they are slow. What these remember is not part of a snapshot.
+            "reference": UT Austin's own takers, which see as `sight` says and do not know that
+            they are slow. Their memory is not part of a snapshot.
         ball_collides: whether players collide with the ball (the paper: they cannot).
         players_collide: whether players collide with each other.
         sight: "quantised" as a player of rcssserver sees, or "full": exact.
         movement_noise, kick_noise, turn_noise: factors on the simulator's noise; 0 = none.
-        reset_angles: where players look when an episode begins: "drawn" from the episode's own
+        reset_angles: the players' headings when an episode begins: "drawn" from the episode's own
             generator, so that an episode can be played by itself, or "kept" from the end of the
-            one before, as rcssserver does.
+            previous one, as in rcssserver.
         say_length: longest message, in characters.
-        say_range: how far a message is heard, m.
+        say_range: distance at which a message is heard, m.
         turnover_cycles: cycles of possession by takers after which the ball is taken.
-        stuck_area, drop_ball_cycles: a ball that stays within so many m for so many cycles is
-            dropped: it comes to rest and all players are moved away from it. No area, no drop.
+        stuck_area, drop_ball_cycles: a ball that stays within this area, m, for this many cycles
+            is dropped: it comes to rest and all players are moved away from it. An area of 0 turns
+            this off.
 
     The rest are mechanics of rcssserver; `dash_rate`, `kick_rate` and `inertia` are its
     ``dash_power_rate``, ``kick_power_rate`` and ``inertia_moment``.
@@ -136,5 +137,5 @@ def variant(name: str, **changes: Any) -> KeepawayParameters:
         ParameterError: if there is no such variant or parameter.
     """
     if name not in VARIANTS:
-        raise ParameterError(f'there is no keepaway variant "{name}" {has(VARIANTS)}')
+        raise ParameterError(f'unknown keepaway variant "{name}" {has(VARIANTS)}')
     return KeepawayParameters.from_dict({**VARIANTS[name].as_dict(), **changes})

@@ -1,4 +1,4 @@
-"""What a keeper perceives in a cycle, as a flat list of floats for any number of players.
+"""A keeper's percept: a flat list of floats for any number of players.
 
 ====================  =====================================================================
 index                 value
@@ -14,7 +14,7 @@ index                 value
 14 + 2(n - 1) on      the m takers: distance and direction
 ====================  =====================================================================
 
-All that is seen of others is quantised (see `keepaway_world.sight`) unless sight is "full".
+Everything seen of others is quantised (see `keepaway_world.sight`) unless sight is "full".
 x points right, y up, angles are counter-clockwise.
 """
 
@@ -38,12 +38,12 @@ CYCLES_PER_SECOND = 10.0
 
 
 def percept_length(keepers: int, takers: int) -> int:
-    """Return how many values a percept has."""
+    """Return the number of values in a percept."""
     return OTHERS + 2 * (keepers - 1 + takers)
 
 
 def perceive(physics: Physics, keeper: Mover) -> list[float]:
-    """Return what ``keeper`` perceives now, laid out as described above."""
+    """Return the current percept of ``keeper``, in the layout above."""
     p = physics.parameters
     full = p.sight == "full"
     x, y, heading = keeper.x, keeper.y, keeper.heading

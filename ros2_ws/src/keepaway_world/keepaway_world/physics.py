@@ -1,9 +1,8 @@
-"""The ball and the players as bodies that move and collide by the rules of rcssserver.
+"""The ball and the players as bodies that move and collide as in rcssserver.
 
-One cycle runs in the simulator's order: commands, acceleration, velocity, noise, position,
-decay, collisions. pymunk integrates the positions and finds the bodies that overlap; what happens
-to these is rcssserver's rule (they are moved apart, their velocities times -0.1) and not an
-impulse of pymunk's.
+One cycle runs in the simulator's order: commands, acceleration, velocity, noise, position, decay,
+collisions. pymunk integrates the positions and finds overlapping bodies. These follow rcssserver's
+rule (they are moved apart, and their velocities multiplied by -0.1) instead of pymunk's impulses.
 
 Inside the world speeds are in metres per cycle of 0.1 s, accelerations in metres per cycle²,
 x points right, y up, angles are counter-clockwise radians.
@@ -23,19 +22,19 @@ from keepaway_world.parameters import KeepawayParameters
 
 BALL_CATEGORY = 1
 PLAYER_CATEGORY = 2
-COLLISION_ROUNDS = 10  # rcssserver gives up separating bodies after as many
+COLLISION_ROUNDS = 10  # rcssserver gives up separating bodies after this many
 REBOUND = -0.1
-GAP = 1e-10  # rcssserver's EPS: bodies that were moved apart no longer touch
+GAP = 1e-10  # rcssserver's EPS: separated bodies no longer touch
 
 
 class Mover:
     """The ball or a player.
 
     Attributes:
-        name, kind: who it is; kind is "ball", "keeper" or "taker".
+        name, kind: of the body; kind is "ball", "keeper" or "taker".
         x, y: centre, m.  heading: of the body, rad; a ball has none.
         vx, vy: velocity after decay, m/cycle.
-        ax, ay: acceleration that this cycle's commands give it, m/cycle².
+        ax, ay: acceleration from this cycle's commands, m/cycle².
     """
 
     __slots__ = (
@@ -70,7 +69,7 @@ class Mover:
         self.rand = (p.ball_rand if ball else p.player_rand) * p.movement_noise
         self.body = pymunk.Body(1.0, math.inf)
         self.shape = pymunk.Circle(self.body, self.radius)
-        self.shape.sensor = True  # reported when it overlaps, never pushed by pymunk
+        self.shape.sensor = True  # pymunk reports overlaps but never pushes it
         collides_with = PLAYER_CATEGORY if (p.ball_collides if ball else p.players_collide) else 0
         if not ball and p.ball_collides:
             collides_with |= BALL_CATEGORY
@@ -84,7 +83,7 @@ class Physics:
 
     Args:
         parameters: mechanics, counts of players, noise.
-        random: draws all noise; the same draws give the same motion.
+        random: source of all noise; the same draws give the same motion.
     """
 
     def __init__(self, parameters: KeepawayParameters, random: Random) -> None:
@@ -124,7 +123,7 @@ class Physics:
         mover.body.position = x, y
         self._space.reindex_shapes_for_body(mover.body)
 
-    # Commands: at most one a cycle and player, before `advance`.
+    # Commands: at most one per cycle and player, before `advance`.
 
     def dash(self, player: Mover, power: float) -> None:
         """Accelerate along the body; ``power`` from -100 to 100, clipped as the server does."""
@@ -133,7 +132,7 @@ class Physics:
         player.ay += acceleration * math.sin(player.heading)
 
     def turn(self, player: Mover, moment: float) -> None:
-        """Turn by ``moment`` rad (-pi to pi, clipped); less so the faster the player moves."""
+        """Turn by ``moment`` rad (-pi to pi, clipped); less at higher speed."""
         p = self.parameters
         moment = min(max(moment, -PI), PI)
         if p.turn_noise:
@@ -145,12 +144,12 @@ class Physics:
         """Accelerate the ball, if it is kickable.
 
         Args:
-            player: who kicks.
+            player: that kicks.
             power: 0 to 100, clipped.
             direction: relative to the body, rad.
 
         Returns:
-            whether the ball was kicked.
+            Whether the ball was kicked.
         """
         p, ball = self.parameters, self.ball
         dx, dy = ball.x - player.x, ball.y - player.y
@@ -215,7 +214,7 @@ class Physics:
         return (first, second) if first < second else (second, first)
 
     def _separate(self, pairs: list[tuple[int, int]]) -> None:
-        """Move overlapping bodies apart, each by half; one in several pairs by the mean."""
+        """Move overlapping bodies apart, each by half; a body in several pairs, by the mean."""
         collided: set[int] = set()
         for _ in range(COLLISION_ROUNDS):
             if not pairs:
@@ -250,7 +249,7 @@ class Physics:
         return math.hypot(a.x - b.x, a.y - b.y) < a.radius + b.radius
 
     def _apart(self, a: Mover, b: Mover) -> tuple[float, float]:
-        """Return the unit vector from ``b`` to ``a``, any if they coincide."""
+        """Return the unit vector from ``b`` to ``a``; any, if they coincide."""
         dx, dy = a.x - b.x, a.y - b.y
         distance = math.hypot(dx, dy)
         if distance < GAP:
@@ -258,7 +257,7 @@ class Physics:
             return math.cos(angle), math.sin(angle)
         return dx / distance, dy / distance
 
-    # What all others need of the present state.
+    # Queries of the current state.
 
     def kickable_by(self, player: Mover) -> bool:
         """Whether ``player`` can kick the ball now."""

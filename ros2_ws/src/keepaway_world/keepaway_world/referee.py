@@ -1,6 +1,6 @@
-"""The keepaway referee: when an episode ends, how the next one begins, and what is counted.
+"""The keepaway referee: ends and sets up episodes, and counts passes and possession.
 
-The rules are those of rcssserver's keepaway mode, mirrored to y pointing up.
+The rules are those of rcssserver's keepaway mode, with y pointing up.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from keepaway_world.physics import Mover, Physics
 OUT = "out"
 TAKEN = "taken"
 
-CORNER_SPREAD = 3.0  # m: players begin up to so far inside their corner, in x and in y
+CORNER_SPREAD = 3.0  # m: players begin up to this far inside their corner, in x and in y
 CLEAR_DISTANCE = 9.15  # m from a dropped ball to the edge of the nearest player
-BALL_INSET = 4.0  # m: the ball begins so far inside its corner
+BALL_INSET = 4.0  # m: the ball begins this far inside its corner
 KEEPER_CORNERS = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0))
 TAKER_CORNER = (-1.0, -1.0)
 
@@ -29,7 +29,7 @@ class Referee:
 
     Attributes:
         possession: cycles of possession by takers so far; see `judge`.
-        passes: completed passes: a keeper kicked and the next kick was another keeper's.
+        passes: completed passes: a keeper's kick followed by another keeper's.
     """
 
     def __init__(self, parameters: KeepawayParameters) -> None:
@@ -58,9 +58,9 @@ class Referee:
     def judge(self, physics: Physics) -> str | None:
         """Check the state after a cycle; return `OUT`, `TAKEN` or None.
 
-        The ball is out when its centre reaches an edge. Possession rises in each cycle in which
-        some taker can kick, returns to 0 in one in which a keeper and no taker can, and stays
-        when nobody can; the ball is taken on the check after it has reached the limit.
+        The ball is out when its centre reaches an edge. Possession increases in each cycle in
+        which a taker can kick, returns to 0 if a keeper but no taker can, and stays if no player
+        can. The ball is taken on the check after possession has reached the limit.
         """
         ball = physics.ball
         bx, by = ball.x, ball.y
@@ -82,9 +82,10 @@ class Referee:
         return None
 
     def finds_stuck(self, ball: Mover) -> bool:
-        """Check after a cycle whether the ball has been about the same place for too long.
+        """Check after a cycle whether the ball has been near the same place for too long.
 
-        rcssserver's rule, with its ``ball_stuck_area`` and ``drop_ball_time``; see `drop_ball`.
+        This is rcssserver's rule, with ``ball_stuck_area`` and ``drop_ball_time``; see
+        `drop_ball`.
         """
         x, y = self._stuck_at
         if math.hypot(ball.x - x, ball.y - y) <= self._stuck_area:
@@ -97,7 +98,7 @@ class Referee:
         return stuck and self._stuck_area > 0.0
 
     def state(self) -> dict[str, Any]:
-        """Return what it has counted, as JSON-able data."""
+        """Return its counts as JSON-serializable data."""
         last = self._last_kick.name if self._last_kick else ""
         return {
             "possession": self.possession,
@@ -108,10 +109,10 @@ class Referee:
         }
 
     def restore(self, state: Mapping[str, Any], players: Sequence[Mover]) -> None:
-        """Bring back what `state` returned.
+        """Restore what `state` returned.
 
         Raises:
-            KeyError, TypeError, ValueError: if it is not such a state; then nothing has changed.
+            KeyError, TypeError, ValueError: if it is not such a state; nothing has changed.
         """
         possession, passes, stuck_for = (
             whole(state[name]) for name in ("possession", "passes", "stuck_for")
@@ -124,7 +125,7 @@ class Referee:
 
 
 def drop_ball(physics: Physics) -> None:
-    """Bring the ball to rest where it is and move the players about it straight away from it."""
+    """Stop the ball where it is and move nearby players straight away from it."""
     ball = physics.ball
     physics.put(ball, ball.x, ball.y)
     for player in physics.players:
@@ -137,7 +138,7 @@ def drop_ball(physics: Physics) -> None:
 
 
 def set_up(physics: Physics, random: Random) -> None:
-    """Put everybody where an episode begins, at rest.
+    """Put all players and the ball in their initial positions, at rest.
 
     The keepers stand in three corners, in a random rotation; any beyond three near the centre.
     The takers stand in the fourth corner, the ball 4 m inside the first.

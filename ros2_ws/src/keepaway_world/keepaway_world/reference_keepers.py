@@ -1,7 +1,7 @@
-"""Reference keepers as players of whole episodes in one process, to compare trained ones with.
+"""Reference keepers that play whole episodes in one process, for comparison.
 
-They are UT Austin's, which do with the ball what one of `POLICIES` says, and ``servo``, who go to
-where the ball is. What they decide is in `keepaway_world.reference`.
+These are UT Austin's keepers, with one of `POLICIES` for the ball, and ``servo`` keepers, which go
+to where the ball is. Their decisions are in `keepaway_world.reference`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from keepaway_world.world import KeepawayWorld
 
 SERVO = "servo"
 FORWARD = 1.0  # they play towards +x
-HOLD_RATIO = 0.7  # of the kickable margin: how far from the body a held ball is kept
+HOLD_RATIO = 0.7  # of the kickable margin: distance of a held ball from the body
 
 _KINDS = {"dash": action.DASH, "turn": action.TURN, "kick": action.KICK}
 
@@ -75,7 +75,7 @@ class ReferenceKeeper:
 
 
 class _Mouthpiece:
-    """A body for a player that looks at the world itself: hears, and does what it is told."""
+    """A body for a player that reads the world directly: it only hears and acts."""
 
     def __init__(self) -> None:
         self.heard: Sequence[str] = ()
@@ -113,7 +113,7 @@ class ReferencePlayer:
         self._keeper.begin()
 
     def tick(self) -> None:
-        """Decide about this cycle."""
+        """Decide for this cycle."""
         order = self._keeper.decide(self._eyes.view(), self._world.episode_cycle)
         self._eyes.did(order)
         self.body.order = order
@@ -134,7 +134,7 @@ class ServoPlayer:
         self._keeper.begin()
 
     def tick(self) -> None:
-        """Decide about this cycle."""
+        """Decide for this cycle."""
         order, say = self._keeper.decide(self._eyes.view(), self.body.heard)
         if order is not None:
             self._eyes.did(order)
@@ -145,7 +145,7 @@ def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, Player]
     """Return players for all keepers of a world.
 
     Args:
-        world: to be played in, in this process.
+        world: to play in, in this process.
         policy: a name of `POLICIES`, or ``servo``.
 
     Raises:

@@ -1,4 +1,4 @@
-"""How well a player sees: exactly, or quantised as rcssserver quantises what its players see.
+"""A player's sight: exact, or quantised as in rcssserver.
 
 Distances are in m, speeds in m/cycle, angles in rad. rcssserver rounds the logarithm of a
 distance to steps of 0.1 and the result to 0.1 m, directions to whole degrees, the change of a
@@ -24,7 +24,7 @@ _SEEN = tuple(
 
 
 def quantised_distance(distance: float) -> float:
-    """Return a distance as it is seen: a few coarse steps near by, coarser far away."""
+    """Return a distance as seen: in steps that grow with the distance."""
     if distance < 1e-3:
         return 0.0
     step = round(math.log(distance) * 10.0)
@@ -39,21 +39,21 @@ def quantised_direction(direction: float) -> float:
 def seen_velocity(
     dx: float, dy: float, vx: float, vy: float, seen_distance: float, seen_bearing: float
 ) -> tuple[float, float]:
-    """Return the velocity of something relative to the observer, as it is seen.
+    """Return an object's velocity relative to the observer, as seen.
 
-    The observer sees how fast the distance and the direction change, both quantised, and puts
-    these together with the distance and direction that it sees.
+    The observer sees the quantised rates of change of distance and direction, and combines them
+    with the distance and direction that it sees.
 
     Args:
-        dx, dy: where it is, relative to the observer.
+        dx, dy: its position relative to the observer.
         vx, vy: its velocity relative to the observer's.
         seen_distance: quantised distance.
-        seen_bearing: quantised direction, from the x axis of the frame of the others.
+        seen_bearing: quantised direction, from the x axis of the same frame as ``dx, dy``.
     """
     squared = dx * dx + dy * dy
     if squared < 1e-12:
         return 0.0, 0.0
-    closing = (vx * dx + vy * dy) / squared  # change of the distance, as a part of it
+    closing = (vx * dx + vy * dy) / squared  # relative change of the distance
     turning = (vy * dx - vx * dy) / squared  # rad/cycle
     along = seen_distance * round(closing / DISTANCE_CHANGE_STEP) * DISTANCE_CHANGE_STEP
     across = seen_distance * round(turning / DIRECTION_CHANGE_STEP) * DIRECTION_CHANGE_STEP

@@ -1,8 +1,8 @@
-"""The takers: they go where they can first reach the ball, and hold it when they have it.
+"""The takers: they go where they can first reach the ball, and hold it once they have it.
 
-Written after the UT Austin keepaway players (Stone et al.), as they act on the real simulator:
-the taker closest to the ball stops it and keeps it so if it can kick; the others wait if a team
-mate has it; otherwise each intercepts. Takers see everything exactly. Speeds are in m/cycle.
+Modelled on the UT Austin keepaway players (Stone et al.) on the real simulator: the taker closest
+to the ball stops it and holds it if it can kick; the others wait if a team mate has it; otherwise
+each intercepts. Takers see everything exactly. Speeds are in m/cycle.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from keepaway_world.physics import Mover, Physics
 
 
 class TakerTeam:
-    """Decides for all takers of a world; what they have in common is worked out once a cycle."""
+    """Decides for all takers of a world; shared results are computed once per cycle."""
 
     def __init__(self, parameters: KeepawayParameters) -> None:
         self.parameters = parameters
         self._interceptor = Interceptor(parameters, parameters.taker_speed)
 
     def begin(self) -> None:
-        """Begin an episode: they remember nothing."""
+        """Begin an episode; takers keep no state."""
 
     def decide(self, physics: Physics) -> list[Order]:
         """Return the order of each taker for this cycle; its dash power is already slowed."""
@@ -53,7 +53,7 @@ class TakerTeam:
 
 
 def stop_ball(p: KeepawayParameters, player: Mover, ball: Mover) -> Order:
-    """Return the kick that stops the ball where it is, or slows it down as far as one kick can."""
+    """Return the kick that stops the ball, or slows it down as much as one kick can."""
     dx, dy = ball.x - player.x, ball.y - player.y
     direction = wrapped(math.atan2(dy, dx) - player.heading)
     power = kick_power(p, math.hypot(ball.vx, ball.vy), math.hypot(dx, dy), direction)

@@ -1,4 +1,4 @@
-"""The keepaway world: bodies, referee, takers and what the keepers perceive, cycle by cycle."""
+"""The keepaway world: bodies, referee, takers and the keepers' percepts, cycle by cycle."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from keepaway_world.takers import TakerTeam
 SNAPSHOT_VERSION = 2
 
 FARTHEST = 1000.0
-"""Metres from the centre of the field at which something can be placed."""
+"""Largest distance from the centre of the field, m, at which something can be placed."""
 
 
 class KeepawayWorld:
-    """A game of keepaway; see `hitab_world.world.World` for what can be done.
+    """A game of keepaway; see `hitab_world.world.World` for the interface.
 
-    What keepers perceive is laid out as `keepaway_world.percept` tells, what they do as
-    `keepaway_world.action` does. The takers are part of the world.
+    `keepaway_world.percept` and `keepaway_world.action` define the layout of the keepers' percepts
+    and actions. The takers are part of the world.
 
     Args:
-        parameters: figures of the game; the paper's by default.
-        seed: of the run. Episode i draws from a generator seeded by the two, so that it can be
-            played again by itself.
+        parameters: of the game; the paper's by default.
+        seed: of the run. Episode i draws from a generator seeded by both, so that it can be
+            replayed by itself.
     """
 
     name = "keepaway"
@@ -63,7 +63,7 @@ class KeepawayWorld:
         self.reset(0)
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+        """Begin the given episode, or the next one, of the given run, or of this one."""
         if seed is not None:
             self.seed = int(seed)
         self.episode = self.episode + 1 if episode is None else int(episode)
@@ -79,7 +79,7 @@ class KeepawayWorld:
 
     @property
     def physics(self) -> Physics:
-        """The bodies themselves, for players in the same process that see everything."""
+        """The bodies, for players in the same process that see everything."""
         return self._physics
 
     def percept(self, agent: str) -> Sensed:
@@ -99,7 +99,7 @@ class KeepawayWorld:
             raise WorldError(
                 f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
             )
-        takers = self._team.decide(self._physics)  # on what was true when the cycle began
+        takers = self._team.decide(self._physics)  # from the state at the beginning of the cycle
         said, self.refused = self._perform(actions)
         self._perform_takers(takers)
         self._physics.advance()
@@ -115,7 +115,7 @@ class KeepawayWorld:
         return happened
 
     def _perform(self, actions: Mapping[str, Action]) -> tuple[dict[str, str], dict[str, str]]:
-        """Carry out the keepers' commands; return what they say, and what was refused."""
+        """Carry out the keepers' commands; return what they say and what was refused."""
         physics = self._physics
         said: dict[str, str] = {}
         refused: dict[str, str] = {}
@@ -158,7 +158,7 @@ class KeepawayWorld:
                 self._referee.saw_kick(taker)
 
     def _hear(self, said: Mapping[str, str]) -> dict[str, list[str]]:
-        """Return what each keeper hears: one message per cycle, drawn if there are several."""
+        """Return what each keeper hears: one message per cycle, chosen at random."""
         heard: dict[str, list[str]] = {}
         reach = self.parameters.say_range
         for name, keeper in self._keepers.items():
@@ -174,7 +174,7 @@ class KeepawayWorld:
         return heard
 
     def entities(self) -> list[Entity]:
-        """Return the ball and the players as they truly are now, in SI units."""
+        """Return the true current state of the ball and the players, in SI units."""
         return [
             Entity(
                 mover.name,
@@ -194,7 +194,7 @@ class KeepawayWorld:
         """Put players or the ball somewhere else; nothing is placed if anything is refused.
 
         Raises:
-            WorldError: naming what does not exist or cannot be.
+            WorldError: naming what does not exist or is impossible.
         """
         placements = list(placements)
         for placement in placements:
@@ -218,7 +218,7 @@ class KeepawayWorld:
             )
 
     def snapshot(self) -> dict[str, Any]:
-        """Return the complete state, random generator included, as JSON-able data."""
+        """Return the complete state, with its random generator, as JSON-serializable data."""
         version, internal, gauss = self._random.getstate()
         return {
             **snapshots.header(self, SNAPSHOT_VERSION),
@@ -230,11 +230,11 @@ class KeepawayWorld:
         }
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
-        """Bring back a state that `snapshot` returned.
+        """Restore a state that `snapshot` returned.
 
         Raises:
-            WorldError: if it is of another kind of world, of one with other parameters, or
-                damaged; then nothing has changed.
+            WorldError: if it is of another kind of world, has other parameters, or is damaged;
+                nothing has changed.
         """
         with snapshots.reading(snapshot, self, SNAPSHOT_VERSION) as moment:
             places = {m.name: _place(snapshot["movers"][m.name]) for m in self._physics.movers}
@@ -250,7 +250,7 @@ class KeepawayWorld:
         self._said, self._heard = said, heard
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode went so far; its measure is the number of passes."""
+        """Return the result of the current episode so far; its measure is the number of passes."""
         return EpisodeResult.of(self, {"passes": float(self._referee.passes)})
 
 
@@ -259,25 +259,25 @@ def _distance(a: Mover, b: Mover) -> float:
 
 
 def _place(figures: Iterable[Any]) -> tuple[float, float, float, float, float]:
-    """Return a snapshot's x, y, heading, vx, vy of a body."""
+    """Return a body's x, y, heading, vx, vy from a snapshot."""
     x, y, heading, vx, vy = map(finite, figures)
     return x, y, heading, vx, vy
 
 
 def _random_state(version: Any, internal: Any, gauss: Any) -> tuple[Any, ...]:
-    """Return a snapshot's state of a generator, which has been tried."""
+    """Return the state of a random generator from a snapshot, after validating it."""
     state = version, tuple(internal), None if gauss is None else finite(gauss)
     Random().setstate(state)
     return state
 
 
 def _or(value: float, otherwise: float) -> float:
-    """Return ``value``, or what there was if it is NaN."""
+    """Return ``value``, or ``otherwise`` if it is NaN."""
     return otherwise if math.isnan(value) else float(value)
 
 
 def _check(placement: Placement, mover: Mover) -> None:
-    """Refuse what cannot be: places beyond all sight, speeds that nothing reaches."""
+    """Refuse impossible placements: too far away, or faster than the body can move."""
     for field in ("x", "y", "heading", "vx", "vy"):
         if math.isinf(getattr(placement, field)):
             raise WorldError(f"{placement.name}: {field} is infinite; give a number or NaN")

@@ -1,10 +1,10 @@
-"""Runs the keepaway world as a process of its own.
+"""Runs the keepaway world in its own process.
 
 For example::
 
     python -m keepaway_world.world_main --ros-args -r __ns:=/world -p pace:=lockstep
 
-Figures of the game are parameters too, such as ``-p parameters.taker_speed:=1.0``; see
+The game's parameters can be set as well, such as ``-p parameters.taker_speed:=1.0``; see
 `keepaway_world.parameters`.
 """
 
@@ -22,16 +22,16 @@ from keepaway_world.world import KeepawayWorld
 
 
 def make_world(node: Node, seed: int) -> KeepawayWorld:
-    """Make the world that the node's parameters describe.
+    """Create the world described by the node's parameters.
 
     Raises:
-        HitabError: if a figure of the game cannot be.
+        HitabError: if a parameter of the game is invalid.
     """
     return KeepawayWorld(declare_figures(node, KeepawayParameters), seed)
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until stopped."""
     sys.exit(run(lambda spinning: run_world(make_world, spinning)))
 
 

@@ -318,16 +318,20 @@ def test_a_server_that_hangs_is_reported():
         began = time.monotonic()
         world.step({})
         assert 3.0 < time.monotonic() - began < 6.0
-        assert "has not gone on for 4 s" in world.waiting
+        assert "has been silent for 4 s" in world.waiting
 
 
 @pytest.mark.parametrize(
     ("options", "settings", "told"),
     [
         ({"version": 9}, {}, "does not speak protocol version 15"),
-        ({"edit": lambda text: "hello"}, {}, "is no rcssserver"),
+        ({"edit": lambda text: "hello"}, {}, "is not an rcssserver"),
         ({"edit": lambda t: t.replace("(init r", "(init l")}, {}, "are the wrong team"),
-        ({"edit": lambda t: t.replace("(init l 1", "(init l 4")}, {}, "others are the keepers"),
+        (
+            {"edit": lambda t: t.replace("(init l 1", "(init l 4")},
+            {},
+            "other clients are, or were, the keepers",
+        ),
         (
             {"edit": lambda t: t.replace("(keepaway 1)", "(keepaway 0)")},
             {},
@@ -339,7 +343,7 @@ def test_a_server_that_hangs_is_reported():
             "start it with server::fullstate_l=1",
         ),
         ({"edit": lambda t: t.replace("(keepaway_width 20)", "(keepaway_width 2)")}, {}, "12 m"),
-        ({"lose": lambda t, n: t.startswith("(server_param")}, {}, "does not tell its settings"),
+        ({"lose": lambda t, n: t.startswith("(server_param")}, {}, "sends no settings"),
         (
             {"edit": lambda t: t.replace("(fullstate_l 1)", "(fullstate_l 0)")},
             {},
@@ -363,7 +367,7 @@ def test_other_counts_of_players_than_the_worlds_are_told():
         world = RcssWorld(
             ServerSettings(port=server.port, our_takers=True), variant("standard", takers=1)
         )
-        idle_until(world, lambda: "the server has 2 takers and this world 1" in world.waiting)
+        idle_until(world, lambda: "the server has 2 takers but this world 1" in world.waiting)
         world.close()
 
 
@@ -400,7 +404,7 @@ def test_what_a_server_cannot_do_is_refused_with_the_way_out():
             world.restore({})
         with pytest.raises(WorldError, match="start it with seed 7"):
             world.reset(0, 7)
-        with pytest.raises(WorldError, match="cannot play episode 5"):
+        with pytest.raises(WorldError, match="cannot repeat or skip to episode 5"):
             world.reset(5)
 
 

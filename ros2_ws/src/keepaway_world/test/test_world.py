@@ -183,10 +183,10 @@ def test_a_placement_can_begin_a_new_episode():
     [
         (([1.0, math.nan], ""), "finite"),
         (([3.0, 50.0, math.inf], ""), "finite"),
-        (([7.0, 1.0], ""), "no kind of action"),
-        (([math.nan], ""), "no kind of action"),
+        (([7.0, 1.0], ""), "unknown kind of action"),
+        (([math.nan], ""), "unknown kind of action"),
         (([3.0, 50.0], ""), "a kick has 3 values"),
-        ((["dash", 100.0], ""), "no kind of action"),
+        ((["dash", 100.0], ""), "unknown kind of action"),
         (([1.0, "fast"], ""), "taken as no action"),
         (None, "taken as no action"),
         (([1.0, [2.0]], ""), "taken as no action"),

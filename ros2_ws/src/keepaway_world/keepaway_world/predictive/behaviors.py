@@ -1,7 +1,7 @@
-"""Basic behaviors that look ahead, beside those of `keepaway_world.behaviors`.
+"""Basic behaviors that look ahead, in addition to `keepaway_world.behaviors`.
 
-Like those they give at most one command a cycle, decide by this cycle's percept alone and
-remember nothing. Powers are those of rcssserver, 0 to 100; speeds are in m/cycle.
+Like those, each gives at most one command per cycle, decides from the current percept alone and
+keeps no state. Powers are those of rcssserver, 0 to 100; speeds are in m/cycle.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from keepaway_world.predictive.body import PredictiveBody
 from keepaway_world.predictive.forecast import Point
 from keepaway_world.predictive.lanes import clearance
 
-THERE = 0.5  # m: a place so near is not worth going to
+THERE = 0.5  # m: a place closer than this is not worth going to
 
 STILL = 0.05  # m/cycle²: a kick weaker than this is not worth its noise
 
-SHIELD = 0.6  # m: how far from the keeper's centre a shielded ball is kept
-SHIELD_FROM = 6.0  # m: a taker farther than that is no danger, and the ball is only stopped
+SHIELD = 0.6  # m: distance of a shielded ball from the keeper's centre
+SHIELD_FROM = 6.0  # m: a taker farther away is no danger, and the ball is only stopped
 
-RINGS = (0.35, 0.6, 0.8)  # of half the box: radii of the rings of points that OfferPass looks at
+RINGS = (0.35, 0.6, 0.8)  # of half the box: radii of OfferPass's rings of points
 SPOKES = 12  # points in each
-LANE_ENOUGH = 4.0  # m: a lane so clear is as good as any
-APART = 9.0  # m: as far as it is good to be from team mates and takers
+LANE_ENOUGH = 4.0  # m: a lane with this clearance is as good as any
+APART = 9.0  # m: a larger distance from team mates and takers is no better
 
 
 def go_to(body: PredictiveBody, place: Point) -> None:
-    """Turn or dash towards a place so as to come to rest there; at the place, face the ball."""
+    """Turn or dash towards a place to come to rest there; at the place, face the ball."""
     x, y = body.position
     dx, dy = place[0] - x, place[1] - y
     vx, vy = body.velocity
@@ -60,7 +60,7 @@ def hold_ball(body: PredictiveBody) -> None:
     taker = body.closest_taker()
     x, y = body.vector_to(BALL)
     vx, vy = body.ball_velocity
-    # Where the ball is to be in the next cycle, relative to where the keeper is now.
+    # Wanted position of the ball in the next cycle, relative to the keeper's current one.
     own_vx, own_vy = body.velocity
     if taker == NOBODY or body.values[taker] > SHIELD_FROM:
         distance = math.hypot(x, y)
@@ -76,7 +76,7 @@ def hold_ball(body: PredictiveBody) -> None:
 
 
 def kick(body: PredictiveBody, ax: float, ay: float) -> None:
-    """Accelerate the ball by so much, m/cycle², or in that direction by as much as can be."""
+    """Accelerate the ball by this much, m/cycle², or as much as possible in that direction."""
     wanted = math.hypot(ax, ay)
     if wanted > STILL:
         power = kick_power(body.parameters, wanted, body.values[BALL], body.values[BALL + 1])
@@ -84,10 +84,10 @@ def kick(body: PredictiveBody, ax: float, ay: float) -> None:
 
 
 def offer_pass(body: PredictiveBody) -> None:
-    """Go to where a pass from the ball would be safe, away from everybody else.
+    """Go to where a pass from the ball would be safe, away from all others.
 
-    Of three rings of points around the centre it is the one with the clearest lane from where the
-    ball will be, far from takers and team mates, and not far to go.
+    The target is a point on one of three rings around the centre: it should have a clear lane from
+    the ball's future position, be far from takers and team mates, and be close to the keeper.
     """
     x, y = body.position
     mates = [body.place_of(place) for place in body.others]
@@ -107,7 +107,7 @@ def offer_pass(body: PredictiveBody) -> None:
 
 
 def open_points(body: PredictiveBody) -> list[Point]:
-    """Return the points that OfferPass chooses among."""
+    """Return the points that OfferPass chooses from."""
     half = min(body.values[percept.WIDTH], body.values[percept.HEIGHT]) / 2.0
     return [
         (

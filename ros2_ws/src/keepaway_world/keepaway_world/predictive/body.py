@@ -12,7 +12,7 @@ from keepaway_world.predictive.forecast import Forecaster, Meeting, Point
 
 
 class PredictiveBody(KeeperBody):
-    """A keeper's body with a forecast of the ball, made when it is first asked for in a cycle."""
+    """A keeper's body with a forecast of the ball, made on first use in a cycle."""
 
     __slots__ = ("_forecaster", "_meeting", "_track")
 
@@ -23,7 +23,7 @@ class PredictiveBody(KeeperBody):
         self._meeting: Meeting | None = None
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take this cycle's percept; what was forecast from the last one is forgotten."""
+        """Take this cycle's percept; drop the last forecast."""
         super().sense(values, heard)
         self._track = self._meeting = None
 
@@ -45,15 +45,15 @@ class PredictiveBody(KeeperBody):
         return self._meeting
 
     def place_of(self, place: int) -> Point:
-        """Return where the ball or a player is in the world, m."""
+        """Return the position of the ball or a player in the world, m."""
         x, y = self.position
         dx, dy = self.vector_to(place)
         return x + dx, y + dy
 
     def cycles_to_meet(self, position: Point) -> int:
-        """Return in how many cycles a player at a position could meet the ball."""
+        """Return the number of cycles in which a player at a position could meet the ball."""
         return self._forecaster.cycles_to_meet(position, self.ball_track)
 
     def soonest_mate(self) -> int:
-        """Return in how many cycles the first of the other keepers could meet the ball."""
+        """Return the number of cycles in which the fastest other keeper could meet the ball."""
         return min(self.cycles_to_meet(self.place_of(place)) for place in self.others)

@@ -1,4 +1,4 @@
-"""The domain ``keepaway_predictive``: all of keepaway's words, and those that look ahead."""
+"""The domain ``keepaway_predictive``: keepaway's vocabulary plus words that look ahead."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Features and targets that look ahead, beside those of `keepaway_world.features`."""
+"""Features and targets that look ahead, in addition to `keepaway_world.features`."""
 
 from __future__ import annotations
 
@@ -14,18 +14,17 @@ from keepaway_world.predictive.lanes import clearance
 
 
 def a_teammate_is_faster_to_ball(body: PredictiveBody) -> float:
-    """Whether another keeper could meet the ball in fewer cycles, whatever way each faces.
+    """Whether another keeper could meet the ball in fewer cycles, ignoring headings.
 
-    It compares what a keeper sees of all alike, so that two keepers seldom both wait for the
-    other.
+    All keepers are judged by the same estimate, so that two keepers seldom wait for each other.
     """
     return float(body.soonest_mate() < body.cycles_to_meet(body.position))
 
 
 def lane_clearance(body: PredictiveBody, place: int) -> float:
-    """Return the distance of the nearest taker to the way from the ball to a team mate, m.
+    """Return the distance of the nearest taker from the line between ball and team mate, m.
 
-    NaN if there is no such team mate; without takers the length of the box's diagonal.
+    It is NaN if there is no such team mate and the box's diagonal if there are no takers.
     """
     if place == NOBODY:
         return NAN
@@ -35,7 +34,7 @@ def lane_clearance(body: PredictiveBody, place: int) -> float:
 
 
 def farthest_keeper(body: PredictiveBody) -> int:
-    """Return the place of the farthest other keeper; the highest number if there are more."""
+    """Return the place of the farthest other keeper; on a tie, the highest number."""
     return max(body.others, key=lambda place: (body.values[place], place), default=NOBODY)
 
 

@@ -1,7 +1,7 @@
 """Where the ball will be, and when a keeper can be there.
 
-A forecast is made afresh from each percept, of where the ball is and how it moves as far as the
-keeper sees. Positions are in m in the world's axes, speeds in m/cycle, times in cycles.
+Each forecast uses only the current percept: the ball's position and velocity as the keeper sees
+them. Positions are in m in the world's axes, speeds in m/cycle, times in cycles.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from keepaway_world.angles import PI, wrapped
 from keepaway_world.behaviors import TURN_WHEN_OFF
 from keepaway_world.parameters import KeepawayParameters
 
-HORIZON = 40  # cycles that are looked ahead
+HORIZON = 40  # cycles to look ahead
 FULL = 100.0
-COMFORTABLE = 0.6  # m: a keeper wants to be so near to the ball when they meet
+COMFORTABLE = 0.6  # m: wanted distance from the ball when they meet
 
 Point = tuple[float, float]
 
@@ -30,10 +30,10 @@ class Meeting:
 
 
 class Forecaster:
-    """Forecasts with given mechanics; it holds tables alone and can be shared.
+    """Forecasts with given mechanics; it holds only tables and can be shared.
 
     Args:
-        parameters: the mechanics that the keeper believes in.
+        parameters: the mechanics that the keeper assumes.
     """
 
     def __init__(self, parameters: KeepawayParameters) -> None:
@@ -49,9 +49,9 @@ class Forecaster:
             self._rolled.append(self._rolled[-1] + p.ball_decay**cycle)
 
     def track(self, ball: Point, velocity: Point, size: Point) -> list[Point]:
-        """Return where the ball will be in 0, 1, ... cycles if nobody kicks it.
+        """Return the ball's positions in 0, 1, ... cycles without a kick.
 
-        It is followed up to the last cycle within the box, which is ``size`` large.
+        The track ends with the last cycle inside the box, which has this ``size``.
         """
         (x, y), (vx, vy) = ball, velocity
         half_width, half_height = size[0] / 2.0, size[1] / 2.0
@@ -66,9 +66,9 @@ class Forecaster:
     def meet(
         self, position: Point, heading: float, velocity: Point, track: Sequence[Point]
     ) -> Meeting:
-        """Return where a keeper can first meet the ball, turns included.
+        """Return where a keeper can first meet the ball, including turns.
 
-        If it cannot, it is the end of the track, to which it can at least go.
+        If it cannot meet the ball, this is the end of the track.
         """
         (x, y), (vx, vy) = position, velocity
         speed = math.hypot(vx, vy)
@@ -87,7 +87,7 @@ class Forecaster:
         return Meeting(HORIZON + 1, track[-1])
 
     def turns(self, angle: float, speed: float) -> int:
-        """Return how many turns it takes to face a direction that is so far off."""
+        """Return the number of turns needed to face a direction ``angle`` off the heading."""
         off, turns = abs(angle), 0
         while off > TURN_WHEN_OFF:
             off -= PI / (1.0 + self.parameters.inertia * speed)
@@ -96,9 +96,9 @@ class Forecaster:
         return turns
 
     def cycles_to_meet(self, position: Point, track: Sequence[Point]) -> int:
-        """Return in how many cycles a player could meet the ball, whatever way it faces.
+        """Return the number of cycles in which a player could meet the ball, ignoring its heading.
 
-        For comparing players of whom no more is known than where they are.
+        This compares players of which only the position is known.
         """
         x, y = position
         for cycles in range(len(track)):

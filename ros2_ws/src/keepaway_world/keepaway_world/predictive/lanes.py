@@ -1,4 +1,4 @@
-"""Passing lanes: how far the takers are from the way that a pass would take."""
+"""Passing lanes: how far the takers are from the path of a pass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Our actions and orders as commands of rcssserver: radians to degrees, y up to y down."""
+"""Converts actions and orders to rcssserver commands: radians to degrees, y up to y down."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from keepaway_world.interception import Order
 from keepaway_world.parameters import KeepawayParameters
 
 _SAYABLE = re.compile(r"[0-9A-Za-z().+*/?<>_ -]+")
-"""What a message may be made of, for the server to take it."""
+"""Pattern of the messages that the server accepts."""
 
 
 def commands_of(
@@ -21,13 +21,13 @@ def commands_of(
     parameters: KeepawayParameters,
     refused: dict[str, str],
 ) -> tuple[dict[str, list[str]], dict[str, str]]:
-    """Return the keepers' commands, and what they say, by name.
+    """Return the keepers' commands and messages, by name.
 
     Args:
         actions: by agent.
-        agents: those that there are.
+        agents: names of all agents.
         parameters: of the game.
-        refused: takes what is wrong with an action, by agent.
+        refused: receives what is wrong with an action, by agent.
     """
     given: dict[str, list[str]] = {}
     said = {}
@@ -52,10 +52,10 @@ def commands_of(
 
 
 def command_of(values: Sequence[float]) -> str:
-    """Return the command that an action stands for, "" if it is none.
+    """Return the command that an action encodes; "" for no action.
 
     Raises:
-        ValueError: if it is no action, see `keepaway_world.action`.
+        ValueError: if the action is invalid, see `keepaway_world.action`.
     """
     kind, amount, direction = action.parse(values)
     if kind == action.DASH:
@@ -68,7 +68,7 @@ def command_of(values: Sequence[float]) -> str:
 
 
 def command_of_order(order: Order) -> str:
-    """Return the command that a built-in player's order stands for."""
+    """Return the command for a built-in player's order."""
     kind, amount, direction = order
     if kind == "dash":
         return dash(amount)
@@ -86,7 +86,7 @@ def turn(moment: float) -> str:
 
 
 def kick(power: float, direction: float) -> str:
-    """Return the command to kick towards ``direction``, rad, counter-clockwise off the body."""
+    """Return the command to kick towards ``direction``, rad, counter-clockwise from the body."""
     return f"(kick {_within(power, 0.0, 100.0):.4f} {_degrees(direction):.4f})"
 
 
@@ -94,7 +94,7 @@ def say(message: str, parameters: KeepawayParameters) -> str:
     """Return the command to say something.
 
     Raises:
-        ValueError: if the server would not pass it on.
+        ValueError: if the server would not transmit it.
     """
     longest = parameters.say_length
     if not isinstance(message, str) or len(message) > longest:

@@ -1,4 +1,4 @@
-"""One client of rcssserver: a UDP socket, and the handshake with which the server takes it in."""
+"""One client of rcssserver: a UDP socket and the handshake that registers it."""
 
 from __future__ import annotations
 
@@ -15,43 +15,43 @@ from keepaway_world.rcss.sexpr import ProtocolError, decode
 
 VERSION = 15
 ANSWER_SECONDS = 0.5
-"""How long the answer to ``(init ...)`` is waited for; a server looks every 10 ms."""
+"""How long to wait for the answer to ``(init ...)``; a server polls every 10 ms."""
 
 _DATAGRAM = 65_536
 
 Readable = TypeVar("Readable", "Connection", socket.socket)
 
 REASONS = {
-    "no_more_team": "two teams of other names play there already",
+    "no_more_team": "two other teams are already playing there; restart it",
     "no_more_player_or_goalie_or_illegal_client_version": (
-        "the team is full, be it of players who have left, since none can come back; or it "
-        f"does not speak protocol version {VERSION}; start it anew, version 15 or later"
+        "the team is full, counting players that have left, which cannot rejoin; or it "
+        f"does not speak protocol version {VERSION}; restart it, version 15 or later"
     ),
     "illegal_client_version": (
         f"it does not speak protocol version {VERSION}; use rcssserver 15 or later"
     ),
-    "illegal_teamname": "it does not like the team's name; use letters, digits, _, + and -",
+    "illegal_teamname": "it does not accept the team's name; use letters, digits, _, + and -",
     "illegal_teamname_or_too_long_teamname": "the team's name is longer than 15 characters",
     "already_have_offline_coach": "another trainer is connected; stop that one",
     "connected_offline_coach_without_coach_mode": (
-        "it takes no trainer; start it with server::coach_w_referee=1"
+        "it accepts no trainer; start it with server::coach_w_referee=1"
     ),
 }
 
 
 class ServerError(Exception):
-    """The server cannot be played on; the text tells in one sentence why, and the way out."""
+    """The server cannot be used; the text gives the reason and the way out in one sentence."""
 
 
 class NoAnswer(ServerError):
-    """Nobody answers there: the server is not up yet, or no longer."""
+    """The server does not answer: it is not up yet, or no longer."""
 
 
 class Connection:
-    """A client that the server has taken in.
+    """A client that the server has accepted.
 
     Attributes:
-        where: the server's address, to be told to a user.
+        where: the server's address, for messages to a user.
         init: the server's answer.
     """
 
@@ -61,11 +61,11 @@ class Connection:
         self.init = init
 
     def fileno(self) -> int:
-        """Return the socket's descriptor, so that it can be waited for."""
+        """Return the socket's descriptor, for waiting on it."""
         return self._socket.fileno()
 
     def send(self, *commands: str) -> None:
-        """Send commands, a datagram each, every one closed by a NUL as the server wants it.
+        """Send commands, one datagram each, terminated by a NUL as the server requires.
 
         Raises:
             NoAnswer: if the server is gone.
@@ -74,7 +74,7 @@ class Connection:
             for command in commands:
                 self._socket.send(command.encode("ascii") + b"\0")
         except OSError as error:
-            if not isinstance(error, BlockingIOError):  # a full buffer loses it, as UDP may
+            if not isinstance(error, BlockingIOError):  # a full buffer drops it, as UDP may
                 raise self._gone() from error
 
     def receive(self) -> list[str]:
@@ -93,18 +93,18 @@ class Connection:
                 if texts:
                     return texts
                 raise self._gone() from error
-            with contextlib.suppress(ProtocolError):  # none of rcssserver's
+            with contextlib.suppress(ProtocolError):  # not from rcssserver
                 texts.append(decode(datagram))
 
     def parse(self, text: str) -> Message | None:
-        """Return what a datagram's text says; None if it is no message."""
+        """Return the message in a datagram's text; None if there is none."""
         try:
             return parse_message(text)
         except ProtocolError:
             return None
 
     def close(self) -> None:
-        """Say goodbye, so that the server does not wait for this client any more."""
+        """Say goodbye, so that the server no longer waits for this client."""
         with contextlib.suppress(OSError):
             self._socket.send(b"(bye)\0")
         self._socket.close()
@@ -127,7 +127,7 @@ def address_of(host: str, port: int) -> tuple[int, Any]:
 
 
 def udp_socket(family: int) -> socket.socket:
-    """Return a socket for datagrams that never waits."""
+    """Return a non-blocking datagram socket."""
     sock = socket.socket(family, socket.SOCK_DGRAM)
     sock.setblocking(False)
     return sock
@@ -136,17 +136,17 @@ def udp_socket(family: int) -> socket.socket:
 def connect(
     host: str, port: int, team: str = "", *, answer_seconds: float = ANSWER_SECONDS
 ) -> Connection:
-    """Have the server take in a client.
+    """Register a client with the server.
 
     Args:
         host: of the server.
         port: for players, usually 6000, or for the trainer, usually 6001.
-        team: whose player this is; "" for a trainer.
+        team: of the player; "" for a trainer.
         answer_seconds: how long to wait for the answer.
 
     Raises:
-        NoAnswer: if none comes.
-        ServerError: if the server refuses, or if it is no rcssserver.
+        NoAnswer: if no answer comes.
+        ServerError: if the server refuses, or is not an rcssserver.
     """
     where = f"{host}:{port}"
     family, address = address_of(host, port)
@@ -155,7 +155,7 @@ def connect(
         words = [team, f"(version {VERSION})"] if team else [f"(version {VERSION})"]
         sock.sendto(f"(init {' '.join(words)})".encode("ascii") + b"\0", address)
         init, dedicated = _answer(sock, where, answer_seconds)
-        sock.connect(dedicated)  # from now on the system tells us when the server is gone
+        sock.connect(dedicated)  # from now on the system reports when the server is gone
         return Connection(sock, where, init)
     except OSError as error:
         sock.close()
@@ -166,7 +166,7 @@ def connect(
 
 
 def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tuple[object, ...]]:
-    """Wait for the server's answer; return it and the address from which it came."""
+    """Wait for the server's answer; return it and its source address."""
     deadline = time.monotonic() + seconds
     while (left := deadline - time.monotonic()) > 0:
         if not select.select([sock], [], [], left)[0]:
@@ -178,13 +178,13 @@ def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tupl
         try:
             message = parse_message(decode(datagram))
         except ProtocolError as error:
-            raise ServerError(f"what answers at {where} is no rcssserver: {error}") from None
+            raise ServerError(f"what answers at {where} is not an rcssserver: {error}") from None
         if isinstance(message, Init):
             return message, sender
         if isinstance(message, Refusal) and message.kind == "error":
             reason = REASONS.get(message.reason, message.reason.replace("_", " "))
             raise ServerError(f"the rcssserver at {where} refuses: {reason}")
-        # The answer itself was lost: what follows it comes from the new port already.
+        # The answer itself was lost: later messages already come from the new port.
         with contextlib.suppress(OSError):
             sock.sendto(b"(bye)\0", sender)
         raise NoAnswer(f"the answer of the rcssserver at {where} was lost")

@@ -1,4 +1,4 @@
-"""What rcssserver's referee does not tell: when an episode began, why it ended, the passes."""
+"""What rcssserver's referee does not report: an episode's start, end reason and passes."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ _AT_REST = 1e-9
 class EpisodeWatch:
     """Watches one episode at a time.
 
-    The referee says only that an episode is over, by when it has set up the next one. But it
-    checks for a ball that is out before one that is taken, and its count of the takers'
-    possession follows from what was seen before; so the reason is known.
+    The referee only reports that an episode is over, after it has set up the next one. But it
+    checks for a ball that is out before one that is taken, and its count of the takers' possession
+    follows from earlier cycles, so the reason can be derived.
 
     Args:
-        rules: the referee of the simulated world, whose rules are the same.
-        physics: the field that is kept up to date.
+        rules: the referee of the simulated world, which has the same rules.
+        physics: the field, which the caller keeps up to date.
 
     Attributes:
-        began: the server's time when the present episode began.
+        began: the server's time when the current episode began.
     """
 
     def __init__(self, rules: referee.Referee, physics: Physics) -> None:
@@ -34,22 +34,22 @@ class EpisodeWatch:
 
     @property
     def passes(self) -> int:
-        """How many passes were completed so far."""
+        """The number of passes completed so far."""
         return self._rules.passes
 
     def begin(self, time: int) -> None:
-        """Note that an episode begins, with the field as it is at ``time``."""
+        """Start an episode with the field as it is at ``time``."""
         self._rules.begin()
         self.began = time
 
     def saw(self, kickers: Iterable[str]) -> None:
-        """Take note of the field after a cycle, and of who kicked in it."""
+        """Record the field after a cycle, and the players that kicked in it."""
         for name in kickers:
             self._rules.saw_kick(self._players[name])
         self._rules.judge(self._physics)
 
     def why_over(self) -> str:
-        """Return why the referee ended the episode in the cycle after the last that was seen."""
+        """Return why the referee ended the episode in the cycle after the last one seen."""
         ball, p = self._physics.ball, self._physics.parameters
         out_next = (
             abs(ball.x + ball.vx) >= p.width / 2.0 or abs(ball.y + ball.vy) >= p.height / 2.0
@@ -58,9 +58,9 @@ class EpisodeWatch:
         return referee.TAKEN if taken else referee.OUT
 
     def set_up_anew(self, state: FullState) -> bool:
-        """Return whether everything stands as when an episode begins, and did not before.
+        """Return whether the field has just changed to the setup of a new episode.
 
-        This tells that an episode has begun where the referee's words were lost.
+        This detects a new episode if the referee's message was lost.
         """
         x, y, vx, vy = state.ball
         p = self._physics.parameters

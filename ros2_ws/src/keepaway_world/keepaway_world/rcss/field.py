@@ -1,7 +1,7 @@
-"""The field as the server last told it, in our own terms: y up, radians, our names.
+"""The field as last reported by the server, in our own terms: y up, radians, our names.
 
-It is held by the bodies of the simulated world, which are never moved by their physics here. So
-whatever reads those (percepts, takers, referee) reads this.
+It is stored in the bodies of the simulated world, which their physics never moves here, so that
+percepts, takers and referee can read it.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ SETTINGS: Mapping[str, str] = {
     "inertia": "inertia_moment",
     "say_range": "audio_cut_dist",
 }
-"""Our figures that are the server's to decide, and what it calls them."""
+"""Our parameters that the server decides, with its names for them."""
 
 
 def parameters_of(server: Parameters, ours: KeepawayParameters) -> KeepawayParameters:
-    """Return the figures of the game that the server plays.
+    """Return the parameters of the server's game.
 
     Raises:
-        ServerError: if it plays one that we do not know.
+        ServerError: if it plays an unknown game.
     """
     figures: dict[str, Any] = {
         name: server.number(setting, getattr(ours, name)) for name, setting in SETTINGS.items()
@@ -70,7 +70,7 @@ class Field:
         parameters: of the game.
 
     Attributes:
-        physics: the bodies, where they were last.
+        physics: the bodies at their last positions.
     """
 
     def __init__(self, parameters: KeepawayParameters) -> None:
@@ -79,7 +79,7 @@ class Field:
         self.movers: dict[str, Mover] = {mover.name: mover for mover in self.physics.movers}
 
     def take(self, state: FullState) -> list[str]:
-        """Take over what the server tells; return the names of those who kick in this cycle.
+        """Take over the server's state; return the names of the players that kick in this cycle.
 
         The keepers are the left team and the takers the right one, each by rising number.
         """
@@ -103,13 +103,13 @@ class Field:
         return kicked
 
     def missing(self, state: FullState) -> str:
-        """Return a sentence about players that are not as many as they should be, or ""."""
+        """Return a sentence about missing or extra players, or ""."""
         p = self.parameters
         for side, team, wanted in ((LEFT, "keepers", p.keepers), (RIGHT, "takers", p.takers)):
             there = sum(player.side == side for player in state.players)
             if there != wanted:
                 return (
-                    f"the server has {there} {team} and this world {wanted}; connect all players "
+                    f"the server has {there} {team} but this world {wanted}; connect all players "
                     f"before play starts, or set the parameter {team} to {there}"
                 )
         return ""
@@ -132,20 +132,20 @@ class Field:
         ]
 
     def places(self) -> dict[str, Place]:
-        """Return where everything is: x, y, heading, vx, vy by name."""
+        """Return all places: x, y, heading, vx, vy by name."""
         return {m.name: (m.x, m.y, m.heading, m.vx, m.vy) for m in self.physics.movers}
 
     def put(self, places: Mapping[str, Place]) -> None:
-        """Put things somewhere; the server has to be told too."""
+        """Put things somewhere; the caller must also inform the server."""
         for name, place in places.items():
             self.physics.put(self.movers[name], *place)
 
 
 def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict[str, Place]:
-    """Return where things are to be, with NaN replaced by where they are now.
+    """Return the requested places, with NaN replaced by the current values.
 
     Raises:
-        WorldError: naming what does not exist or cannot be.
+        WorldError: naming what does not exist or is impossible.
     """
     places: dict[str, Place] = {}
     for p in placements:

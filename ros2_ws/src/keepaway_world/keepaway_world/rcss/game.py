@@ -1,4 +1,4 @@
-"""What is known of the game that a server plays, cycle by cycle."""
+"""The state of a server's game, cycle by cycle."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from keepaway_world.referee import Referee
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """What has happened since the cycle before.
+    """What has happened since the previous cycle.
 
     Attributes:
-        state: the field as it is now; None if that was lost.
-        passed: how many cycles; more than one if the server did not wait for us.
-        episode_cycle: how long the episode that was played has lasted.
-        passes: that were completed in it.
-        ended: why it has ended, "" if it has not.
-        began: whether an episode has begun, or the next one.
+        state: the current field; None if the message was lost.
+        passed: number of cycles; more than one if the server did not wait for us.
+        episode_cycle: length of the episode so far.
+        passes: completed in it.
+        ended: why it has ended; "" if it has not.
+        began: whether a new episode has begun.
     """
 
     state: FullState | None
@@ -37,15 +37,15 @@ class Turn:
 
 
 class Game:
-    """A game of keepaway, as far as its players were told of it.
+    """A game of keepaway, as reported to its players.
 
     Args:
-        parameters: of the game, as the server has them.
+        parameters: of the server's game.
         agents: the keepers.
-        by_sight: whether keepers perceive what they see, instead of the field as it is.
+        by_sight: whether keepers perceive what they see, instead of the true field.
 
     Attributes:
-        field: as it is.
+        field: the current one.
         mode: of play.
         time: the server's; -1: not known yet.
     """
@@ -56,33 +56,33 @@ class Game:
         self.field = Field(parameters)
         self.mode = ""
         self.time = -1
-        exact = replace(parameters, sight="full")  # the server rounds what is seen already
+        exact = replace(parameters, sight="full")  # the server has already rounded what is seen
         self._seen = {name: Field(exact) for name in agents} if by_sight else {}
         self._watch = EpisodeWatch(Referee(parameters), self.field.physics)
         self._heard: dict[str, list[str]] = {}
 
     @property
     def fresh(self) -> bool:
-        """Whether nothing was played yet of the present episode."""
+        """Whether the current episode has not been played yet."""
         return self.time == self._watch.began
 
     @property
     def passes(self) -> int:
-        """How many passes were completed in the present episode."""
+        """The number of passes completed in the current episode."""
         return self._watch.passes
 
     def begin(self) -> None:
-        """Note that an episode begins, from the field as it is."""
+        """Start an episode from the current field."""
         self._watch.begin(self.time)
 
     def take(self, link: Link) -> Turn:
-        """Take in what the players were told of a cycle."""
+        """Take in a cycle's messages to the players."""
         passed = max(link.time - self.time, 0) if self.time >= 0 else 0
         self.time = link.time
-        state = link.state()  # None if lost: the field then stays as it was
+        state = link.state()  # None if lost: the field then stays unchanged
         mode = state.mode if state is not None else self.mode
         said = [when for when, text in link.referee if text == EPISODE_OVER]
-        # Whoever is late takes in several cycles at once: when it was said is what counts.
+        # A late reader takes in several cycles at once, so use the time of the message.
         at = max(said, default=self.time)
         over = bool(said)
         if state is not None and self.mode == mode == PLAYING:
@@ -110,6 +110,6 @@ class Game:
         return perceive(field.physics, field.movers[keeper]), list(self._heard.get(keeper, ()))
 
     def put(self, places: Mapping[str, Place]) -> None:
-        """Take note that things were put somewhere."""
+        """Record that things were placed."""
         for field in (self.field, *self._seen.values()):
             field.put(places)

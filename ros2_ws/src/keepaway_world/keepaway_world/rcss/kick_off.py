@@ -1,4 +1,4 @@
-"""Has a server begin to play, as a monitor does whose user says so."""
+"""Makes a server start to play, as a monitor does on a user's command."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from keepaway_world.rcss.connection import (
 
 
 def kick_off(host: str, port: int) -> None:
-    """Have the server begin to play; if that is lost on the way, it has to be done again.
+    """Make the server start to play; repeat the call if the message is lost.
 
-    A server that was started with ``server::keepaway_start=-1``, as it is by default, waits for
-    it; another one begins earlier than it would have.
+    A server started with ``server::keepaway_start=-1``, the default, waits for it; another one
+    starts earlier than it would have.
     """
     with contextlib.suppress(OSError, ServerError), contextlib.ExitStack() as stack:
         family, address = address_of(host, port)

@@ -1,4 +1,4 @@
-"""Where a player is, told by the landmarks that it sees.
+"""Computes where a player is from the landmarks that it sees.
 
 All figures are the server's: m, y points down, degrees clockwise.
 """
@@ -18,12 +18,12 @@ Pose: TypeAlias = tuple[float, float, float]
 _LENGTH, _WIDTH = 105.0, 68.0
 _PENALTY_LENGTH, _PENALTY_WIDTH = 16.5, 40.32
 _GOAL_WIDTH = 14.02
-_OUTSIDE = 5.0  # the flags around the field stand so far outside
-_NEAR = 1.0  # m^2; below, that distances are rounded to 0.1 m tells more than how far they are
+_OUTSIDE = 5.0  # distance of the flags from the edge of the field
+_NEAR = 1.0  # m^2; below, rounding to 0.1 m dominates the error of a distance
 
 
 def _landmarks() -> dict[tuple[str, ...], Point]:
-    """Return where all flags and goals are, by the names that the server gives them."""
+    """Return the positions of all flags and goals, by the server's names."""
     half_length, half_width = _LENGTH / 2.0, _WIDTH / 2.0
     across = {"l": -half_length, "c": 0.0, "r": half_length}
     down = {"t": -half_width, "c": 0.0, "b": half_width}
@@ -60,10 +60,10 @@ LANDMARKS: Mapping[tuple[str, ...], Point] = _landmarks()
 
 
 def locate(objects: Iterable[SeenObject]) -> Pose | None:
-    """Return from where the landmarks are seen so; None if fewer than two are.
+    """Return the pose from which the landmarks are seen like this; None if fewer than two are.
 
-    It is the pose from which they would lie closest to where they truly are, in the least squares
-    sense, weighted by their nearness, since the error of a distance grows with it.
+    It is the least-squares fit of the seen to the true positions, weighted by nearness, since the
+    error of a distance grows with it.
     """
     pairs = []
     for seen in objects:

@@ -1,4 +1,4 @@
-"""All clients that we have on one server: they are told a cycle together and answer together."""
+"""All our clients on one server, which handle each cycle together."""
 
 from __future__ import annotations
 
@@ -34,22 +34,22 @@ from keepaway_world.rcss.sexpr import ProtocolError
 from keepaway_world.rcss.sighting import Sighting, together
 
 PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
-STRAGGLER_SECONDS = 0.3  # a client that still has nothing when others have it has lost it
-REPEAT_SECONDS = 0.4  # after so much silence the server is told (done) again
-GONE_SECONDS = 4.0  # a server waits 1.25 s for a (done): one that takes longer is gone
+STRAGGLER_SECONDS = 0.3  # after this, a client without the message that others have has lost it
+REPEAT_SECONDS = 0.4  # after this much silence, (done) is sent again
+GONE_SECONDS = 4.0  # a server waits 1.25 s for a (done), so a longer silence means it is gone
 REALTIME_STRAGGLER_SECONDS = 0.02
 
 
 @dataclass
 class Client:
-    """One of our players, and what it was told of this cycle.
+    """One of our players, and its messages in this cycle.
 
     Attributes:
-        told: whether it was told anything of it yet.
+        told: whether it has received any.
         thinking: whether the server waits for its ``(done)``.
-        time: of the cycle, the server's.
+        time: of the cycle, in the server's count.
         heard: from its team mates.
-        sighting: what it makes of what it sees; None if that is not looked at.
+        sighting: interprets what it sees; None if that is not used.
     """
 
     connection: Connection
@@ -67,19 +67,19 @@ class Link:
         clients: by name, keepers first.
         settings: the server's own.
         synch: whether the server waits for ``(done)``; else it plays in real time.
-        full_state: whether the server tells everything as it is.
-        mode: of play, as far as it was told.
-        time: the server's, in cycles, as far as it was told.
+        full_state: whether the server reports the full state.
+        mode: of play, as last reported.
+        time: the server's, in cycles, as last reported.
         referee: what the referee said in this cycle, with the server's time.
-        thinking_since: when the server last began to wait for us.
+        thinking_since: when the server last started to wait for us.
     """
 
     def __init__(self, server: ServerSettings, keepers: int, takers: int) -> None:
-        """Have the server take in all players, the keepers first: the first team is left.
+        """Register all players, the keepers first, since the first team is left.
 
         Raises:
             NoAnswer: if there is no server.
-            ServerError: if it refuses, or plays something else.
+            ServerError: if it refuses, or plays another game.
         """
         self.where = server.where
         self.clients: dict[str, Client] = {}
@@ -110,14 +110,14 @@ class Link:
     def _check(self, kind: str, index: int, init: Init) -> None:
         if init.side == (LEFT if kind == "keeper" else RIGHT) and init.number != index + 1:
             raise ServerError(
-                f"on the rcssserver at {self.where} others are the {kind}s, or have been until "
-                "they left, after which nobody can take their place; start the server anew"
+                f"on the rcssserver at {self.where} other clients are, or were, the {kind}s; "
+                "players that leave cannot be replaced, so restart the server"
             )
         if init.side != (LEFT if kind == "keeper" else RIGHT):
             raise ServerError(
-                f"on the rcssserver at {self.where} the {kind}s are the wrong team: another team "
-                "was there first; the first one to connect are the keepers, so start the server "
-                "anew and this world before any takers"
+                f"on the rcssserver at {self.where} the {kind}s are the wrong team: another "
+                "team connected first, and the first are the keepers; restart the server and "
+                "start this world before any takers"
             )
 
     def _check_settings(self, server: ServerSettings) -> None:
@@ -130,12 +130,12 @@ class Link:
             )
         if not self.full_state and server.percepts == FULL_STATE:
             raise ServerError(
-                f"the rcssserver at {self.where} does not tell the keepers its full state; start "
+                f"the rcssserver at {self.where} does not send the keepers its full state; start "
                 "it with server::fullstate_l=1, or set the parameter percepts to see"
             )
 
     def _open_eyes(self, server: ServerSettings) -> None:
-        """Have those players see in every cycle whose sight is looked at."""
+        """Make the players whose sight is used see in every cycle."""
         teams = {server.team: LEFT, server.taker_team: RIGHT}
         decay = self.settings.number("ball_decay", 0.94)
         speed_max = self.settings.number("ball_speed_max", 3.0)
@@ -145,12 +145,12 @@ class Link:
                 continue
             me = init.side, init.number
             self.clients[name].sighting = Sighting(me, teams, decay, speed_max)
-            # Otherwise it would see in two cycles of three, half as far round again.
+            # Otherwise it would see in two cycles of three, at a wider angle.
             client.connection.send("(synch_see)", "(change_view narrow high)")
 
     @property
     def joined_late(self) -> bool:
-        """Whether the server had begun to play before all of our players were there."""
+        """Whether the server started to play before all of our players had joined."""
         return any(c.connection.init.mode != BEFORE_KICK_OFF for c in self.clients.values())
 
     def _await_settings(self) -> None:
@@ -158,7 +158,7 @@ class Link:
         while not self.settings.values:
             left = deadline - time.monotonic()
             if left <= 0.0:
-                raise NoAnswer(f"the rcssserver at {self.where} does not tell its settings")
+                raise NoAnswer(f"the rcssserver at {self.where} sends no settings; restart it")
             self.poll(left)
 
     def close(self) -> None:
@@ -166,10 +166,10 @@ class Link:
         for client in self.clients.values():
             client.connection.close()
 
-    # -- what the server tells ----------------------------------------------------------------
+    # -- messages of the server --------------------------------------------------------------
 
     def poll(self, seconds: float = 0.0) -> None:
-        """Take in what arrives within so many seconds; return as soon as something has.
+        """Take in what arrives within ``seconds``; return as soon as something has.
 
         Raises:
             NoAnswer: if the server is gone.
@@ -182,7 +182,7 @@ class Link:
                 self._take(client, text)
 
     def _take(self, client: Client, text: str) -> None:
-        if text.startswith("(fullstate "):  # all get the same: one of them is read, later
+        if text.startswith("(fullstate "):  # all clients get the same: one copy is read, later
             self._state_text = text
             return
         if text.startswith("(see ") and client.sighting is None:
@@ -211,9 +211,9 @@ class Link:
             self.settings = message
 
     def state(self) -> FullState | None:
-        """Return the newest full state, None if none has arrived since `forget`.
+        """Return the newest full state; None if none has arrived since `forget`.
 
-        Where the server tells none, it is what our players see together.
+        If the server sends none, it is what our players see together.
         """
         if not self.full_state:
             eyes = (c.sighting for c in self.clients.values() if c.sighting is not None)
@@ -225,7 +225,7 @@ class Link:
         return message if isinstance(message, FullState) else None
 
     def forget(self) -> None:
-        """Forget what was told of this cycle."""
+        """Clear the messages of this cycle."""
         self._state_text = ""
         self.referee.clear()
         for client in self.clients.values():
@@ -235,7 +235,7 @@ class Link:
     # -- answering ----------------------------------------------------------------------------
 
     def answer(self, commands: Mapping[str, Sequence[str]]) -> None:
-        """Have our players give their commands, by name.
+        """Send our players' commands, by name.
 
         Raises:
             NoAnswer: if the server is gone.
@@ -250,7 +250,7 @@ class Link:
 
     @property
     def complete(self) -> bool:
-        """Whether all of our players were told of a cycle and can act in it."""
+        """Whether all of our players have received a cycle and can act in it."""
         clients = self.clients.values()
         if self.synch:  # (think) comes last
             return all(c.told and c.time == self.time and c.thinking for c in clients)
@@ -263,7 +263,7 @@ class Link:
 
     @property
     def _incomplete(self) -> bool:
-        """Whether some of our players can act in a new cycle, as far as they were told."""
+        """Whether some of our players can already act in a new cycle."""
         if self.synch:
             return any(client.thinking for client in self.clients.values())
         return any(client.told for client in self.clients.values())
@@ -281,13 +281,13 @@ class Link:
             now = time.monotonic()
             if now - began > GONE_SECONDS:
                 raise NoAnswer(
-                    f"the rcssserver at {self.where} has not gone on for {GONE_SECONDS:g} s; "
+                    f"the rcssserver at {self.where} has been silent for {GONE_SECONDS:g} s; "
                     "start it again"
                 )
             if self._incomplete:
                 some_since = some_since or now
                 if now - some_since > straggler:
-                    return  # what the others lack was lost
+                    return  # the others' messages were lost
             elif self.synch and now - repeated > REPEAT_SECONDS:
                 repeated = now  # the server may not have got it
                 for client in self.clients.values():

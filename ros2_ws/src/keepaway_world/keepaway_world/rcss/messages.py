@@ -1,7 +1,7 @@
-"""What rcssserver tells its clients, as data; protocol version 15.
+"""rcssserver's messages to its clients, as data; protocol version 15.
 
-All figures are the server's own: y points down, angles are degrees, clockwise, speeds are per
-cycle. `keepaway_world.rcss.field` turns them into ours.
+All values are the server's own: y points down, angles are in degrees, clockwise, speeds are per
+cycle. `keepaway_world.rcss.field` converts them to ours.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ LEFT, RIGHT = "l", "r"
 REFEREE, SELF, OUR = "referee", "self", "our"
 BEFORE_KICK_OFF, PLAYING = "before_kick_off", "play_on"
 EPISODE_OVER = "training Keepaway 1"
-"""What the referee says when an episode has ended and the next one has been set up."""
+"""The referee's message when an episode has ended and the next one has been set up."""
 
 
 def number_of(atom: Expression) -> float:
-    """Return the finite number that an atom is.
+    """Return an atom as a finite number.
 
     Raises:
-        ProtocolError: if it is none.
+        ProtocolError: if it is not one.
     """
     try:
         value = float(atom)  # type: ignore[arg-type]
@@ -60,7 +60,7 @@ class Parameters:
     values: Mapping[str, str]
 
     def number(self, name: str, otherwise: float) -> float:
-        """Return a setting that is a number, or something else if the server has none.
+        """Return a numeric setting, or ``otherwise`` if the server has none.
 
         Raises:
             ProtocolError: if it is not a number.
@@ -70,7 +70,7 @@ class Parameters:
 
 @dataclass(frozen=True, slots=True)
 class SenseBody:
-    """What a player feels: its speed and where that points, its neck, its kicks so far."""
+    """What a player feels: its speed and its direction, its neck, its kicks so far."""
 
     time: int
     speed: float
@@ -81,7 +81,7 @@ class SenseBody:
 
 @dataclass(frozen=True, slots=True)
 class PlayerState:
-    """One player in a `FullState`; ``kicked``: it did in this cycle, if in vain."""
+    """One player in a `FullState`; ``kicked``: it tried to kick in this cycle."""
 
     side: str
     number: int
@@ -95,7 +95,7 @@ class PlayerState:
 
 @dataclass(frozen=True, slots=True)
 class FullState:
-    """Everything as it truly is."""
+    """The true state of everything."""
 
     time: int
     mode: str
@@ -105,9 +105,9 @@ class FullState:
 
 @dataclass(frozen=True, slots=True)
 class SeenObject:
-    """Something that is seen: its name in parts, such as ``("p", "takers", "2")``.
+    """A seen object: its name in parts, such as ``("p", "takers", "2")``.
 
-    What cannot be made out is NaN, such as how far a line is whose end alone is seen.
+    Unknown values are NaN, such as the distance of a line of which only the end is seen.
     """
 
     name: tuple[str, ...]
@@ -150,7 +150,7 @@ class Ok:
 
 @dataclass(frozen=True, slots=True)
 class Other:
-    """A message of another kind, which is of no use here."""
+    """A message of another kind, which is not used here."""
 
     kind: str
     parts: Sequence[Expression] = field(default=(), repr=False)

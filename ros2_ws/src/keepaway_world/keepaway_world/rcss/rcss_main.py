@@ -1,11 +1,11 @@
-"""Runs keepaway on an rcssserver as the world of a swarm, in a process of its own.
+"""Runs keepaway on an rcssserver as the world of a swarm, in its own process.
 
 For example, with a server on this machine::
 
     ros2 run keepaway_world rcss_world --ros-args -r __ns:=/world -p pace:=lockstep
 
-Where the server is and who plays the takers are parameters, such as
-``-p parameters.host:=10.0.0.7``; so are the figures of the game that are not the server's to
+The server's address and the choice of takers are parameters, such as
+``-p parameters.host:=10.0.0.7``; so are the parameters of the game that the server does not
 decide, such as ``-p parameters.taker_speed:=1.0``. See docs/rcssserver.md.
 """
 
@@ -25,10 +25,10 @@ from keepaway_world.rcss.server_settings import ServerSettings
 
 
 def make_world(node: Node, seed: int) -> RcssWorld:
-    """Make the world that the node's parameters describe; the server may start later.
+    """Create the world described by the node's parameters; the server may start later.
 
     Raises:
-        HitabError: if a parameter cannot be.
+        HitabError: if a parameter is invalid.
     """
     server, parameters = declare_all_figures(node, ServerSettings, KeepawayParameters)
     return RcssWorld(server, parameters, seed)
@@ -39,7 +39,7 @@ def _start(spinning: Spinner) -> Loop:
 
     def make(node: Node, seed: int) -> RcssWorld:
         world = make_world(node, seed)
-        leave.callback(world.close)  # else the server would wait for our players
+        leave.callback(world.close)  # otherwise the server would wait for our players
         return world
 
     loop = run_world(make, spinning)
@@ -52,7 +52,7 @@ def _start(spinning: Spinner) -> Loop:
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until stopped."""
     sys.exit(run(_start))
 
 

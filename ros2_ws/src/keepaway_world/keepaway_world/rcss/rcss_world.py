@@ -1,7 +1,7 @@
-"""Keepaway as a running rcssserver plays it, behind the seam of all worlds.
+"""Keepaway on a running rcssserver, with the interface of all worlds.
 
-The server owns time and everything on the field; this world gives its players' commands and
-tells what it was told. See docs/rcssserver.md for what such a world cannot do.
+The server owns time and everything on the field; this world sends its players' commands and
+reports the server's messages. See docs/rcssserver.md for the limits of such a world.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from keepaway_world.rcss.trainer import Trainer
 from keepaway_world.takers import TakerTeam
 
 RETRY_SECONDS = 0.5  # between two attempts to reach a server
-REFUSED_SECONDS = 3.0  # between two to join one that refuses: each may use up a place in a team
-HOLD_SECONDS = 0.9  # how long a server is held while paused; it waits 1.25 s for an answer
-BUSY_SECONDS = 0.05  # longest that `RcssWorld.idle` plays on before it returns
+REFUSED_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
+HOLD_SECONDS = 0.9  # how long to hold a server while paused; it waits 1.25 s for an answer
+BUSY_SECONDS = 0.05  # longest time that `RcssWorld.idle` keeps playing before it returns
 
 
 class RcssWorld:
@@ -40,11 +40,11 @@ class RcssWorld:
     Percepts and actions are those of `keepaway_world.world.KeepawayWorld`.
 
     Args:
-        server: where it is, and who plays the takers.
-        parameters: figures of the game; those that are the server's to decide are taken from it.
-        seed: of the run, which the agents draw by; the server draws by its own.
-        patience: s; how long `reset` waits for an episode to begin. A node, which calls `idle`,
-            leaves it 0.
+        server: its address, and the choice of takers.
+        parameters: of the game; those that the server decides are taken from it.
+        seed: of the run, for the agents; the server uses its own.
+        patience: how long `reset` waits for an episode to begin, s. A node calls `idle` instead
+            and leaves it at 0.
     """
 
     name = "keepaway"
@@ -76,7 +76,7 @@ class RcssWorld:
         self._forget()
 
     def _forget(self) -> None:
-        """Know nothing of the field."""
+        """Clear everything known about the field."""
         self.size = self.parameters.width, self.parameters.height
         self._game = Game(self.parameters, self.agents, by_sight=self.server.percepts == SEE)
         self._takers = TakerTeam(self.parameters)
@@ -87,23 +87,23 @@ class RcssWorld:
     # -- episodes ---------------------------------------------------------------------------
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Begin the next episode, or begin to count them anew, from 0.
+        """Begin the next episode, or restart counting from 0.
 
-        With a trainer the players are placed as at an episode's beginning. Without one, an
-        episode that has begun already has to end by itself; until then the world is `waiting`.
+        With a trainer the players are placed as at an episode's beginning. Without one, an episode
+        that has already begun must end by itself; until then the world is `waiting`.
 
         Raises:
-            WorldError: if an episode is to be played again, or one of another seed.
+            WorldError: if asked to repeat an episode, or for another seed.
         """
         if seed is not None and seed != self.seed:
             raise WorldError(
-                f"an rcssserver draws by its own seed (server::random_seed), and this world was "
+                f"an rcssserver uses its own seed (server::random_seed), and this world was "
                 f"started with seed {self.seed} for its agents; start it with seed {seed}"
             )
         following = self.episode + 1
         if episode not in (None, 0, self.episode, following):
             raise WorldError(
-                f"an rcssserver cannot play episode {episode} again or ahead; "
+                f"an rcssserver cannot repeat or skip to episode {episode}; "
                 f"the next one is {following}"
             )
         self.episode = following if episode is None else episode
@@ -122,10 +122,10 @@ class RcssWorld:
             self.wait(self._patience)
 
     def wait(self, seconds: float) -> None:
-        """Keep the server company until an episode begins.
+        """Keep the server connected until an episode begins.
 
         Raises:
-            WorldError: telling what it waits for, if that takes longer.
+            WorldError: naming what it waits for, if that takes longer.
         """
         deadline = time.monotonic() + seconds
         while self.waiting:
@@ -135,13 +135,13 @@ class RcssWorld:
             time.sleep(0.001)
 
     def _set_up(self) -> None:
-        """Have the trainer place everybody as the referee would, drawn by our seed."""
+        """Make the trainer place everything as the referee would, drawn from our seed."""
         referee.set_up(self._game.field.physics, Random(world_seed(self.seed, self.episode)))
         self._move(self._game.field.places())
         self._game.begin()
 
     def _move(self, places: Mapping[str, Place]) -> None:
-        """Have the trainer put things somewhere; the server is left if it does not answer.
+        """Make the trainer put things somewhere; leave the server if it does not answer.
 
         Raises:
             WorldError: if that fails.
@@ -157,7 +157,7 @@ class RcssWorld:
         self._game.put(places)
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode went so far; its measure is the number of passes."""
+        """Return the result of the current episode so far; its measure is the number of passes."""
         return self._result or self._result_with(self._game.passes)
 
     def _result_with(self, passes: int) -> EpisodeResult:
@@ -204,10 +204,10 @@ class RcssWorld:
         }
 
     def _exchange(self, given: Mapping[str, list[str]]) -> bool:
-        """Give commands and take in the next cycle; return whether an episode began with it."""
+        """Send commands and take in the next cycle; return whether an episode began with it."""
         assert self._link is not None
         try:
-            self._link.poll()  # in real time the server may have gone on already
+            self._link.poll()  # in real time the server may already have moved on
             self._link.answer(given)
             self._link.await_cycle()
         except ServerError as error:
@@ -217,7 +217,7 @@ class RcssWorld:
         return self._observe(self._link)
 
     def _observe(self, link: Link) -> bool:
-        """Take in what was told of a cycle; return whether an episode began with it."""
+        """Take in a cycle's messages; return whether an episode began with it."""
         turn = self._game.take(link)
         link.forget()
         self.cycle += turn.passed
@@ -230,7 +230,7 @@ class RcssWorld:
         return turn.began
 
     def _see_to_waiting(self, turn: Turn) -> None:
-        """Decide whether there is an episode to be played."""
+        """Decide whether there is an episode to play."""
         missing = "" if turn.state is None else self._game.field.missing(turn.state)
         if self._game.mode == BEFORE_KICK_OFF:
             self.waiting = missing or sentences.BEFORE_PLAY.format(self.server.where)
@@ -254,7 +254,7 @@ class RcssWorld:
     # -- a server does not wait -------------------------------------------------------------
 
     def idle(self) -> str:
-        """Keep the server company; see `hitab_world.world.LiveWorld`."""
+        """Keep the server connected; see `hitab_world.world.LiveWorld`."""
         if self._link is None:
             self._join()
             return ""
@@ -269,7 +269,7 @@ class RcssWorld:
         return RESTART
 
     def _hold(self) -> str:
-        """Let the server go on as little as it can be made to, and put everything back."""
+        """Let the server advance as little as possible, and put everything back."""
         link = self._link
         assert link is not None
         self._held = self._held or self._game.field.places()
@@ -285,7 +285,7 @@ class RcssWorld:
             return ""
         began = self._exchange({})
         if self._trainer is not None and not self.waiting and not began:
-            with contextlib.suppress(WorldError):  # it is told what the world waits for, if so
+            with contextlib.suppress(WorldError):  # `waiting` then says what the world waits for
                 self._move(self._held)
             return ""
         if began:
@@ -294,7 +294,7 @@ class RcssWorld:
         return RESTART if began else LOOK
 
     def _join(self) -> None:
-        """Try to be taken in by the server, unless that was tried just now."""
+        """Try to join the server, unless that was tried just now."""
         now = time.monotonic()
         if now < self._next_try:
             return
@@ -311,7 +311,7 @@ class RcssWorld:
             )
 
     def _leave(self, why: str, pause: float = RETRY_SECONDS) -> None:
-        """Leave the server, to be taken in again when that is possible."""
+        """Leave the server, to rejoin it when possible."""
         for connection in (self._link, self._trainer):
             if connection is not None:
                 connection.close()
@@ -326,14 +326,14 @@ class RcssWorld:
     # -- what there is to see, and to put somewhere ------------------------------------------
 
     def entities(self) -> list[Entity]:
-        """Return the ball and the players as the server last told them, in SI units."""
+        """Return the ball and the players as last reported by the server, in SI units."""
         return self._game.field.entities(self._said)
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
-        """Have the trainer put players or the ball somewhere else.
+        """Make the trainer put players or the ball somewhere else.
 
         Raises:
-            WorldError: naming what cannot be; or if there is no trainer.
+            WorldError: naming what is impossible, or if there is no trainer.
         """
         if self._trainer is None:
             raise WorldError(sentences.NO_TRAINER)
@@ -347,7 +347,7 @@ class RcssWorld:
         self._held = {}
 
     def snapshot(self) -> dict[str, Any]:
-        """Refuse: an rcssserver's state cannot be had."""
+        """Refuse: an rcssserver's state cannot be read."""
         raise WorldError(sentences.NO_SNAPSHOT)
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:

@@ -29,10 +29,10 @@ from keepaway_world.rcss.sexpr import Expression, ProtocolError, excerpt, parse
 
 
 def parse_message(text: str) -> Message:
-    """Return what a message of the server says.
+    """Return a message of the server as data.
 
     Raises:
-        ProtocolError: if it is not one, or misses what such a message has.
+        ProtocolError: if it is not one, or lacks a part.
     """
     expression = parse(text)
     if not expression or not isinstance(expression[0], str):

@@ -1,21 +1,21 @@
-"""What a world on an rcssserver tells when it cannot play, or cannot do what it is asked."""
+"""Messages of a world on an rcssserver that cannot play, or cannot do what is asked."""
 
 CONNECTING = "connecting to the rcssserver at {}"
 BEFORE_PLAY = (
-    "the rcssserver at {} has not begun to play; it does so when all players are there, or "
+    "the rcssserver at {} has not begun to play; it begins when all players have joined, or "
     "server::keepaway_start seconds after its own start"
 )
 PLAYING_ON = "waiting for the end of the episode that the rcssserver at {} is playing"
 JOINED_LATE = (
-    "{}; it had begun to play before our players were there, which it does not survive: start it "
+    "{}; it began to play before our players had joined, which it does not survive: start it "
     "with server::keepaway_start=-1, so that it waits for them"
 )
 STOPPED = 'the rcssserver at {} has stopped play ("{}"); start it with server::half_time=-1'
 NO_TRAINER = (
-    "an rcssserver lets nobody but a trainer put things somewhere; start it with "
+    "an rcssserver lets only a trainer put things somewhere; start it with "
     "server::coach_w_referee=1 and this world with parameters.trainer_port:=6001"
 )
 NO_SNAPSHOT = (
-    "the state of an rcssserver cannot be saved or restored: it tells nobody its random numbers "
-    "and its referee's counts; use the simulated world for that"
+    "the state of an rcssserver cannot be saved or restored: it reveals neither its random "
+    "numbers nor its referee's counts; use the simulated world for that"
 )

@@ -1,4 +1,4 @@
-"""Which rcssserver is played on, and what this world is on it."""
+"""The rcssserver to use, and this world's role on it."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _TEAM = re.compile(r"[-+_a-zA-Z0-9]{1,15}")
 
 @dataclass(frozen=True)
 class ServerSettings(Parameters):
-    """Which server, and what we are on it.
+    """The server, and our role on it.
 
     Attributes:
-        host, port: where it takes players.
-        trainer_port: where it takes a trainer, usually 6001; 0: connect none.
+        host, port: of the server, for players.
+        trainer_port: for a trainer, usually 6001; 0: connect none.
         team, taker_team: names of the teams.
-        our_takers: whether the takers are played by this world; else they are someone else's
-            clients, which connect after the keepers.
-        kick_off: whether this world has the server begin to play once all players are there.
-        percepts: what the keepers perceive by: "fullstate", the server's exact account, quantised
+        our_takers: whether this world plays the takers; otherwise they are other clients, which
+            must connect after the keepers.
+        kick_off: whether this world makes the server start to play once all players have joined.
+        percepts: source of the keepers' percepts: "fullstate", the server's exact state, quantised
             as `KeepawayParameters.sight` says; or "see", what the server lets each of them see.
     """
 
@@ -51,7 +51,7 @@ class ServerSettings(Parameters):
     percepts: str = FULL_STATE
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be an address, the name of a team or a kind of percept."""
+        """Refuse invalid addresses, team names and kinds of percepts."""
         super().__post_init__()
         for name in ("team", "taker_team"):
             if not _TEAM.fullmatch(getattr(self, name)):
@@ -64,15 +64,15 @@ class ServerSettings(Parameters):
 
     @property
     def where(self) -> str:
-        """The server's address, as it is told to a user."""
+        """The server's address, for messages to a user."""
         return f"{self.host}:{self.port}"
 
 
 def settings_from_dict(values: Mapping[str, Any]) -> tuple[ServerSettings, KeepawayParameters]:
-    """Return what such a world's parameters say of the server, and of the game.
+    """Return the settings of the server and the parameters of the game.
 
     Raises:
-        ValueError: if there is no such parameter, or a value cannot be.
+        ValueError: if a parameter is unknown, or a value invalid.
     """
     names = {field.name for field in fields(ServerSettings)}
     server = {name: value for name, value in values.items() if name in names}

@@ -6,10 +6,10 @@ import re
 from typing import TypeAlias
 
 LENGTH_MAX = 65_536
-"""Longest message that is looked at, in characters; a UDP datagram is not longer."""
+"""Longest message that is read, in characters; a UDP datagram is not longer."""
 
 DEPTH_MAX = 32
-"""Deepest nesting that is followed; the server's own messages nest four deep."""
+"""Deepest nesting that is read; the server's own messages nest four deep."""
 
 Expression: TypeAlias = "str | list[Expression]"
 """An atom or a list. Numbers stay text; quoted texts lose their quotes."""
@@ -18,17 +18,17 @@ _TOKEN = re.compile(r'[()]|"[^"]*"|[^\s()"]+|"')
 
 
 class ProtocolError(ValueError):
-    """A message that is none of rcssserver's; the text tells what is wrong with it."""
+    """A message that is not rcssserver's; the text says what is wrong with it."""
 
 
 def excerpt(text: str, length: int = 60) -> str:
-    """Return the beginning of a message, printable, to be put into an error's text."""
+    """Return the printable beginning of a message, for an error's text."""
     shown = text if len(text) <= length else text[: length - 3] + "..."
     return repr(shown)
 
 
 def decode(datagram: bytes) -> str:
-    """Return the text of a datagram without the NULs and line ends that close it.
+    """Return the text of a datagram without its trailing NULs and line ends.
 
     Raises:
         ProtocolError: if it is not ASCII.
@@ -41,11 +41,11 @@ def decode(datagram: bytes) -> str:
 
 
 def parse(text: str) -> list[Expression]:
-    """Return the one list that a message is.
+    """Return a message as a list.
 
     Raises:
-        ProtocolError: if it is anything else: no list, unbalanced, nested too deeply, too long,
-            with an open quote or followed by something.
+        ProtocolError: if it is not exactly one list, is unbalanced, nested too deeply or too long,
+            or has an open quote.
     """
     if len(text) > LENGTH_MAX:
         raise ProtocolError(f"a message of {len(text)} characters is too long")

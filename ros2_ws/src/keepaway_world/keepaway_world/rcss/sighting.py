@@ -1,4 +1,4 @@
-"""What a player makes of what the server lets it see, and what several make of it together.
+"""Interprets what the server lets one player see, or several together.
 
 All figures are the server's: m and m/cycle, y points down, degrees clockwise.
 """
@@ -13,16 +13,16 @@ from typing import TypeAlias
 from keepaway_world.rcss.landmarks import Point, Pose, locate
 from keepaway_world.rcss.messages import FullState, PlayerState, See, SeenObject, SenseBody
 
-_LOST = 5.0  # m; somebody without a number who is farther from where a player was is not that one
+_LOST = 5.0  # m; an unnumbered player farther from a known player's last position is another one
 
 Who: TypeAlias = tuple[str, int]
 """Side and number of a player."""
 
 
 class Sighting:
-    """What one player knows of the field.
+    """What one player knows about the field.
 
-    What it does not see at the moment is where it saw it last; the ball has rolled on.
+    An object out of sight stays where it was last seen; the ball keeps rolling.
 
     Args:
         me: side and number.
@@ -30,8 +30,8 @@ class Sighting:
         ball_decay, ball_speed_max: of the server.
 
     Attributes:
-        time: of the cycle in which it saw something last; -1: never yet.
-        ball_seen_from: how far away the ball was seen in this cycle; infinite if it was not.
+        time: of the cycle in which it last saw something; -1: never.
+        ball_seen_from: distance at which the ball was seen in this cycle; infinite if it was not.
         kicked: whether it kicked in the last cycle.
     """
 
@@ -54,7 +54,7 @@ class Sighting:
         self._players: dict[Who, Point] = {}
 
     def feel(self, body: SenseBody) -> None:
-        """Begin a cycle, with what the player feels."""
+        """Begin a cycle with what the player feels."""
         self.kicked = 0 <= self._kicks < body.kicks
         self._kicks = body.kicks
         self._speed = body.speed, body.speed_direction
@@ -101,7 +101,7 @@ class Sighting:
         x, y = self._place(seen)
         expected = self._ball
         if math.isnan(seen.distance_change):
-            # As far as it is from where it was expected, so much it has been faster.
+            # Its distance from the expected position is its extra speed.
             vx = expected[2] + (x - expected[0]) * self._decay
             vy = expected[3] + (y - expected[1]) * self._decay
         else:
@@ -110,13 +110,13 @@ class Sighting:
             c, s = math.cos(angle), math.sin(angle)
             vx = self._velocity[0] + seen.distance_change * c - across * s
             vy = self._velocity[1] + seen.distance_change * s + across * c
-        if math.hypot(vx, vy) > self._speed_max:  # it was put there
+        if math.hypot(vx, vy) > self._speed_max:  # it was placed there
             vx = vy = 0.0
         self._ball = x, y, vx, vy
         self.ball_seen_from = seen.distance
 
     def _recognise(self, unknown: Iterable[tuple[str, Point]], known: set[Who]) -> None:
-        """Take those whose numbers cannot be made out for whoever was there before."""
+        """Identify players with unreadable numbers by earlier positions."""
         for side, place in unknown:
             candidates = [
                 (math.dist(place, was), who)
@@ -128,7 +128,7 @@ class Sighting:
                 self._players[nearest[1]] = place
 
     def myself(self) -> PlayerState | None:
-        """Return how the player itself is; None if it cannot tell yet."""
+        """Return the player's own state; None if not known yet."""
         if self._pose is None:
             return None
         x, y, neck = self._pose
@@ -149,10 +149,10 @@ class Sighting:
 
 
 def together(sightings: Iterable[Sighting], mode: str) -> FullState | None:
-    """Return the field as several players know it together; None if none knows anything.
+    """Return the field as several players know it together; None if no player knows anything.
 
-    The ball is where the player has it that sees it from nearest by; each of these players is
-    where it has itself, and any other one where the player nearest to the ball has it.
+    The ball is where the player that sees it from closest by locates it. Each of these players is
+    where it locates itself; every other player is where the player nearest to the ball locates it.
     """
     by_nearness = sorted(sightings, key=lambda sighting: sighting.ball_seen_from)
     states = [state for s in by_nearness if (state := s.state(mode)) is not None]

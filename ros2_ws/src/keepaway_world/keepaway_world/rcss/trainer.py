@@ -1,4 +1,4 @@
-"""The trainer's connection, through which things can be put somewhere."""
+"""The trainer's connection, which can put things somewhere."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class Trainer:
     """A trainer (offline coach) on a server that was started with ``server::coach_w_referee=1``.
 
     Args:
-        server: where it is and what the teams are called.
+        server: its address and the names of the teams.
 
     Raises:
-        ServerError: if the server does not take it.
+        ServerError: if the server does not accept it.
     """
 
     def __init__(self, server: ServerSettings) -> None:

@@ -3,9 +3,9 @@
 Written from a study of what these players do on the real simulator, as a yardstick for trained
 keepers.
 
-- `view`: what a player takes the field to be. `eyes`: what it sees, remembers and expects.
+- `view`: a player's estimate of the field. `eyes`: what it sees, remembers and expects.
 - `prediction`: what a player expects of its own motion, and the commands that take it somewhere.
-- `reaching`: how soon each player can be at the ball; who is the fastest.
+- `reaching`: how soon each player can reach the ball, and which is the fastest.
 - `interception`: meeting a rolling ball.
 - `ball_handling`: kicks in one or several steps, holding the ball.
 - `positioning`: getting open for a pass.

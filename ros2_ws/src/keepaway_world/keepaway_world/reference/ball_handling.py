@@ -12,25 +12,25 @@ from keepaway_world.kicking import pass_speed
 from keepaway_world.reference.prediction import FULL, Motion, Predictor
 from keepaway_world.reference.view import Seen
 
-SAFE_STOP = 0.8  # of the kicking range: a ball may stop within
+SAFE_STOP = 0.8  # of the kicking range: a ball may stop within this
 SAFE_TURN = 0.85  # likewise, for a player that turns while holding
-PULLED_IN = 0.7  # likewise, where a ball that would get away is put
-IN_PLACE = 0.3  # m: a held ball that is so near its place is left alone
+PULLED_IN = 0.7  # likewise, where a ball that would roll away is put
+IN_PLACE = 0.3  # m: a held ball this close to its place is left alone
 CLOSE = 0.16  # of the kickable margin: where a ball is put to be kicked well
-FULL_KICK = 1.05  # of the power that there is: a kick that needs more is made in two steps
+FULL_KICK = 1.05  # of the available power: a kick that needs more is made in two steps
 PRESSED_KICK = 1.3  # likewise with an opponent within PRESSED of the ball
 PRESSED = 2.0  # m
-SHIELDING = 5.0  # m: an opponent that is nearer to the ball is shielded from it
+SHIELDING = 5.0  # m: the ball is shielded from an opponent nearer than this
 SHIELD_ANGLE = math.radians(45.0)
-GOAL = 52.5  # m: how far the goal is to which a player turns that holds the ball
+GOAL = 52.5  # m: distance of the goal that a player holding the ball turns to
 
 
 class BallHandling:
-    """What one player can do in this cycle with a ball that it can kick.
+    """What one player can do in this cycle with a kickable ball.
 
     Args:
         predictor: of motion.
-        me, ball: as they are now.
+        me, ball: their current states.
         opponents: the other team.
         forward: 1 for a team that plays towards +x, -1 for one that plays towards -x.
     """
@@ -70,7 +70,7 @@ class BallHandling:
         return abs(complex(self._opponent.x, self._opponent.y) - self._ball)
 
     def pass_to(self, target: complex) -> Order:
-        """Return the kick that passes the ball, or puts it where it can be passed from."""
+        """Return the kick that passes the ball, or that prepares it for a pass."""
         p = self._predictor.parameters
         way = target - self._ball
         wanted = cmath.rect(pass_speed(p, abs(way)), cmath.phase(way))
@@ -83,7 +83,7 @@ class BallHandling:
         return self._put_at(0.0, CLOSE)
 
     def _around_the_body(self, wanted: complex) -> complex:
-        """Return a velocity in the same direction with which the ball misses the passer."""
+        """Return a velocity in the same direction at which the ball misses the passer."""
         contact = self._predictor.contact
         direction = wanted / abs(wanted)
         passing = abs(((self._motion.position - self._ball) * direction.conjugate()).real)
@@ -123,7 +123,7 @@ class BallHandling:
 
         Args:
             direction: of the place, relative to the body.
-            ratio: part of the kickable margin by which it is away from the body.
+            ratio: distance from the body, as a fraction of the kickable margin.
         """
         p = self._predictor.parameters
         place = self._next + cmath.rect(
@@ -137,9 +137,9 @@ class BallHandling:
     def hold(self, ratio: float) -> Order:
         """Return the kick that keeps the ball away from the nearest opponent, or a turn.
 
-        With an opponent near by, the place of the ball is on the far side of the player, 45
-        degrees to that side to which the opponent does not look. Whether the ball is in its
-        place is judged by these players as if they faced the goal, whatever they face.
+        With an opponent near by, the ball's place is on the far side of the player, 45 degrees to
+        the side away from the opponent's heading. These players judge whether the ball is in its
+        place as if they faced the goal, whatever their heading.
         """
         direction = 0.0
         opponent = self._opponent

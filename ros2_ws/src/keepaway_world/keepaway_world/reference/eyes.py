@@ -1,4 +1,4 @@
-"""What a reference player sees, expects and remembers: its view of the field, cycle by cycle."""
+"""A reference player's view of the field: what it sees, expects and remembers."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from keepaway_world.reference.view import Seen, View
 from keepaway_world.sight import quantised_direction, quantised_distance, seen_velocity
 
 SIGHT_CYCLES, BLIND = 3, 2  # in one of three cycles a player sees nothing new
-CHASING = 0.3  # m/cycle at which the opponent nearest to the ball is taken to go to it
-STROLLING = 0.25  # m/cycle at which the others are taken to move as the ball does
-FAST = 1.0  # m/cycle: if the ball is faster, they are taken to be twice as fast
-STILL, SLOW = 0.005, 0.08  # m/cycle below which a speed is taken to be none, or little
-BESIDE = 0.8  # m: so near a ball may have stopped the player
-TOUCHING = 0.2  # m: where a ball is taken to be that the player ran into
+CHASING = 0.3  # m/cycle: assumed speed of the opponent nearest to the ball, towards it
+STROLLING = 0.25  # m/cycle: assumed speed of the others, in the ball's direction
+FAST = 1.0  # m/cycle: if the ball is faster, they are assumed to be twice as fast
+STILL, SLOW = 0.005, 0.08  # m/cycle: lower speeds count as zero, or as slow
+BESIDE = 0.8  # m: a ball this close may have stopped the player
+TOUCHING = 0.2  # m: assumed distance of a ball that the player ran into
 
 NOTHING: Order = ("dash", 0.0, 0.0)
 
@@ -28,14 +28,13 @@ NOTHING: Order = ("dash", 0.0, 0.0)
 class Eyes:
     """Looks at the field for one player, and remembers what it saw.
 
-    How well it sees is the game's `sight`: all exactly and always, or quantised and in two of
-    three cycles, as rcssserver sends what players see (every 150 ms). In between it reckons where
-    everybody is by now. Where the player itself stands it knows exactly: on the real simulator
-    the many flags around the field tell.
+    Its sight is the game's `sight`: exact and in every cycle, or quantised and in two of three
+    cycles, as rcssserver sends it (every 150 ms). In between it estimates all positions. It knows
+    its own position exactly, as on the real simulator, where many flags surround the field.
 
     Args:
-        physics: the field as it is.
-        me: who looks.
+        physics: the true field.
+        me: the player that looks.
     """
 
     def __init__(self, physics: Physics, me: Mover) -> None:
@@ -54,7 +53,7 @@ class Eyes:
         self._memory: dict[str, Seen] = {}
 
     def view(self) -> View:
-        """Return what the player takes the field to be now; called once in each cycle."""
+        """Return the player's estimate of the field; call once per cycle."""
         physics, me = self._physics, self._me
         if physics.parameters.sight == "full":
             seen = {mover.name: _exactly(mover) for mover in physics.movers}
@@ -77,11 +76,11 @@ class Eyes:
         )
 
     def did(self, order: Order) -> None:
-        """Take note of what the player does in this cycle: it knows what comes of it."""
+        """Record the player's command in this cycle, to predict its effect."""
         self._order = order
 
     def _reckon(self) -> dict[str, Seen]:
-        """Return where all are expected to be one cycle after what is remembered."""
+        """Return the expected positions one cycle after those remembered."""
         if not self._memory:
             return {}
         p, me = self._physics.parameters, self._me
@@ -110,12 +109,12 @@ class Eyes:
         return seen
 
     def _reckon_opponents(self, seen: dict[str, Seen], ahead: float) -> None:
-        """Move the opponents as they are taken to move: one to the ball, the others as it does.
+        """Move the opponents as assumed: one to the ball, the others along with it.
 
-        A ball that one of them can kick is taken to be at rest.
+        A ball that one of them can kick is assumed to be at rest.
 
         Args:
-            seen: where all are; changed.
+            seen: all positions; modified in place.
             ahead: the ball's velocity in the direction in which the team plays, m/cycle.
         """
         p, ball = self._physics.parameters, seen["ball"]
@@ -134,9 +133,9 @@ class Eyes:
                 ball.vx = ball.vy = 0.0
 
     def _steady(self, seen: dict[str, Seen], expected: dict[str, Seen]) -> None:
-        """Correct the ball's velocity by what was expected of it.
+        """Correct the ball's velocity by the expected one.
 
-        These players take a ball that an opponent can kick, and they cannot, to be at rest.
+        These players assume that a ball is at rest if an opponent can kick it and they cannot.
         """
         p, ball = self._physics.parameters, seen["ball"]
         if _apart(ball, seen[self._me.name]) > p.kickable and any(
@@ -151,13 +150,13 @@ class Eyes:
 
 
 def _felt(p: KeepawayParameters, expected: complex, me: Seen, ball: Seen) -> bool:
-    """Whether a player takes it that it ran into the ball: it is slower than expected, or turned.
+    """Whether a player assumes that it ran into the ball: it is slower than expected, or turned.
 
     Args:
         p: of the game.
         expected: its own velocity, had there been no collision.
-        me: as it finds itself.
-        ball: as expected.
+        me: its actual state.
+        ball: its expected state.
     """
     distance, speed = _apart(me, ball), math.hypot(me.vx, me.vy)
     if speed < STILL:
@@ -180,7 +179,7 @@ def _roll(one: Seen, velocity: complex, decay: float) -> None:
 
 
 def _kick(p: KeepawayParameters, me: Seen, ball: Seen, power: float, direction: float) -> complex:
-    """Return the acceleration, m/cycle², that a player expects its kick to give the ball."""
+    """Return the ball's acceleration, m/cycle², that a player expects from its kick."""
     dx, dy = ball.x - me.x, ball.y - me.y
     distance = math.hypot(dx, dy)
     if distance > p.kickable:
@@ -195,7 +194,7 @@ def _exactly(other: Mover) -> Seen:
 
 
 def _quantised(me: Mover, other: Mover) -> Seen:
-    """Return how a player of rcssserver sees something; see `keepaway_world.sight`."""
+    """Return an object as a player of rcssserver sees it; see `keepaway_world.sight`."""
     if other is me:
         return _exactly(me)
     dx, dy = other.x - me.x, other.y - me.y

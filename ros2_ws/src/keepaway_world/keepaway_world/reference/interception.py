@@ -12,25 +12,25 @@ from keepaway_world.reference.prediction import Motion, Predictor
 from keepaway_world.reference.reaching import HORIZON, NEVER
 from keepaway_world.reference.view import Seen
 
-MORE = 20  # cycles after the first possible one in which a better place is looked for
-SAFER = 3  # cycles that a safer place may be later
-SAFE, SAFEST = 0.7, 0.5  # of the kicking range: how near the ball is at a safe place
-SAME = 1.0  # m: a place so near to the one before is the same
+MORE = 20  # cycles after the first possible one to search for a better place
+SAFER = 3  # cycles by which a safer place may be later
+SAFE, SAFEST = 0.7, 0.5  # of the kicking range: distance of the ball at a safe place
+SAME = 1.0  # m: a place this close to the previous one is the same
 ROLLING = 0.6  # m/cycle: below this speed the place matters little
-LATER = 2  # cycles that the place aimed at before may be later
-NEAR_BY = 3  # cycles below which it is the last steps that count
+LATER = 2  # cycles by which the previous place may be later
+NEAR_BY = 3  # cycles: below this, the last steps matter
 THERE = 0.5  # m: no need to move
 ASIDE = math.radians(25.0)
 PRESSED = 3.0  # m from the player to an opponent
-ONE_DASH, ONE_TURN = 0.95, 0.8  # of the kicking range: where the ball must be after
-CLOSE = 1.0 / 6.0  # of the kickable margin: how far from the body the ball is wanted
+ONE_DASH, ONE_TURN = 0.95, 0.8  # of the kicking range: where the ball must be afterwards
+CLOSE = 1.0 / 6.0  # of the kickable margin: wanted distance of the ball from the body
 
 
 class Meeting:
-    """Meets the ball; one for each player, since it remembers where it was going.
+    """Meets the ball; one instance per player, since it remembers its destination.
 
-    These players prefer to face the others' goal when they have the ball, and turn there when
-    they can afford it.
+    These players prefer to face the opponents' goal when they have the ball, and turn to it when
+    there is time.
 
     Args:
         predictor: of motion.
@@ -61,7 +61,7 @@ class Meeting:
         return predictor.move_to(motion, place, cycles)
 
     def _when(self, motion: Motion, ball: Seen) -> int:
-        """Return in how many cycles to meet the ball: as planned before, or else the first."""
+        """Return the number of cycles until meeting the ball: as planned, or else the earliest."""
         predictor, kickable = self._predictor, self._predictor.kickable
         first: int | None = None
         least, nearest = 0, 10.0  # the safest of the soonest cycles
@@ -141,7 +141,7 @@ class Meeting:
         return self._predictor.moment(self._off(motion), abs(motion.velocity))
 
     def _one_dash(self, motion: Motion, ball: complex) -> Order | None:
-        """Return the dash that brings the ball within reach, in front of the body if it can."""
+        """Return the dash that brings the ball within reach, in front of the body if possible."""
         predictor = self._predictor
         p = predictor.parameters
         reach = ONE_DASH * predictor.kickable

@@ -1,4 +1,4 @@
-"""What a keeper does with the ball: the hand-coded policy, at random, or hold it always."""
+"""Policies for a keeper with the ball: hand-coded, random, or always hold."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from keepaway_world.angles import wrapped
 from keepaway_world.reference.view import Seen, View
 
 HOLD = 0
-SAFE = 5.0  # m: no taker is nearer
+SAFE = 5.0  # m: safe if no taker is nearer
 HOLD_SCORE = 90.0
-PER_METRE = 4.0  # degrees that a metre to the nearest taker is worth
+PER_METRE = 4.0  # degrees per metre of distance from the nearest taker
 
 Policy = Callable[[View, Random], int]
 """Returns `HOLD` or i > 0 for a pass to the i-th closest team mate."""
 
 
 def by_distance(players: Sequence[Seen], origin: Seen) -> list[Seen]:
-    """Return the players by their distance from one of them, who is the first."""
+    """Return the players by their distance from ``origin``, which comes first."""
     return sorted(players, key=lambda k: math.hypot(k.x - origin.x, k.y - origin.y))
 
 
 def hand(view: View, random: Random) -> int:
-    """Hold while no taker is near, else what scores most (Stone, Sutton, Kuhlmann 2005)."""
+    """Hold while no taker is near, else choose the best score (Stone, Sutton, Kuhlmann 2005)."""
     ball = view.ball
     passer = min(view.keepers, key=lambda k: math.hypot(k.x - ball.x, k.y - ball.y))
     if not view.takers:

@@ -25,13 +25,13 @@ def open_point(
     others: Sequence[complex],
     opponents: Sequence[complex],
 ) -> complex:
-    """Return the least congested point of the grid that can be passed to, or the centre.
+    """Return the least congested grid point that a pass can reach, or the centre.
 
     Args:
         size: of the box, m.
-        ball: where it is passed from.
-        others: the other players, opponents included.
-        opponents: who must not stand in the lane from the ball to the point.
+        ball: origin of the pass.
+        others: the other players, including opponents.
+        opponents: which must not stand in the lane from the ball to the point.
     """
     best, least = 0j, math.inf
     steps = [(i / (GRID - 1) - 0.5) * (1.0 - 2.0 * INSET) for i in range(GRID)]
@@ -55,7 +55,7 @@ def in_lane(start: complex, end: complex, player: complex) -> bool:
 
 
 def get_open(predictor: Predictor, me: Seen, point: complex, ball: complex) -> Order:
-    """Return the command that takes a player to its open point, or lets it face the ball."""
+    """Return the command that moves a player to its open point, or turns it to the ball."""
     motion = Motion.of(me)
     if abs(motion.position - point) < ARRIVED:
         return predictor.turn_to(motion, ball)

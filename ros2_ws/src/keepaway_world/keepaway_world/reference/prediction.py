@@ -1,4 +1,4 @@
-"""What a player expects of its own motion, and the commands that take it somewhere."""
+"""Predicts a player's own motion and finds the commands to reach a place."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.reference.view import Seen
 
 FULL = 100.0
-LATERAL = 0.9  # of the kicking range: a point that is less beside the way needs no turn
-LATERAL_FAR = ((20.0, 3.0), (10.0, 2.0))  # likewise beyond so many m
-BEHIND = 2.5  # m: a point behind and nearer than this may be reached backwards
+LATERAL = 0.9  # of the kicking range: a point closer to the path needs no turn
+LATERAL_FAR = ((20.0, 3.0), (10.0, 2.0))  # likewise beyond these distances, m
+BEHIND = 2.5  # m: a point behind the player, nearer than this, may be reached backwards
 TURNS_MAX = 5
-ROLLING = 4  # cycles of rolling out that are taken into account
+ROLLING = 4  # cycles of rolling out that are considered
 
 
 @dataclass(slots=True)
 class Motion:
-    """Where a player is expected to be: position, velocity after decay, heading."""
+    """A player's expected motion: position, velocity after decay, heading."""
 
     position: complex
     velocity: complex
@@ -29,11 +29,11 @@ class Motion:
 
     @classmethod
     def of(cls, mover: Seen) -> Motion:
-        """Return the present state of a player."""
+        """Return the current state of a player."""
         return cls(complex(mover.x, mover.y), complex(mover.vx, mover.vy), mover.heading)
 
     def copy(self) -> Motion:
-        """Return another one with the same values."""
+        """Return a copy."""
         return Motion(self.position, self.velocity, self.heading)
 
 
@@ -47,7 +47,7 @@ class Predictor:
         self._sums = [0.0]  # of the powers of the decay
         for cycle in range(ROLLING):
             self._sums.append(self._sums[-1] + p.player_decay**cycle)
-        self._first = [1.0]  # part of a distance that is covered in the first of some cycles
+        self._first = [1.0]  # fraction of a distance covered in the first of n cycles
         for cycles in range(1, 101):
             self._first.append((1.0 - p.player_decay) / (1.0 - p.player_decay**cycles))
         self._farthest = [0.0]  # m covered from rest by so many full dashes
@@ -60,12 +60,12 @@ class Predictor:
             self._ball_sums.append(self._ball_sums[-1] + p.ball_decay**cycle)
 
     def ball_after(self, ball: Seen, cycles: int) -> complex:
-        """Return where the ball will be if nobody touches it."""
+        """Return the ball's position after some cycles without a kick."""
         rolled = self._ball_sums[min(cycles, 100)]
         return complex(ball.x + ball.vx * rolled, ball.y + ball.vy * rolled)
 
     def rolled_out(self, motion: Motion, cycles: int) -> complex:
-        """Return where a player will be that does nothing for up to four cycles."""
+        """Return the position of a player that does nothing for up to four cycles."""
         return motion.position + motion.velocity * self._sums[min(cycles, ROLLING)]
 
     def dashed(self, motion: Motion, power: float) -> None:
@@ -87,7 +87,7 @@ class Predictor:
         self.dashed(motion, 0.0)
 
     def after(self, motion: Motion, order: Order) -> Motion:
-        """Return what ``motion`` becomes by a command."""
+        """Return ``motion`` after a command."""
         result = motion.copy()
         if order[0] == "turn":
             self.turned(result, order[1])
@@ -101,12 +101,12 @@ class Predictor:
         return min(max(moment, -PI), PI)
 
     def turn_to(self, motion: Motion, target: complex, cycles: int = 1) -> Order:
-        """Return the turn towards a point as seen from where the player rolls to."""
+        """Return the turn towards a point, seen from where the player rolls to."""
         off = bearing(motion, target - self.rolled_out(motion, cycles))
         return "turn", self.moment(off, abs(motion.velocity)), 0.0
 
     def dash_to(self, motion: Motion, target: complex, cycles: int = 1) -> Order:
-        """Return the dash, maybe backwards, that covers the way ahead in so many cycles."""
+        """Return the dash, possibly backwards, that covers the distance in this many cycles."""
         p = self.parameters
         ahead = cmath.rect(1.0, -motion.heading)
         way = ((target - motion.position) * ahead).real
@@ -115,12 +115,12 @@ class Predictor:
         return "dash", min(max(power, -FULL), FULL), 0.0
 
     def move_to(self, motion: Motion, target: complex, cycles: int) -> Order:
-        """Return the command that takes a player to a point in some cycles: turn or dash."""
+        """Return the command, a turn or dash, that moves a player to a point in some cycles."""
         turn = self._turn_towards(motion, target, cycles)
         return turn if turn is not None else self.dash_to(motion, target, cycles)
 
     def moved_to(self, motion: Motion, target: complex, cycles: int) -> Motion:
-        """Return what ``motion`` becomes in some cycles of going to a point."""
+        """Return ``motion`` after some cycles of moving to a point."""
         result = motion.copy()
         for left in range(cycles, 0, -1):
             kind, amount, _ = self.move_to(result, target, left)
@@ -131,13 +131,13 @@ class Predictor:
         return result
 
     def in_reach(self, motion: Motion, target: complex, cycles: int) -> bool:
-        """Return False if a player cannot have a point within kicking range so soon."""
+        """Return False if a player cannot have a point within kicking range in these cycles."""
         rolling = abs(motion.velocity) / (1.0 - self.parameters.player_decay)
         far = rolling + self._farthest[min(cycles, 100)] + self.kickable
         return abs(target - motion.position) <= far
 
     def _turn_towards(self, motion: Motion, target: complex, cycles: int) -> Order | None:
-        """Return the turn that is needed, or None if the point is passed near enough without."""
+        """Return the turn needed, or None if the path leads close enough without one."""
         start = self.rolled_out(motion, cycles)
         way = target - start
         lateral = abs((way * cmath.rect(1.0, -motion.heading)).imag)
@@ -171,7 +171,7 @@ def bearing(motion: Motion, way: complex) -> float:
 
 
 def as_sent(order: Order) -> Order:
-    """Return a command as these players send it: in whole units of power and degrees."""
+    """Return a command as these players send it: rounded to whole power and degrees."""
     kind, amount, direction = order
     if kind == "turn":
         return kind, math.radians(math.trunc(math.degrees(amount))), 0.0

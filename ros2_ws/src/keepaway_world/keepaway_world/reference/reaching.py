@@ -1,4 +1,4 @@
-"""How soon each player can be at the ball, and who is the fastest."""
+"""How soon each player can reach the ball, and which is the fastest."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from keepaway_world.angles import wrapped
 from keepaway_world.reference.prediction import FULL, Motion, Predictor
 from keepaway_world.reference.view import Seen, View
 
-HORIZON = 30  # cycles that are looked ahead
+HORIZON = 30  # cycles to look ahead
 NEVER = 100
-STOPPING_OFF = math.radians(20.0)  # off by more, a player dashes backwards to stop and turn
+STOPPING_OFF = math.radians(20.0)  # a player that is off by more dashes backwards to stop and turn
 RESTING = 0.01  # m/cycle
 
 
 class Reach:
-    """Estimates of one player in one cycle, about itself and the others."""
+    """One player's estimates about itself and the others in one cycle."""
 
     def __init__(self, predictor: Predictor, view: View) -> None:
         self._predictor = predictor
@@ -25,7 +25,7 @@ class Reach:
         self._ball = view.ball
 
     def cycles_to(self, player: Seen, target: complex) -> int:
-        """Return in how many cycles a player can have a point within kicking range."""
+        """Return the number of cycles until a player can have a point within kicking range."""
         predictor, kickable = self._predictor, self._predictor.kickable
         motion = Motion.of(player)
         if abs(target - motion.position) < kickable:
@@ -52,7 +52,7 @@ class Reach:
         return cycles
 
     def _cycles_for(self, distance: float, speed: float) -> int:
-        """Return how many full dashes cover a distance."""
+        """Return the number of full dashes that cover a distance."""
         p, kickable = self._predictor.parameters, self._predictor.kickable
         before, cycles = -1.0, 0
         while (
@@ -70,9 +70,9 @@ class Reach:
         return cycles
 
     def fastest(self, team: Sequence[Seen], others: Sequence[Seen]) -> Seen:
-        """Return who of a team can be at the ball first.
+        """Return the player of a team that can reach the ball first.
 
-        If one of the others is there before, it is the one who is first at that place.
+        If one of the others is faster, it is the player that is first at that place.
         """
         ball = self._ball
         found = team[0]
@@ -109,7 +109,7 @@ class Reach:
         return found
 
     def cycles_to_ball(self, player: Seen) -> int:
-        """Return in how many cycles a player is expected to be at the rolling ball."""
+        """Return the expected number of cycles until a player reaches the rolling ball."""
         ball, predictor = self._ball, self._predictor
         if math.hypot(ball.vx, ball.vy) < RESTING:
             return self.cycles_to(player, complex(ball.x, ball.y))

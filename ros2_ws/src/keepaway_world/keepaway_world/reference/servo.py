@@ -1,8 +1,8 @@
 """A keeper that goes to where the ball is, not to where it will be.
 
-Written after a keeper recorded on the real simulator. It is simple enough for all of its
-decisions to be told from the recording, so that its figures there and here compare the worlds
-alone: `ServoKeeper` repeats 623 of its 629 commands.
+Modelled on a keeper recorded on the real simulator. It is simple enough to derive all of its
+decisions from the recording, so its figures here and there compare only the worlds: `ServoKeeper`
+repeats 623 of its 629 commands.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from keepaway_world.reference.positioning import ARRIVED, open_point
 from keepaway_world.reference.prediction import FULL
 from keepaway_world.reference.view import Seen, View
 
-PRESSED = 5.0  # m: it passes when a taker is nearer
+PRESSED = 5.0  # m: it passes if a taker is nearer
 TURN_WHEN_OFF = math.radians(10.0)
 AT_REST = 0.1  # m/cycle below which it leaves the ball alone
-STOPPING_RATE = 0.02  # m/cycle² a unit of power, as it takes it when it stops the ball
-CALLED = 15  # cycles for which it goes to the ball after a team mate called it
+STOPPING_RATE = 0.02  # m/cycle² per unit of power, its assumption when it stops the ball
+CALLED = 15  # cycles for which it goes to the ball after a team mate's call
 
 
 class ServoKeeper:
     """Decides for one keeper; remembers that it was called.
 
     Args:
-        number: its own, which team mates call.
+        number: its own, which team mates call out.
     """
 
     def __init__(self, number: int) -> None:

@@ -1,4 +1,4 @@
-"""UT Austin's takers: each meets the ball by its own prediction, and holds it when it has it."""
+"""UT Austin's takers: each predicts where to meet the ball, and holds it once it has it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from keepaway_world.reference.prediction import Motion, Predictor, as_sent
 from keepaway_world.reference.view import Seen, View
 
 FORWARD = -1.0  # they play towards -x
-HOLD_RATIO = 0.3  # of the kickable margin: how far from the body a held ball is kept
+HOLD_RATIO = 0.3  # of the kickable margin: distance of a held ball from the body
 
 
 class ReferenceTaker:
@@ -52,7 +52,7 @@ class ReferenceTaker:
 class ReferenceTakers:
     """Decides for all takers of a world, as `keepaway_world.takers.TakerTeam` does.
 
-    They do not know that their dashes are slowed down, and do not mark when there are many.
+    They do not know that their dashes are slowed down, and do not mark if there are many.
     """
 
     def __init__(self, physics: Physics) -> None:

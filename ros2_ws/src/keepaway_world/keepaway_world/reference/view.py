@@ -1,4 +1,4 @@
-"""What a reference player takes the field to be in one cycle."""
+"""A reference player's estimate of the field in one cycle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from keepaway_world.parameters import KeepawayParameters
 
 @dataclass(slots=True)
 class Seen:
-    """The ball or a player as it is taken to be; position in m, velocity in m/cycle."""
+    """The estimated state of the ball or a player; position in m, velocity in m/cycle."""
 
     name: str
     x: float
@@ -22,12 +22,12 @@ class Seen:
 
 @dataclass(slots=True)
 class View:
-    """The field in one cycle, as one player takes it to be.
+    """One player's estimate of the field in one cycle.
 
     Attributes:
         parameters: of the game, the same for all.
-        me: who looks; one of the players.
-        ball, keepers, takers: all that there is.
+        me: the observer, one of the players.
+        ball, keepers, takers: everything on the field.
     """
 
     parameters: KeepawayParameters
@@ -38,5 +38,5 @@ class View:
 
     @property
     def players(self) -> list[Seen]:
-        """All players, who looks included."""
+        """All players, including the observer."""
         return [*self.keepers, *self.takers]

@@ -12,11 +12,11 @@ from hitab_client.command_options import JsonPath, SwarmName
 
 app = typer.Typer(help="Keepaway soccer: evaluate keepers, draw the field.", no_args_is_help=True)
 
-Episodes = Annotated[int, typer.Option("--episodes", "-n", help="How many to play.", min=1)]
+Episodes = Annotated[int, typer.Option("--episodes", "-n", help="Number of episodes.", min=1)]
 Seed = Annotated[
-    int, typer.Option(help="Of the run: the same one gives the same episodes.", min=0)
+    int, typer.Option(help="Seed of the run; the same seed gives the same episodes.", min=0)
 ]
-TakerSpeed = Annotated[float, typer.Option(help="Of full speed; the paper: a quarter.", min=0.0)]
+TakerSpeed = Annotated[float, typer.Option(help="Part of full speed; the paper: 0.25.", min=0.0)]
 
 
 def register(app: typer.Typer) -> None:
@@ -28,7 +28,7 @@ def register(app: typer.Typer) -> None:
 def evaluate(
     library: Annotated[
         Path | None,
-        typer.Option("--library", "-l", help="A library folder; by default, the shipped one."),
+        typer.Option("--library", "-l", help="A library folder; default: the shipped one."),
     ] = None,
     episodes: Episodes = 200,
     taker_speed: TakerSpeed = 0.25,
@@ -37,14 +37,14 @@ def evaluate(
         str | None,
         typer.Option(
             help="lockstep: a process per keeper, over ROS; inprocess: without ROS. "
-            "By default, lockstep for trained keepers."
+            "Default for trained keepers: lockstep."
         ),
     ] = None,
     keepers: Annotated[
         str,
         typer.Option(
-            help="trained; or UT Austin's, to compare with, by what they do with the ball: "
-            "hand (hand-coded), rand (at random) or hold; or servo, who run to where the ball is."
+            help="trained; or, for comparison, UT Austin's, by their policy for the ball: "
+            "hand (hand-coded), rand (random) or hold; or servo, which run to where the ball is."
         ),
     ] = "trained",
     collisions: Annotated[
@@ -59,10 +59,10 @@ def evaluate(
     ] = None,
     world: Annotated[
         str,
-        typer.Option(help="keepaway: the simulated one; rcssserver: a running RoboCup server."),
+        typer.Option(help="keepaway: the simulated world; rcssserver: a running RoboCup server."),
     ] = "keepaway",
-    host: Annotated[str, typer.Option(help="Of the rcssserver.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Of the rcssserver, for players.")] = 6000,
+    host: Annotated[str, typer.Option(help="Host of the rcssserver.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port of the rcssserver for players.")] = 6000,
     behavior: Annotated[str, typer.Option(help="The keepers' top-level behavior.")] = "Keepaway",
     parameter: Annotated[
         list[str] | None,
@@ -70,11 +70,11 @@ def evaluate(
             "--parameter",
             "--set",
             metavar="NAME=VALUE",
-            help="Another figure of the game; repeat.",
+            help="Another parameter of the game; repeat.",
         ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Where to draw the lengths of the episodes, PNG or SVG.")
+        Path | None, typer.Option(help="File for a plot of the episode lengths, PNG or SVG.")
     ] = None,
     json: JsonPath = None,
 ) -> None:
@@ -119,7 +119,7 @@ def evaluate(
         parameters["kickable_margin"] = kickable_margin
     if keepers != TRAINED and (pace != "inprocess" or world == RCSSSERVER):
         raise typer.BadParameter(
-            f"{keepers} keepers look at the simulated field themselves and have no node: they "
+            f"{keepers} keepers read the simulated field directly and have no node: they "
             "play in-process in the world keepaway; leave out --pace and --world"
         )
     if world == RCSSSERVER:
@@ -182,10 +182,10 @@ def summary(figures: dict[str, Any]) -> str:
 
 @app.command()
 def picture(
-    path: Annotated[Path, typer.Argument(help="Where to draw it, PNG or SVG.")],
+    path: Annotated[Path, typer.Argument(help="File for the picture, PNG or SVG.")],
     swarm: SwarmName = None,
 ) -> None:
-    """Draw the field of the swarm that is up, as it is now.
+    """Draw the current field of the swarm that is up.
 
     Example:
 
@@ -202,7 +202,7 @@ def picture(
 
 def demo(
     out: Annotated[
-        Path, typer.Option("--out", "-o", help="Where pictures, figures and the library go.")
+        Path, typer.Option("--out", "-o", help="Folder for pictures, figures and the library.")
     ] = Path("hitab-demo"),
     episodes: Episodes = 200,
     seed: Seed = 1,
@@ -210,14 +210,14 @@ def demo(
     studio: Annotated[
         bool, typer.Option("--studio", help="Watch it in a browser; the keepers play on.")
     ] = False,
-    port: Annotated[int, typer.Option(help="Where to serve the studio.")] = 8080,
+    port: Annotated[int, typer.Option(help="Port of the studio.")] = 8080,
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
 ) -> None:
     """Train three keepers over ROS topics, play, and compare with the paper.
 
-    Starts a world and three keepers, each a process of its own; plays the four lessons from an
-    empty library; distributes what was learned; plays episodes against slow takers. Takes two to
-    three minutes.
+    Starts a world and three keepers, each in its own process; plays the four lessons from an empty
+    library; distributes what was learned; plays episodes against slow takers. Takes two to three
+    minutes.
 
     Example:
 

@@ -1,4 +1,4 @@
-"""The main job: train three keepers over ROS topics, play, and compare with the paper."""
+"""The demo: train three keepers over ROS topics, play, and compare with the paper."""
 
 from __future__ import annotations
 
@@ -37,17 +37,17 @@ def run_demo(
     *,
     browser: bool = True,
 ) -> dict[str, Any]:
-    """Train, play, compare, and leave everything in a folder.
+    """Train, play, compare, and write everything to a folder.
 
     Args:
         out: the folder; pictures, figures and the library of an earlier demo are replaced.
-        episodes: how many to play.
+        episodes: number to play.
         seed: of the episodes.
-        studio_port: where to serve the studio meanwhile; None: nowhere.
+        studio_port: of the studio during the demo; None: no studio.
         browser: whether to open the studio in a browser.
 
     Returns:
-        The figures, as they are written to ``figures.json``.
+        The figures, as written to ``figures.json``.
     """
     began = time.monotonic()
     _make_folder(out)
@@ -58,7 +58,7 @@ def run_demo(
             running = stack.enter_context(
                 temporary_swarm(trained_keepers(None, "", parameters), progress=advance)
             )
-        console.say("A world and three keepers are up, each a process of its own.\n")
+        console.say("A world and three keepers are up, each in its own process.\n")
         if studio_port is not None:
             stack.enter_context(studio_beside(running, studio_port, browser=browser))
         reports = _train(running)
@@ -67,7 +67,7 @@ def run_demo(
         evaluation = _evaluate(running, library, episodes, seed, parameters)
         moments, size = _watch(running)
         _keep_library(library, out / "library")
-        # With the studio, the swarm stays up after everything was told.
+        # With the studio, the swarm stays up after the report.
         staying = contextlib.ExitStack() if studio_port is None else stack.pop_all()
     with staying:
         figures = {
@@ -100,7 +100,7 @@ def _make_folder(out: Path) -> None:
 
 
 def _remove_if_empty(out: Path) -> None:
-    """Leave nothing behind if the demo was interrupted before there was anything to keep."""
+    """Remove the folder if the demo was interrupted before it wrote anything."""
     with contextlib.suppress(OSError):
         out.rmdir()
 
@@ -121,12 +121,12 @@ def _train(running: RunningSwarm) -> list[LessonReport]:
 
 
 def _refuse_unlike(running: RunningSwarm) -> None:
-    """Make sure that all keepers have learned the same."""
+    """Raise unless all keepers have the same library."""
 
     def digests() -> dict[str, str]:
         return {name: s.library_digest for name, s in running.agents.statuses.items()}
 
-    # Each keeper tells so on a topic of its own, which may be slower than the acknowledgement.
+    # Each keeper reports it on its own topic, which may be slower than the acknowledgement.
     if not running.link.spin_until(lambda: len(set(digests().values())) == 1, 5.0):
         raise HitabError(f"the keepers' libraries differ after distributing: {digests()}")
 
@@ -145,7 +145,7 @@ def _evaluate(
 
 
 def _watch(running: RunningSwarm) -> tuple[list[Sequence[Any]], tuple[float, float]]:
-    """Step through an episode and return what was to be seen in its last seconds."""
+    """Step through an episode and return the states of its last seconds."""
     world = running.world
     state = world.changed(lambda: world.control("reset"))
     moments = [state.entities]

@@ -1,4 +1,4 @@
-"""The studio beside the demo, in which training and playing can be watched."""
+"""The studio for watching the demo."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ START_SECONDS = 20.0
 
 @contextlib.contextmanager
 def studio_beside(running: RunningSwarm, port: int, *, browser: bool) -> Iterator[None]:
-    """Serve the studio for a swarm of this process, as long as this lasts.
+    """Serve the studio for a swarm of this process, for the duration of the context.
 
     Raises:
-        SwarmError: if it does not start, such as since the port is in use.
+        SwarmError: if it does not start, for example because the port is in use.
     """
     command = [sys.executable, "-m", "hitab_bringup.main", "studio", "--port", str(port)]
     command += ["--run-dir", str(running.folder.path), "--browser" if browser else "--no-browser"]
@@ -29,7 +29,7 @@ def studio_beside(running: RunningSwarm, port: int, *, browser: bool) -> Iterato
         node = running.link.node
         while node.count_subscribers("/world/state") < 2:  # this process watches too
             if process.poll() is not None or time.monotonic() > deadline:
-                raise SwarmError("the studio did not start; see above")
+                raise SwarmError("the studio did not start; see its error above")
             running.link.spin(0.05)
         yield
     finally:
@@ -39,11 +39,11 @@ def studio_beside(running: RunningSwarm, port: int, *, browser: bool) -> Iterato
 
 
 def play_on(running: RunningSwarm) -> None:
-    """Let the trained keepers play in real time until the user has seen enough (Ctrl-C)."""
+    """Let the trained keepers play in real time until Ctrl-C."""
     running.world.control("pace", pace="realtime", factor=1.0)
     running.world.control("reset")
     running.world.control("resume")
-    console.say("\nThe keepers play on; look at them in the studio. Ctrl-C ends it.")
+    console.say("\nThe keepers keep playing; watch them in the studio. Ctrl-C ends it.")
     with contextlib.suppress(KeyboardInterrupt):
         while True:
             running.link.spin(0.5)

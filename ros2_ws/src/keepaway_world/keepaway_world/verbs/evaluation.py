@@ -1,7 +1,7 @@
 """Plays episodes with trained or reference keepers and sums up how long they keep the ball.
 
-In lockstep each keeper is a process of its own, over DDS, as when they are trained; in-process
-the same automata play the same episodes without ROS, many times faster.
+In lockstep each keeper has its own process and uses DDS, as in training; in-process the same
+automata play the same episodes without ROS, many times faster.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
 KEEPERS = (TRAINED, "hand", "rand", "hold", "servo")  # the others are reference policies
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
-PATIENCE_SECONDS = 30.0  # for a server to begin to play
-CHUNK = 5  # episodes between two looks at the progress, in-process
+PATIENCE_SECONDS = 30.0  # for a server to start to play
+CHUNK = 5  # episodes between progress updates, in-process
 
 
 @dataclass(frozen=True)
 class Played:
-    """How one episode went."""
+    """The result of one episode."""
 
     number: int
     cycles: int
@@ -53,7 +53,7 @@ class Played:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """How all of them went, and what was evaluated."""
+    """The results of all episodes, and what was evaluated."""
 
     behavior: str
     library: str
@@ -93,7 +93,7 @@ class Evaluation:
 
 
 def mean_and_error(values: Sequence[float]) -> dict[str, float]:
-    """Return the mean and its standard error; of a single value the error is not known: 0."""
+    """Return the mean and its standard error, which is 0 for a single value."""
     if not values:
         return {"mean": 0.0, "se": 0.0}
     error = stdev(values) / math.sqrt(len(values)) if len(values) > 1 else 0.0
@@ -109,9 +109,9 @@ def trained_keepers(
     seed: int = 1,
     domain: str = "",
 ) -> SwarmDescription:
-    """Return a swarm of keepers that share what a library holds, in a paused lockstep world.
+    """Return a swarm of keepers that share a library, in a paused lockstep world.
 
-    Their domain is the library's unless one is given; without a library it is ``keepaway``.
+    Their domain defaults to the library's; without a library it is ``keepaway``.
     """
     count = int(parameters.get("keepers", 3))
     domain = domain or (open_library(library).domain.name if library else KEEPAWAY)
@@ -136,21 +136,21 @@ def evaluate(
     advance: Advance,
     world: str = KEEPAWAY,
 ) -> Evaluation:
-    """Play episodes with keepers trained as a library says.
+    """Play episodes with the trained keepers of a library.
 
     Args:
         library: the library folder.
         behavior: the keepers' top-level behavior.
-        episodes: how many.
-        seed: of the run; the same one gives the same episodes.
+        episodes: number of episodes.
+        seed: of the run; the same seed gives the same episodes.
         pace: ``lockstep`` or ``inprocess``.
-        parameters: of the game, and of the server on which it is played.
-        advance: told how many episodes have been played.
-        world: ``keepaway``, the simulated one, or ``rcssserver``.
+        parameters: of the game, and of the server.
+        advance: called with the number of episodes played.
+        world: ``keepaway``, the simulated world, or ``rcssserver``.
 
     Raises:
         LibraryError: if the library cannot be used, or has no such behavior.
-        SwarmError: if a keeper or the world does not start or stops answering.
+        SwarmError: if a keeper or the world does not start, or stops answering.
     """
     digest = _check_library(library, behavior)
     if pace == "inprocess":
@@ -173,13 +173,13 @@ def evaluate_reference(
     """Play episodes with reference keepers, in this process.
 
     Args:
-        policy: what they do with the ball: ``hand``, ``rand``, ``hold`` or ``servo``.
-        episodes: how many.
-        seed: of the run; the same one gives the same episodes.
-        parameters: of the game; what is not given is as where their figures were measured on the
-            real simulator: UT Austin's keepers with UT's takers and quantised sight, servo
-            keepers with full sight.
-        advance: told how many episodes have been played.
+        policy: for the ball: ``hand``, ``rand``, ``hold`` or ``servo``.
+        episodes: number of episodes.
+        seed: of the run; the same seed gives the same episodes.
+        parameters: of the game; the defaults are those of the measurements on the real simulator:
+            UT Austin's keepers with UT's takers and quantised sight, servo keepers with full
+            sight.
+        advance: called with the number of episodes played.
     """
     from keepaway_world.parameters import variant
     from keepaway_world.reference_keepers import reference_players
@@ -222,7 +222,7 @@ def play_lockstep(
     """Play episodes with a running swarm.
 
     Returns:
-        The episodes, the seconds that it took, and how often an agent's answer came too late.
+        The episodes, the elapsed seconds, and the number of late answers of agents.
     """
     world = running.world
     began = time.monotonic()
@@ -230,7 +230,7 @@ def play_lockstep(
         episodes, seed, progress=lambda done: advance(done, episodes, "playing episodes")
     )
     wall = time.monotonic() - began
-    # The world pauses by itself after the last one and tells so.
+    # The world pauses by itself after the last one and reports it.
     running.link.spin_until(
         lambda: world.status is not None and world.status.episodes_left == 0, 3.0
     )
@@ -252,7 +252,7 @@ def play_lockstep(
 
 @contextlib.contextmanager
 def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World]:
-    """Make a world in this process; what it refuses is told as a user's error."""
+    """Create a world in this process; report its refusals as user errors."""
     from hitab_world import WorldError
     from keepaway_world.parameters import KeepawayParameters
     from keepaway_world.rcss.rcss_world import RcssWorld

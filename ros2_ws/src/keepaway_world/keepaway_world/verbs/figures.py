@@ -11,7 +11,7 @@ from keepaway_world.verbs.evaluation import Evaluation
 
 
 def draw_episode_lengths(evaluation: Evaluation, path: Path) -> None:
-    """Draw how long the episodes lasted, with the paper's mean beside ours."""
+    """Draw the lengths of the episodes, with the paper's mean and ours."""
     seconds = [played.seconds for played in evaluation.played]
     drawing, axes = figure(7.0, 4.0)
     out = [p.seconds for p in evaluation.played if p.ended == "out"]

@@ -1,4 +1,4 @@
-"""The paper's figures, to stand beside ours."""
+"""The paper's figures, for comparison."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Trained(NamedTuple):
-    """A row of the paper's Table 1: what training an automaton took."""
+    """A row of the paper's Table 1: the cost of training an automaton."""
 
     examples: int
     minutes: int
