@@ -18,7 +18,7 @@ FLOORS = (
 )
 
 CORE_FLOORS = (
-    ("arrays", "errors", "example", "hierarchy", "seeding"),
+    ("arrays", "errors", "example", "hierarchy", "seeding", "vocabulary"),
     ("example_codec", "transition_function", "use"),
     ("automaton",),
     ("domain",),

@@ -18,12 +18,11 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
-from hitab_client.suggest import did_you_mean
-from hitab_client.yaml_fields import Fields
-from hitab_commander import CommanderKind, Complain, OrderMap, parse_kind, read_kind
+from hitab_commander import CommanderKind, OrderMap, parse_kind, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_core import HitabError, Use, has
+from hitab_core import HitabError, Use, did_you_mean, has
 from hitab_core.commanding import OTHERS
+from hitab_core.library import Fields
 
 
 class Repertoires(Protocol):
@@ -50,7 +49,7 @@ def read_kinds(top: Fields, base: Path) -> dict[str, CommanderKind]:
                 section.complain(str(error), name)
                 continue
         else:
-            kind = parse_kind(name, value, _complaining(section, name))
+            kind = parse_kind(name, section.inner(name))
         if len(section.complaints) == before:
             try:
                 commander_domain(kind)
@@ -58,10 +57,6 @@ def read_kinds(top: Fields, base: Path) -> dict[str, CommanderKind]:
                 section.complain(str(error), name)
         kinds[name] = kind
     return kinds
-
-
-def _complaining(section: Fields, name: str) -> Complain:
-    return lambda place, text: section.complain(text, name, *place)
 
 
 @dataclass

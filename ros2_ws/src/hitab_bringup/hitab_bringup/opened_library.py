@@ -8,7 +8,7 @@ from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
 from hitab_core import BehaviorLibrary, HitabError, LibraryError, load_domain
 from hitab_core.library import SUFFIX
-from hitab_core.library.yaml_places import read_yaml
+from hitab_core.library.yaml_places import open_yaml
 
 
 def open_library(folder: Path) -> BehaviorLibrary:
@@ -35,8 +35,7 @@ def open_library(folder: Path) -> BehaviorLibrary:
 
 def _domain_of(path: Path) -> str | None:
     try:
-        value = read_yaml(path.read_text(encoding="utf-8"), path.name).value
-        name = value["domain"]["name"]
-    except (OSError, UnicodeDecodeError, HitabError, TypeError, KeyError):
+        name = open_yaml(path).value["domain"]["name"]
+    except (HitabError, TypeError, KeyError):
         return None  # another file may name it; loading reports what is wrong with this one
     return name if isinstance(name, str) else None

@@ -21,11 +21,10 @@ from hitab_bringup.swarm_description import (
 from hitab_bringup.swarm_words import Words
 from hitab_client import DescriptionError
 from hitab_client.names import WORLD
-from hitab_client.suggest import did_you_mean
-from hitab_client.yaml_fields import Fields
 from hitab_commander import CommanderKind
-from hitab_core import NAME, has
-from hitab_core.library.yaml_places import Complaints, read_yaml
+from hitab_core import NAME, did_you_mean, has
+from hitab_core.library import Fields
+from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"
@@ -39,18 +38,13 @@ def read_swarm(path: Path) -> SwarmDescription:
     Raises:
         DescriptionError: naming everything that is wrong, by file and line.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DescriptionError(f"{path}: cannot be read: {error}") from None
-    return parse_swarm(text, path)
+    return parse_swarm(read_text(path, error=DescriptionError), path)
 
 
 def parse_swarm(text: str, path: Path) -> SwarmDescription:
     """Read a swarm description from its text; relative paths start at the folder of ``path``."""
     document = read_yaml(text, str(path), error=DescriptionError)
-    complaints = Complaints(document, DescriptionError)
-    top = Fields(document, complaints)
+    top = Fields(Complaints(document, DescriptionError))
     name = top.text("swarm", path.stem)
     _check_name(top, name, "a swarm")
     world = _world(top) if "world" in top else None
@@ -61,7 +55,7 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     commanders = _commanders(top, common, path.parent, words, groups, hosts is not None)
     agents = [agent for group in groups.values() for agent in group]
     top.done()
-    complaints.raise_any()
+    top.complaints.raise_any()
     if hosts is not None:
         agents, commanders = in_hosts(agents, commanders, hosts)
     return SwarmDescription(

@@ -7,10 +7,16 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
-from hitab_client.suggest import did_you_mean
-from hitab_client.yaml_fields import Fields
-from hitab_core import ENTRY_POINT_GROUP, BehaviorLibrary, HitabError, Use, has, load_domain
-from hitab_core.library import SUFFIX
+from hitab_core import (
+    ENTRY_POINT_GROUP,
+    BehaviorLibrary,
+    HitabError,
+    Use,
+    did_you_mean,
+    has,
+    load_domain,
+)
+from hitab_core.library import SUFFIX, Fields
 
 
 class Words:

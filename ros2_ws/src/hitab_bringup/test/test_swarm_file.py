@@ -131,7 +131,7 @@ def test_all_complaints_come_at_once():
 
 
 def test_a_file_that_is_not_there_is_told(tmp_path):
-    with pytest.raises(DescriptionError, match="cannot be read"):
+    with pytest.raises(DescriptionError, match=r"cannot read it: .*; check the path"):
         read_swarm(tmp_path / "none.yaml")
     with pytest.raises(HitabError, match=r'no swarm "keepaways": .*\(has: .*\bkeepaway, '):
         find_file("keepaways", "swarms", "swarm")

@@ -5,9 +5,7 @@ from . import domain_ids as domain_ids
 from . import identity as identity
 from . import names as names
 from . import run_folder as run_folder
-from . import suggest as suggest
 from . import swarm_choice as swarm_choice
-from . import yaml_fields as yaml_fields
 from .command_view import Branch as Branch
 from .command_view import CommandView as CommandView
 from .errors import DescriptionError as DescriptionError

@@ -10,8 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_client.suggest import did_you_mean
-from hitab_core import HitabError
+from hitab_core import HitabError, did_you_mean
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:

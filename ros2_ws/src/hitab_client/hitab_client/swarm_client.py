@@ -25,8 +25,7 @@ from hitab_client import names
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
-from hitab_client.suggest import did_you_mean
-from hitab_core import has
+from hitab_core import did_you_mean, has
 from hitab_ros import qos
 
 DISCOVERY_SECONDS = 8.0

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from hitab_client.errors import LessonError
-from hitab_client.suggest import did_you_mean
-from hitab_core import has
+from hitab_core import did_you_mean, has
 
 CLOSEST = "closest "
 

@@ -7,7 +7,9 @@ from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind_reader import parse_kind
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.library import Fields
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.yaml_places import Complaints, Document
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -44,10 +46,10 @@ ANT = Domain.of(
 
 def hierarchy(folder, features, behavior="Turns"):
     """Return ants a, which performs a behavior, and b, which always waits, and their chief."""
-    wrong = []
     described = {"orders": {"Rest": "nothing"}, "features": features}
-    kind = parse_kind("Chief", described, lambda place, text: wrong.append(text))
-    assert not wrong
+    fields = Fields(Complaints(Document("", described, {(): 1})))
+    kind = parse_kind("Chief", fields)
+    fields.complaints.raise_any()
     library = BehaviorLibrary(folder / "ants", ANT)
     chiefs = BehaviorLibrary(folder / "chief", commander_domain(kind))
     return InProcessHierarchy(

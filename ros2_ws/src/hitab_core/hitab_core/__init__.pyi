@@ -36,3 +36,4 @@ from .seeding import world_seed as world_seed
 from .transition_function import HandWritten as HandWritten
 from .use import NAME as NAME
 from .use import Use as Use
+from .vocabulary import did_you_mean as did_you_mean

@@ -1,13 +1,17 @@
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
+from pathlib import Path
+
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hitab_core.errors import HitabError, LibraryError
+from hitab_core.errors import HitabError, LibraryError, VocabularyError
 from hitab_core.library.behavior_text import scalar
-from hitab_core.library.yaml_places import Complaints, read_yaml
+from hitab_core.library.yaml_places import Complaints, open_yaml, read_yaml
 
 
 def test_everything_in_a_document_knows_its_line() -> None:
@@ -62,6 +66,26 @@ def test_what_is_not_plain_data_is_refused_by_line(text: str, complaint: str) ->
 def test_a_text_that_is_too_long_is_not_read() -> None:
     with pytest.raises(LibraryError, match="has 23 characters; the limit is 10"):
         read_yaml("a: " + "x" * 20, "f.yaml", largest=10)
+
+
+@pytest.mark.parametrize(
+    ("make", "complaint"),
+    [
+        (lambda path: None, ": cannot read it: No such file or directory; check the path"),
+        (Path.mkdir, ": cannot read it: Is a directory; it is a folder; check the path"),
+        (os.mkfifo, ": is a pipe, not a file; remove it"),
+        (lambda path: path.write_bytes(b"a: 1\nb: \xff"), ":2: is not UTF-8 text; save it as"),
+        (lambda path: os.truncate(path.touch() or path, 2**27), ": has more than 67108864 bytes"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_named_with_a_way_out(
+    tmp_path: Path, make: Callable[[Path], object], complaint: str
+) -> None:
+    path = tmp_path / "f.yaml"
+    make(path)
+    with pytest.raises(VocabularyError) as refused:
+        open_yaml(path, error=VocabularyError)
+    assert str(refused.value).startswith(f"{path}{complaint}")
 
 
 def test_complaints_are_told_together_in_the_order_of_lines() -> None:

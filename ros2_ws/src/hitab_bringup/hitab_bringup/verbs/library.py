@@ -42,9 +42,8 @@ def _folder(library: Path | None, agent: str | None, swarm: str | None) -> Path:
     from hitab_bringup.swarm_processes import library_of
     from hitab_client import SwarmError
     from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.suggest import did_you_mean
     from hitab_client.swarm_choice import find_meant
-    from hitab_core import has
+    from hitab_core import did_you_mean, has
 
     if library is not None:
         return library
@@ -155,8 +154,7 @@ def show(
 
 
 def _known(name: str, loaded: Any) -> str:
-    from hitab_client.suggest import did_you_mean
-    from hitab_core import LibraryError, has
+    from hitab_core import LibraryError, did_you_mean, has
 
     if name not in loaded:
         raise LibraryError(f'no behavior "{name}" {has(loaded)}{did_you_mean(name, loaded)}')

@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_client.suggest import did_you_mean
+from hitab_core import did_you_mean
 
 PANEL = "Train"
 

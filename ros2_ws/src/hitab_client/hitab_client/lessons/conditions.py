@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from hitab_client.world_view import WorldView
-from hitab_client.yaml_fields import Fields
+from hitab_core.library import Fields
 
 
 class Condition(Protocol):

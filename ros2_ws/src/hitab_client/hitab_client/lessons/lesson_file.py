@@ -28,10 +28,9 @@ from hitab_client.lessons.lesson import (
     Undo,
     Until,
 )
-from hitab_client.suggest import did_you_mean
-from hitab_client.yaml_fields import Fields
-from hitab_core import HitabError, Use, has
-from hitab_core.library.yaml_places import Complaints, read_yaml
+from hitab_core import HitabError, Use, did_you_mean, has
+from hitab_core.library import Fields
+from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 
 
 def read_lesson(path: Path) -> Lesson:
@@ -40,18 +39,12 @@ def read_lesson(path: Path) -> Lesson:
     Raises:
         LessonError: naming everything that is wrong, by file and line.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise LessonError(f"{path}: cannot be read: {error}") from None
-    return parse_lesson(text, path)
+    return parse_lesson(read_text(path, error=LessonError), path)
 
 
 def parse_lesson(text: str, path: Path) -> Lesson:
     """Read a lesson from its text; ``path`` is its name for errors."""
-    document = read_yaml(text, str(path), error=LessonError)
-    complaints = Complaints(document, LessonError)
-    top = Fields(document, complaints)
+    top = Fields(Complaints(read_yaml(text, str(path), error=LessonError), LessonError))
     name = top.text("lesson") or ""
     agent = top.text("agent") or ""
     budget = top.integer("budget", None, least=1)
@@ -60,7 +53,7 @@ def parse_lesson(text: str, path: Path) -> Lesson:
     if not steps:
         top.complain("a lesson needs `steps:`, a list of steps")
     top.done()
-    complaints.raise_any()
+    top.complaints.raise_any()
     return Lesson(name, path, agent, tuple(s for s in steps if s is not None), budget, description)
 
 
@@ -74,8 +67,7 @@ def _step(fields: Fields, agent: str) -> Step | None:
         told = "needs exactly one kind" if kinds else "has no known kind"
         fields.complain(f"a step {told} {has(STEPS)}{near}")
         return None
-    line = fields.document.line(fields.path)
-    step = STEPS[kinds[0]](fields, line, fields.text("agent", agent))
+    step = STEPS[kinds[0]](fields, fields.line, fields.text("agent", agent))
     fields.done()
     return step
 

@@ -13,3 +13,4 @@ from .differences import difference as difference
 from .digests import checksum as checksum
 from .edition import Edition as Edition
 from .edition import Editions as Editions
+from .yaml_fields import Fields as Fields

@@ -8,17 +8,16 @@ from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain, Scale
-from hitab_core.errors import HitabError, LibraryError, VocabularyError, has
+from hitab_core.errors import HitabError, VocabularyError, has
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import BehaviorFile, feature_record, file_name, scale_of
 from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
 from hitab_core.library.digests import checksum
-from hitab_core.library.durable_files import file_errors
 from hitab_core.library.example_check import wrong_with
 from hitab_core.library.provenance import Provenance
-from hitab_core.library.yaml_places import LARGEST, Complaints, Document, read_yaml
+from hitab_core.library.yaml_places import Complaints, Document, read_text, read_yaml
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 
@@ -30,37 +29,6 @@ def read_behavior_file(path: Path, domain: Domain) -> BehaviorFile:
         LibraryError: naming every fault, by line.
     """
     return read_behavior(read_text(path), path.name, domain)
-
-
-def read_text(path: Path) -> str:
-    """Return the text of a behavior file.
-
-    Raises:
-        LibraryError: if it cannot be read, is not text or is too large.
-    """
-    with file_errors(path, "read"):
-        if path.is_fifo():
-            raise LibraryError(f"{path}: is a pipe, not a file; remove it")
-        with path.open("rb") as file:
-            data = file.read(4 * LARGEST + 1)
-    return text_in(data, path)
-
-
-def text_in(data: bytes, path: Path) -> str:
-    """Return the text of a behavior file, given its first bytes.
-
-    Raises:
-        LibraryError: if it is not text or is too large.
-    """
-    if len(data) > 4 * LARGEST:
-        raise LibraryError(f"{path.name}: has more than {4 * LARGEST} bytes; it is no behavior")
-    try:
-        return data.decode()
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise LibraryError(
-            f"{path.name}:{line}: is not UTF-8 text; save it as UTF-8, or restore a version"
-        ) from None
 
 
 def read_behavior(

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hitab_core.errors import FolderInUseError, LibraryError
+from hitab_core.errors import FolderInUseError, HitabError, LibraryError
 
 UNFINISHED = ".tmp"
 """Suffix of a file that is being written; leftovers after a crash mean nothing."""
@@ -41,23 +41,26 @@ _REMEDIES = {
 
 
 @contextmanager
-def file_errors(path: Path, doing: str) -> Iterator[None]:
+def file_errors(
+    path: Path, doing: str, *, error: type[HitabError] = LibraryError
+) -> Iterator[None]:
     """Turn an error of the operating system into one that names the file and the way out.
 
     Args:
         path: the file or folder in use.
         doing: the operation, such as "read".
+        error: type of the error to raise.
 
     Raises:
-        LibraryError: instead of OSError.
+        error: instead of OSError.
     """
     try:
         yield
-    except OSError as error:
-        code = error.errno or 0
-        reason = os.strerror(code) if code else str(error)
+    except OSError as wrong:
+        code = wrong.errno or 0
+        reason = os.strerror(code) if code else str(wrong)
         remedy = _REMEDIES.get(code, "check the disk and try again")
-        raise LibraryError(f"{path}: cannot {doing} it: {reason}; {remedy}") from error
+        raise error(f"{path}: cannot {doing} it: {reason}; {remedy}") from wrong
 
 
 def sync_folder(folder: Path) -> None:

@@ -10,13 +10,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import yaml
 
 from hitab_core.errors import HitabError, LibraryError
+from hitab_core.library.durable_files import file_errors
 
-Path = tuple[str | int, ...]
+Place = tuple[str | int, ...]
 """A place in a document: keys and indices from the root inwards."""
 
 LARGEST = 16 * 1024 * 1024
@@ -51,15 +53,15 @@ class Document:
 
     file: str
     value: Any
-    lines: Mapping[Path, int]
+    lines: Mapping[Place, int]
 
-    def line(self, path: Path = ()) -> int:
+    def line(self, path: Place = ()) -> int:
         """Return the line of the item at ``path``, or of the nearest item around it."""
         while path not in self.lines:
             path = path[:-1]
         return self.lines[path]
 
-    def place(self, path: Path = ()) -> str:
+    def place(self, path: Place = ()) -> str:
         """Return ``file:line`` of the item at ``path``."""
         return f"{self.file}:{self.line(path)}"
 
@@ -69,7 +71,7 @@ class Complaints:
 
     def __init__(self, document: Document, error: type[HitabError] = LibraryError) -> None:
         """Start without complaints about ``document``."""
-        self._document = document
+        self.document = document
         self._error = error
         self._found: list[tuple[int, str]] = []
 
@@ -77,9 +79,9 @@ class Complaints:
         """Return how many complaints there are."""
         return len(self._found)
 
-    def add(self, path: Path, text: str) -> None:
+    def add(self, path: Place, text: str) -> None:
         """Note a fault at ``path``; ``text`` gives the fault and the way out."""
-        found = (self._document.line(path), text)
+        found = (self.document.line(path), text)
         if found not in self._found:
             self._found.append(found)
 
@@ -88,9 +90,41 @@ class Complaints:
         if self._found:
             raise self._error(
                 "\n".join(
-                    f"{self._document.file}:{line}: {text}" for line, text in sorted(self._found)
+                    f"{self.document.file}:{line}: {text}" for line, text in sorted(self._found)
                 )
             )
+
+
+def open_yaml(path: Path, *, error: type[HitabError] = LibraryError) -> Document:
+    """Read a file that is one YAML document; see `read_text` and `read_yaml`."""
+    return read_yaml(read_text(path, error=error), str(path), error=error)
+
+
+def read_text(path: Path, *, error: type[HitabError] = LibraryError) -> str:
+    """Return the text of a file.
+
+    Raises:
+        error: if it cannot be read, is not text or is too large; naming the way out.
+    """
+    with file_errors(path, "read", error=error):
+        if path.is_fifo():
+            raise error(f"{path}: is a pipe, not a file; remove it")
+        with path.open("rb") as file:
+            data = file.read(4 * LARGEST + 1)
+    return text_in(data, path, error=error)
+
+
+def text_in(data: bytes, path: Path, *, error: type[HitabError] = LibraryError) -> str:
+    """Return the text of a file, given its first bytes; see `read_text`."""
+    if len(data) > 4 * LARGEST:
+        raise error(f"{path}: has more than {4 * LARGEST} bytes; check that it is the right file")
+    try:
+        return data.decode()
+    except UnicodeDecodeError as wrong:
+        line = data.count(b"\n", 0, wrong.start) + 1
+        raise error(
+            f"{path}:{line}: is not UTF-8 text; save it as UTF-8, or restore a version"
+        ) from None
 
 
 def read_yaml(
@@ -155,7 +189,7 @@ class _Reader:
     def __init__(self, file: str, error: type[HitabError]) -> None:
         self._file = file
         self._error = error
-        self._lines: dict[Path, int] = {}
+        self._lines: dict[Place, int] = {}
 
     def document(self, text: str) -> Document:
         events = yaml.parse(text, Loader=_Loader)
@@ -171,7 +205,7 @@ class _Reader:
             raise self._error(f"{self._file}:1: is empty; write it again or restore a copy")
         return Document(self._file, value, self._lines)
 
-    def _value(self, event: Any, events: Iterator[Any], path: Path) -> Any:
+    def _value(self, event: Any, events: Iterator[Any], path: Place) -> Any:
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
             raise self._refusal(
                 event, "an anchor or alias (& or *); write out the value, or quote it"
@@ -188,13 +222,13 @@ class _Reader:
             return self._sequence(events, path)
         return self._mapping(events, path)
 
-    def _sequence(self, events: Iterator[Any], path: Path) -> list[Any]:
+    def _sequence(self, events: Iterator[Any], path: Place) -> list[Any]:
         items: list[Any] = []
         while not isinstance(event := next(events), yaml.SequenceEndEvent):
             items.append(self._value(event, events, (*path, len(items))))
         return items
 
-    def _mapping(self, events: Iterator[Any], path: Path) -> dict[str, Any]:
+    def _mapping(self, events: Iterator[Any], path: Place) -> dict[str, Any]:
         mapping: dict[str, Any] = {}
         while not isinstance(event := next(events), yaml.MappingEndEvent):
             if not isinstance(event, yaml.ScalarEvent) or event.anchor or event.tag:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from hitab_client.suggest import did_you_mean
-from hitab_core import has
-from hitab_core.library.yaml_places import Complaints, Document, Path
+from hitab_core.errors import has
+from hitab_core.library.yaml_places import Complaints, Place
+from hitab_core.vocabulary import did_you_mean
 
 REQUIRED: Any = object()
 
@@ -19,11 +19,10 @@ class Fields:
     complaint; at :meth:`done`, so does any field that was not asked for.
     """
 
-    def __init__(self, document: Document, complaints: Complaints, path: Path = ()) -> None:
-        self.document = document
+    def __init__(self, complaints: Complaints, path: Place = ()) -> None:
         self.complaints = complaints
         self.path = path
-        value: Any = document.value
+        value: Any = complaints.document.value
         for key in path:
             value = value[key]
         if value is None:
@@ -36,6 +35,11 @@ class Fields:
 
     def __contains__(self, key: str) -> bool:
         return key in self._value
+
+    @property
+    def line(self) -> int:
+        """The line where this mapping begins."""
+        return self.complaints.document.line(self.path)
 
     def complain(self, text: str, *inner: str | int) -> None:
         """Note a complaint about this mapping, or about an item in it."""
@@ -106,7 +110,7 @@ class Fields:
         self._asked.add(key)
         if key not in self._value:
             return _Nothing(self)
-        return Fields(self.document, self.complaints, (*self.path, key))
+        return Fields(self.complaints, (*self.path, key))
 
     def each(self, key: str) -> Iterator[Fields]:
         """Yield the mappings in the list under ``key``."""
@@ -115,7 +119,7 @@ class Fields:
             self.complain(f"`{key}:` must be a list (`- item` lines)", key)
             return
         for index in range(len(value)):
-            yield Fields(self.document, self.complaints, (*self.path, key, index))
+            yield Fields(self.complaints, (*self.path, key, index))
 
     def done(self) -> None:
         """Complain about fields that were not asked for."""
@@ -142,7 +146,6 @@ class _Nothing(Fields):
     """The fields of a missing mapping."""
 
     def __init__(self, around: Fields) -> None:
-        self.document = around.document
         self.complaints = around.complaints
         self.path = around.path
         self._value = {}
