@@ -1,6 +1,8 @@
 """Draws docs/images/packages.svg: the packages on their floors, and which imports which.
 
     scripts/python docs/images/packages.py
+
+Imports that follow from others are left out.
 """
 
 from __future__ import annotations

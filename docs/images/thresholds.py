@@ -1,6 +1,8 @@
 """Draws thresholds.svg: where a trained behavior changes state, and the examples that taught it.
 
-scripts/python docs/images/thresholds.py
+    scripts/python docs/images/thresholds.py
+
+The automaton is the shipped one.
 """
 
 from pathlib import Path

@@ -1,13 +1,15 @@
 """Where a running swarm keeps its files, and how other verbs find it.
 
-~/.local/state/hitab/               or $XDG_STATE_HOME/hitab, or $HITAB_HOME
-keepaway/                         the run folder of swarm "keepaway"
-run.json                        exists while the swarm is up
-supervisord.conf  supervisord.log  logs/keeper_1.log ...
-libraries/keeper_1/             kept between runs
-state/keeper_1/                 journals of trainings
-running/keepaway-3f9a2c1e -> ../keepaway
-running.lock                      held while a swarm is being added or removed
+    ~/.local/state/hitab/               or $XDG_STATE_HOME/hitab, or $HITAB_HOME
+      keepaway/                         the run folder of swarm "keepaway"
+        run.json                        exists while the swarm is up
+        supervisord.conf  supervisord.log  logs/keeper_1.log ...
+        libraries/keeper_1/             kept between runs
+        state/keeper_1/                 journals of trainings
+      running/keepaway-3f9a2c1e -> ../keepaway
+      running.lock                      held while a swarm is being added or removed
+
+A link under ``running`` names each swarm that is up.
 """
 
 from __future__ import annotations
