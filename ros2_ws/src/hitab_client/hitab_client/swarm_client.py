@@ -25,8 +25,8 @@ from hitab_client import names
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
-from hitab_core import did_you_mean, has
-from hitab_ros import qos
+from hitab_core import has
+from hitab_ros import qos, refuse_other_definitions
 
 DISCOVERY_SECONDS = 8.0
 """Nodes usually discover each other within a second, but it may take several."""
@@ -173,7 +173,7 @@ class SwarmClient:
         If none are expected, wait until no new agent has appeared for a while.
 
         Raises:
-            SwarmError: if one of them belongs to another swarm.
+                SwarmError: if one of them belongs to another swarm.
         """
         wanted = set(agents or self.expected)
         for agent in wanted:
@@ -193,6 +193,7 @@ class SwarmClient:
             return newest[0] > 0 and time.monotonic() > newest[1] + SETTLE_SECONDS
 
         self.link.spin_until(complete, seconds + DISCOVERY_SECONDS_EACH * len(self.expected))
+        refuse_other_definitions(self.link.node)
         return self.agents()
 
     def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
@@ -222,10 +223,7 @@ class SwarmClient:
                 f'no agent "{agent}" answers, and no other does; is the swarm up? '
                 "`hitab up SWARM.yaml` starts one"
             )
-        return (
-            f'no agent "{agent}" answers {has(there)}; is the swarm up? `hitab status`'
-            f"{did_you_mean(agent, there)}"
-        )
+        return f'no agent "{agent}" answers {has(there, agent)}; is the swarm up? `hitab status`'
 
     # -- commanding -------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@ from . import names as names
 from . import plain_text as plain_text
 from . import qos as qos
 from . import testing as testing
+from .definitions import refuse_other_definitions as refuse_other_definitions
 from .guard import Guard as Guard
 from .guarded_node import GuardedNode as GuardedNode
 from .guarded_node import name_of as name_of

@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from hitab_core import HitabError
 from hitab_ros import names, qos
+from hitab_ros.definitions import refuse_other_definitions
 from hitab_ros.spinning import FinalError, Spinner
 
 DISCOVERY_S = 0.7
@@ -38,11 +39,13 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
         NameTakenError: naming the agent that is already up, and its swarm if that is another one.
             If two start at once, one of them gives way.
         HitabError: the same, if the other one belongs to the same swarm.
+        DefinitionsDifferError: if a node defines the project's messages differently.
     """
     # The identifier of an endpoint that can only be ours reveals which others are ours.
     marker_topic = f"marker_{uuid.uuid4().hex}"
     marker = nodes[0].create_publisher(status, marker_topic, 1)
     spinning.spin_until(lambda: False, DISCOVERY_S)
+    refuse_other_definitions(nodes[0])
     ours = _participants(nodes[0], marker_topic)
     nodes[0].destroy_publisher(marker)
     doubtful = {node: others for node in nodes if (others := _participants(node) - ours)}

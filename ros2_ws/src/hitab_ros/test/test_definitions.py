@@ -1,0 +1,50 @@
+"""Two versions of a message are not talked over: whoever starts later finds the other."""
+
+import time
+
+import pytest
+from hitab_msgs.msg import AgentStatus, Percept
+
+from hitab_core import HitabError
+from hitab_ros import definitions, qos
+from hitab_ros.spinning import make_node
+from hitab_ros.testing import context_of_its_own
+
+STATUS = "hitab_msgs/msg/AgentStatus"
+
+
+@pytest.fixture
+def two():
+    """Two nodes, of which one publishes a status."""
+    with context_of_its_own() as context:
+        first, second = (make_node(name, context=context) for name in ("first", "second"))
+        first.create_publisher(AgentStatus, "lone/status", qos.LATCHED)
+        deadline = time.monotonic() + 60.0
+        while second.count_publishers("lone/status") != 1:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        yield first, second
+        first.destroy_node()
+        second.destroy_node()
+
+
+def test_nodes_with_the_same_definitions_talk(two):
+    first, second = two
+    definitions.refuse_other_definitions(first)
+    definitions.refuse_other_definitions(second)
+
+
+def test_a_node_that_defines_a_message_differently_is_named(two, monkeypatch):
+    other = "RIHS01_" + "0" * 64  # as another version's would be
+    monkeypatch.setattr(definitions, "own_hash", lambda kind: other)
+    with pytest.raises(HitabError, match="another version of HiTAB") as refused:
+        definitions.refuse_other_definitions(two[1])
+    assert str(refused.value).startswith(f"/first defines {STATUS} differently")
+
+
+def test_the_own_hash_is_what_ros_announces(two):
+    first, second = two
+    first.create_subscription(Percept, "lone/percept", lambda _: None, qos.CYCLE)
+    (end,) = second.get_publishers_info_by_topic("lone/status")
+    assert str(end.topic_type_hash) == definitions.own_hash(STATUS)
+    assert definitions.own_hash("hitab_msgs/msg/Percept") != definitions.own_hash(STATUS)
