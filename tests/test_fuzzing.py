@@ -136,7 +136,14 @@ def goes_on(running: RunningSwarm) -> bool:
     """Whether the world plays ten more cycles."""
     fresh(running)
     begun = running.world.status.cycle
-    return running.link.spin_until(lambda: running.world.status.cycle > begun + 10, SECONDS)
+
+    def played() -> bool:
+        if running.world.status.mode == "paused":
+            # The fuzzer has asked for some episodes, after which a world pauses.
+            running.world.control("resume")
+        return running.world.status.cycle > begun + 10
+
+    return running.link.spin_until(played, SECONDS)
 
 
 def behaviors(running: RunningSwarm, kind: str) -> set[str]:
