@@ -17,10 +17,10 @@ from hitab_ros import Spinner, refuse_second_of_name, run
 
 
 def run_agent(make: Callable[[], AgentNode]) -> int:
-    """Be the main function of the process of one agent, of whatever kind.
+    """Run one agent of any kind as a process; the body of its main function.
 
     Args:
-        make: the class of its node, which reads its parameters from the command line.
+        make: the class of its node; the node reads its parameters from the command line.
 
     Returns:
         The exit code.

@@ -37,16 +37,15 @@ class AgentNode(GuardedNode):
         shared: Shared | None = None,
         **options: Any,
     ) -> None:
-        """Make the node, load the library and take up an interrupted training.
+        """Create the node, load the library and resume an interrupted training.
 
         Args:
             node_name: name of the node in the agent's namespace.
-            shared: what it has in common with the other agents of its process; None: it is
-                alone.
-            options: of every node.
+            shared: what the agents of its process share; None: it is the only one.
+            options: passed on to the base class.
 
         Raises:
-            HitabError: if the domain, the library or the journal is not usable.
+            HitabError: if the domain, the library or the journal is unusable.
         """
         self._joined = False
         super().__init__(node_name, **options)
@@ -87,14 +86,14 @@ class AgentNode(GuardedNode):
             self._begin(self._first_behavior())
 
     def _first_behavior(self) -> str:
-        """Return what to perform from the start on; empty: nothing."""
+        """Return what to perform at startup; empty: nothing."""
         if self._memory.damage:
             self.get_logger().warning(self._memory.damage)
         resume = self.settings.resume or not self.agent.domain.link
         return self._memory.first(self.settings.behavior, resume=resume)
 
     def remember(self) -> None:
-        """Write down what is performed, if that has changed, for the process after this one."""
+        """Save what is performed, if that has changed, so that a restart can resume it."""
         agent = self.agent
         performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
         try:
@@ -103,9 +102,9 @@ class AgentNode(GuardedNode):
             self.guard.log(f"a restart would forget what is performed: {error}")
 
     def _begin(self, behavior: str) -> None:
-        """Perform a behavior from the start on, or nothing if that cannot be, or there is none.
+        """Perform a behavior at startup; stay idle if there is none or it cannot be performed.
 
-        The library may have changed while the agent was away; it has to be there to be mended.
+        The library may have changed in the meantime; the agent must be up for it to be fixed.
         """
         if not behavior:
             return
@@ -113,12 +112,12 @@ class AgentNode(GuardedNode):
             self.agent.perform(use_of(behavior, ()))
         except HitabError as error:
             self._start_error = (
-                f'{self.agent_name} is idle, since it cannot perform "{behavior}", with which it '
-                f"should begin: {error}; have it perform something else, or give it the behavior"
+                f'{self.agent_name} is idle: it cannot perform its start behavior "{behavior}": '
+                f"{error}; have it perform something else, or give it the behavior"
             )
 
     def load_domain(self, name: str) -> Domain:
-        """Return the domain that the parameter of that name means.
+        """Return the domain that the parameter ``domain`` names.
 
         Raises:
             HitabError: if there is none.
@@ -126,7 +125,7 @@ class AgentNode(GuardedNode):
         return self.shared.domain(name)
 
     def join(self) -> None:
-        """Begin to listen and to answer, once it is certain that the name is free."""
+        """Start to listen and answer; call this once the name is known to be free."""
         self._joined = True
         self.shared.members.append(self.status.publish_soon)
         CommandReceiver(self, self.agent, self.status, self.settle)
@@ -172,7 +171,7 @@ class AgentNode(GuardedNode):
         if self.agent.session is not None:
             training = self.agent.session
             self.status.report_error(
-                f'took up the interrupted training of "{training.curriculum.name}" '
+                f'resumed the interrupted training of "{training.curriculum.name}" '
                 f"with {len(training.log)} examples"
             )
         else:
@@ -184,7 +183,7 @@ class AgentNode(GuardedNode):
         self._distributor.offer()
 
     def destroy_node(self) -> None:
-        """Have the link leave the robot at rest, then take the node down."""
+        """Have the link stop the robot, then destroy the node."""
         if self._link is not None:
             self._link.close()
             self._link = None
@@ -197,7 +196,7 @@ class AgentNode(GuardedNode):
         return self.answer(percept)
 
     def take_in(self, percept: msg.Percept) -> bool:
-        """Perceive; return whether that went well."""
+        """Perceive; return whether that succeeded."""
         log, agent = self.transition_log, self.agent
         log.cycle = percept.cycle
         log.stamp = percept.stamp
@@ -214,7 +213,7 @@ class AgentNode(GuardedNode):
         return self._sensed
 
     def answer(self, percept: msg.Percept) -> Action:
-        """Act on the percept that was taken in, unless it is only to be looked at."""
+        """Act on the last percept, unless it is for inspection only."""
         action = NO_ACTION
         if not self._sensed:
             pass
@@ -225,7 +224,7 @@ class AgentNode(GuardedNode):
         log = self.transition_log
         if self._unsettled or log.changed:
             path = self.agent.active_path
-            # A flag state is left without a transition.
+            # The agent leaves a flag state without a transition.
             self._unsettled = bool(path) and path[-1] in RESERVED
             log.changed = False
             changed = True
@@ -238,17 +237,17 @@ class AgentNode(GuardedNode):
         return action
 
     def seconds_of(self, percept: msg.Percept) -> float:
-        """Return the agent's own time, s, by which it reports; that of the world or the robot."""
+        """Return the agent's time, s, used in reports: the time of the world or the robot."""
         return float(percept.stamp.sec + percept.stamp.nanosec * 1e-9)
 
     # -- orders of a commander ----------------------------------------------------------------
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that it waits for in a round of lockstep."""
+        """Return the topics of the orders that it waits for in a lockstep round."""
         return () if self.superior is None else (self.superior.orders,)
 
     def ordered(self) -> None:
-        """Do what has to be done when an order was heard: it has been taken up, or waits."""
+        """Publish the outcome of an order: obeyed, or waiting with the reason."""
         refusal = self.status.refusal
         if refusal:
             self.guard.log(refusal)
@@ -257,19 +256,19 @@ class AgentNode(GuardedNode):
             self.status.publish_soon()
 
     def settle(self) -> None:
-        """Take up an order that waits, now that a demonstrator has changed something."""
+        """Retry a waiting order after a demonstrator has changed something."""
         if self.superior is not None:
             self.superior.settle()
 
     # -- status -----------------------------------------------------------------------------
 
     def _answered(self, error: str) -> None:
-        """Go on after a request; the status shows what went wrong to whoever watches, too."""
+        """Settle after a request, and show in the status what went wrong."""
         self.settle()
         self.status.report_error(error)
 
     def _taken_in(self, sequence: int, digest: str, error: str) -> None:
-        """Publish that a distribution was taken in or, without a digest, refused."""
+        """Publish that a distribution was accepted or, without a digest, refused."""
         if digest:
             self.settle()
         self.status.message.distribution = sequence
@@ -277,11 +276,11 @@ class AgentNode(GuardedNode):
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong and lasts, each until its cause ends."""
+        """The lasting faults, each shown until its cause is gone."""
         return self.status.faults
 
     def faults_changed(self) -> None:
-        """Publish a status soon, once all is there that goes into it."""
+        """Publish a status soon, if the agent has joined."""
         if self._joined:
             self.status.publish_soon()
 

@@ -1,4 +1,4 @@
-"""Obeying the commands of demonstrators."""
+"""Carrying out the commands of demonstrators."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.plain_text import plain
 
-DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name that are kept
+DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; the rest is cut off
 
 
 class CommandReceiver:
-    """Has an agent do what demonstrators command; its status acknowledges each command."""
+    """Has an agent carry out demonstrators' commands; its status acknowledges each one."""
 
     def __init__(
         self,
@@ -27,7 +27,7 @@ class CommandReceiver:
         status: StatusPublisher,
         settle: Callable[[], None],
     ) -> None:
-        """Listen from now on.
+        """Subscribe to commands.
 
         Args:
             node: of the agent.
@@ -39,7 +39,7 @@ class CommandReceiver:
         self._status = status
         self._settle = settle
         self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
-        # Checked below, so that its sender sees in the status what is wrong.
+        # Checked below, so that the status shows the sender what is wrong.
         node.create_subscription(
             msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
         )
@@ -47,7 +47,7 @@ class CommandReceiver:
     def _on_command(self, command: msg.Command) -> None:
         status = self._status.message
         status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX)
-        # One that is sent again, since our acknowledgement was late, is acknowledged again.
+        # A command resent because its acknowledgement was late is acknowledged again.
         refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:
             if refusal is None:

@@ -1,4 +1,4 @@
-"""Doing things a little later, many of them with one timer."""
+"""Deferred calls that share one timer."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from hitab_ros import Guard, GuardedNode, name_of
 
 
 class Deferred:
-    """Calls what was put into it, in order, a period later, and rests when there is nothing left.
+    """Makes deferred calls in order, a period later; the timer stops when none are left.
 
-    Where things are many, only so many are done in a period: what is urgent, such as an order,
-    gets its turn in between.
+    The number of calls in a period can be limited, so that urgent work, such as an order, gets
+    its turn in between.
     """
 
     def __init__(self, node: GuardedNode, period_s: float, at_most: int | None = None) -> None:
-        """Make it.
+        """Create the timer, stopped.
 
         Args:
-            node: to make the timer on.
-            period_s: between two turns.
-            at_most: how many things are done in one turn; None: all.
+            node: owns the timer.
+            period_s: between two turns, s.
+            at_most: maximum number of calls in one turn; None: all.
         """
         self._at_most = at_most
         self._guard = node.guard
@@ -38,8 +38,7 @@ class Deferred:
 
         Args:
             call: the function.
-            guard: of the agent that it is for, in whose status its failure is shown; None: that
-                of the node.
+            guard: of the agent whose status shows a failure; None: that of the node.
         """
         if not self._calls:
             self._timer.reset()

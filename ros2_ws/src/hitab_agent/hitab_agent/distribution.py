@@ -1,7 +1,7 @@
-"""Giving one agent's behavior, with all that it is made of, to other agents.
+"""Distributing an agent's behavior, with all its parts, to other agents.
 
-One message on a topic of the swarm reaches any number of receivers; each takes all files or none
-and answers on another topic. The agents of a process verify and read it once, see
+One message on a topic of the swarm reaches any number of receivers; each accepts all files or
+none and acknowledges on another topic. The agents of a process verify and read it once, see
 `hitab_agent.intake`.
 """
 
@@ -37,7 +37,7 @@ class DistributionReceiver:
         self._topic = distribution
 
     def add(self, receiver: Distributor) -> None:
-        """Have an agent receive what is distributed from now on."""
+        """Have an agent receive distributions from now on."""
         if not self._receivers:
             self._node.create_subscription(
                 msg.Distribution, self._topic, self._on_distribution, qos.EVENTS
@@ -69,15 +69,15 @@ class Distributor:
         answered: Callable[[str], None],
         taken_in: Callable[[int, str, str], None],
     ) -> None:
-        """Receive from now on.
+        """Start receiving.
 
         Args:
             node: of the agent.
             agent: the agent.
             desk: the topics.
-            answered: called before the reply to who has it distribute, with why it was refused,
-                or "".
-            taken_in: called with what came of a distribution, see `has_taken_in`, before it is
+            answered: called before the reply to a request to distribute, with the reason for a
+                refusal, or "".
+            taken_in: called with the outcome of a distribution, see `has_taken_in`, before it is
                 acknowledged.
         """
         self._node = node
@@ -106,8 +106,8 @@ class Distributor:
                 f'"{use.name}" is not in the library of {agent.name}; save it first'
             )
         bundle = make_bundle(agent.edition.texts, agent.repertoire, use.name)
-        # The time of day makes it unique in the swarm, whoever else distributes; simulated time,
-        # which a node may go by, stands still while a world is paused.
+        # The time of day makes it unique in the swarm, whichever agents distribute; simulated
+        # time, which a node may use, stands still while a world is paused.
         sequence = time.time_ns()
         self._outgoing.publish(
             msg.Distribution(
@@ -126,14 +126,14 @@ class Distributor:
         return f"sent {len(bundle.files)} behaviors"
 
     def has_taken_in(self, sequence: int, digest: str, error: str) -> None:
-        """Publish what came of a distribution; see `hitab_agent.intake.Receiver`.
+        """Publish the outcome of a distribution; see `hitab_agent.intake.Receiver`.
 
-        What goes wrong with it is this agent's, and keeps nothing from the others.
+        A failure here affects this agent only, not the others.
         """
         self._node.guard.run("distribution", self._publish, sequence, digest, error)
 
     def _publish(self, sequence: int, digest: str, error: str) -> None:
-        # The status first: who has all acknowledgements may look at everybody's digest.
+        # The status first: whoever has all acknowledgements may compare the agents' digests.
         self._taken_in(sequence, digest, error)
         self._acknowledge.publish(
             msg.DistributionAck(

@@ -1,4 +1,4 @@
-"""Acting on what was perceived; an agent that cannot do so does nothing, and shows why."""
+"""Acting on a percept; an agent that cannot act does nothing and reports why."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Action = tuple[Sequence[float], str]
 NO_ACTION: Action = ((), "")
 
 TICK = "tick"
-"""The fault of an agent that does nothing, since it cannot perceive, decide or act."""
+"""The fault of an agent that does nothing because it cannot perceive, decide or act."""
 
 
 class GuardedTick:
@@ -26,11 +26,11 @@ class GuardedTick:
     """
 
     def __init__(self, agent: Agent, guard: Guard) -> None:
-        """Make ready.
+        """Prepare to tick.
 
         Args:
             agent: to tick.
-            guard: of its node, among whose faults this one is shown.
+            guard: of its node; its faults include this one.
         """
         self.fault = ""
         self._failed_in = ("", "")
@@ -38,7 +38,7 @@ class GuardedTick:
         self._guard = guard
 
     def act(self) -> Action:
-        """Have the agent decide and act; return what it does and says, nothing if it cannot."""
+        """Have the agent decide and act; return what it does and says, or nothing if it fails."""
         agent = self._agent
         try:
             agent.tick()
@@ -51,7 +51,7 @@ class GuardedTick:
         return action
 
     def fail(self, error: Exception) -> None:
-        """Show what has kept the agent from perceiving, deciding or acting."""
+        """Report an error that kept the agent from perceiving, deciding or acting."""
         agent = self._agent
         why = what_went_wrong(error)
         self._failed_in = (agent.mode.value, agent.behavior)
@@ -62,7 +62,7 @@ class GuardedTick:
             self._guard.faults.set(TICK, text)
 
     def clear_if_past(self) -> None:
-        """Show the fault no longer if the agent does not perform any more what has failed."""
+        """Clear the fault if the agent no longer performs the behavior that failed."""
         agent = self._agent
         if self.fault and self._failed_in != (agent.mode.value, agent.behavior):
             self._clear()
@@ -73,10 +73,10 @@ class GuardedTick:
 
 
 def _action(values: Sequence[float], say: str) -> Action:
-    """Return what a body does and says, as messages need it.
+    """Return what a body does and says, in the types that messages need.
 
     Raises:
-        HitabError: if it is something else than numbers and a text.
+        HitabError: if it is not numbers and a text.
     """
     try:
         if isinstance(say, str):
@@ -85,5 +85,5 @@ def _action(values: Sequence[float], say: str) -> Action:
         pass
     raise HitabError(
         f"act() of its body returned {(values, say)!r}; "
-        "it must return numbers, and a text to say, empty for nothing"
+        "it must return numbers and a text to say, empty for nothing"
     )

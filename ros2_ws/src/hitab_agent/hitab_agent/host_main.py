@@ -1,11 +1,11 @@
-"""Runs many agents in one process, each a node of its own.
+"""Runs many agents in one process, each as its own node.
 
 For example::
 
     python -m hitab_agent.host_main --ros-args -p agents:="[ant_1, ant_2]" -p domain:=keepaway
 
-All parameters of an agent (see `hitab_agent.settings`) are given once, for all. Where agents
-differ, a file says which to run and how, in JSON::
+The parameters of an agent (see `hitab_agent.settings`) are given once, for all agents. If agents
+differ, a JSON file lists them with their parameters::
 
     python -m hitab_agent.host_main --ros-args -p roster:=host_1.json
 
@@ -29,10 +29,10 @@ from hitab_core import HitabError
 from hitab_ros import Spinner, make_node, refuse_second_of_name, run
 
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
-"""A service that every node has, and nobody uses."""
+"""Turns off a service that every node has and nothing uses."""
 
 GARBAGE = (10_000, 20, 100)
-"""New objects until the youngest are searched for garbage; searches until older ones are."""
+"""Thresholds for `gc.set_threshold`: new objects per collection, collections per older one."""
 
 
 def start(spinning: Spinner) -> None:
@@ -43,10 +43,10 @@ def start(spinning: Spinner) -> None:
     names = [entry.name for entry in entries]
     doubles = sorted({name for name in names if names.count(name) > 1})
     if doubles:
-        raise HitabError(f"the host was given {', '.join(doubles)} twice")
+        raise HitabError(f"the host was given {', '.join(doubles)} twice; name each agent once")
     namespace = host.get_namespace().rstrip("/")
     swarm = host.get_parameter("swarm").value  # of all its agents
-    # A node that has the topics of the host, in a namespace of its own.
+    # The node with the topics of the host, in its own namespace.
     desk = make_node("host", namespace=f"{namespace}/host_{uuid.uuid4().hex[:8]}")
     spinning.executor.add_node(desk)
     shared = shared_on_host(desk, len(entries), swarm)
@@ -69,8 +69,9 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
-    # What was made so far stays: searching it for garbage would take longer than a cycle. What a
-    # cycle leaves behind goes by itself, but for errors: there is no hurry to look for those.
+    # The objects made so far stay: a collection over them would take longer than a cycle. What a
+    # cycle leaves behind is freed by reference counting; only errors leave garbage cycles, and
+    # collecting those is not urgent.
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GARBAGE)

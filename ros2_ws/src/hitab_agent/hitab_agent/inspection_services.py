@@ -1,4 +1,4 @@
-"""The services of an agent that change nothing: they show its behaviors and what it perceives."""
+"""The read-only services of an agent: they show its behaviors and what it perceives."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Origin: Any = srv.GetBehavior.Response
 
 
 class InspectionServices:
-    """Offers the services; what they raise is answered by the node's guard."""
+    """Offers the services; the node's guard turns what they raise into a reply."""
 
     def __init__(self, node: GuardedNode, agent: Agent) -> None:
         self._agent = agent
@@ -86,7 +86,7 @@ class InspectionServices:
     ) -> None:
         repertoire, library = self._agent.repertoire, self._agent.library
         name = request.name
-        # A behavior that is no more in the library may still have versions there.
+        # A behavior that was removed from the library may still have versions there.
         answer.versions = library.versions(name) if name not in FLAGS else []
         known = self._agent.edition.files
         if name not in known and not request.version:
@@ -112,7 +112,7 @@ class InspectionServices:
 
 
 def _origin(provenance: Any) -> str:
-    """Return where a version comes from, in words."""
+    """Return a text that says where a version comes from."""
     parts = [f"trained by {provenance.agent}"] if provenance.agent else []
     parts += [text for text in (provenance.author, provenance.note) if text]
     return ", ".join(parts)

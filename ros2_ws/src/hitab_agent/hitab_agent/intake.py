@@ -1,12 +1,12 @@
-"""Taking in what was distributed, for all agents of a process at once.
+"""Taking in a distribution for all agents of a process at once.
 
-It is verified, read and learned once for each domain, written once for each library, and forced
-to disk for all libraries together: a thousand folders then take as long as one. After that each
-agent swaps what it knows.
+It is verified, read and learned once per domain, written once per library, and synced to disk for
+all libraries together, so that a thousand folders take as long as one. Then each agent swaps its
+repertoire.
 
-A library is changed by a note that counts for everybody as soon as it is there (see
-`hitab_core.library.commit`), so that nothing has to be held between two slices: whoever else
-comes to a folder carries the note out.
+A library is changed by a note that is valid for all processes as soon as it exists (see
+`hitab_core.library.commit`), so no lock is held between two slices: the next process that opens
+the folder carries the note out.
 """
 
 from __future__ import annotations
@@ -28,30 +28,30 @@ from hitab_core.library.durable_files import PATIENCE, file_errors, sync_trees
 from hitab_ros.answering import what_went_wrong
 
 _RETRY_S = 0.01
-"""How long a folder that somebody else holds is left alone."""
+"""How long to wait before retrying a folder that another process holds."""
 
 _BREATH_S = 0.001
-"""How long a thread leaves Python's lock to the callbacks after each folder."""
+"""How long a thread releases Python's lock to the callbacks after each folder."""
 
 
 class Receiver(Protocol):
-    """An agent of the process, as far as it receives what is distributed."""
+    """The part of an agent that receives distributions."""
 
     agent: Agent
 
     def has_taken_in(self, sequence: int, digest: str, error: str) -> None:
-        """Publish what came of a distribution.
+        """Publish the outcome of a distribution.
 
         Args:
             sequence: of the distribution.
-            digest: over the files as it has them now; empty if it was refused.
-            error: why it was refused, or what went wrong when it was begun; empty if all is well.
+            digest: of the agent's files as they are now; empty if it was refused.
+            error: why it was refused, or what went wrong at the start; empty if nothing did.
         """
 
 
 @dataclass(eq=False)
 class _Shelf:
-    """A library with the agents that have it, and what becomes of it."""
+    """A library with the agents that use it, and the state of its change."""
 
     library: BehaviorLibrary
     receivers: list[Receiver] = field(default_factory=list)
@@ -65,25 +65,25 @@ class _Shelf:
         self.edition, self.note = None, b""
 
     def current(self) -> Edition:
-        """Return what the library holds, also if somebody has changed it since it was planned."""
+        """Return what the library holds now, even if it was changed after the plan."""
         if self.edition is None or self.generation != self.library.generation:
             self.edition, self.generation = self.library.edition(), self.library.generation
         return self.edition
 
 
 class Intake:
-    """One distribution being taken in by those agents of a process that are meant."""
+    """One distribution, taken in by its receivers in a process."""
 
     def __init__(
         self, sequence: int, bundle: Bundle, start: Use | None, receivers: Iterable[Receiver]
     ) -> None:
-        """Make ready.
+        """Group the receivers by library.
 
         Args:
             sequence: of the distribution.
-            bundle: what was distributed.
-            start: what the receivers are to perform then; None: what they perform now.
-            receivers: who is meant.
+            bundle: the behaviors.
+            start: what the receivers should perform then; None: what they perform now.
+            receivers: the agents that take it in.
         """
         self._sequence = sequence
         self._bundle = bundle
@@ -97,7 +97,7 @@ class Intake:
         self._shelves = list(shelves.values())
 
     def job(self) -> Job:
-        """Do all of it, in slices."""
+        """Do the whole intake, in slices."""
         yield from self._read()
         yield from self._announce_all()
         yield from self._make_durable()
@@ -108,7 +108,7 @@ class Intake:
         yield from self._carry_out()
 
     def _read(self) -> Job:
-        """Verify and learn the bundle, once for each domain."""
+        """Verify and learn the bundle, once per domain."""
         groups: dict[Editions, list[_Shelf]] = {}
         for shelf in self._shelves:
             groups.setdefault(shelf.library.editions, []).append(shelf)
@@ -116,13 +116,13 @@ class Intake:
             reading = Background(partial(read_bundle, self._bundle, editions))
             yield reading
             try:
-                self._read_files.append(reading.result())  # kept, so that it is read once
+                self._read_files.append(reading.result())  # kept, so that it is read only once
             except Exception as error:
                 for shelf in shelves:
                     shelf.refuse_all(error)
 
     def _announce_all(self) -> Job:
-        """Check each library and its agents, and change it for all to see."""
+        """Check each library and its agents, and announce its change to all processes."""
         waiting = deque(shelf for shelf in self._shelves if not shelf.refused)
         deadline = time.monotonic() + PATIENCE
         while waiting:
@@ -156,7 +156,7 @@ class Intake:
             shelf.refused[receiver] = f"{why}; {_SHARED}"
 
     def _make_durable(self) -> Job:
-        """Have the disk take all changes; what it does not take is taken back."""
+        """Sync all changes to disk; withdraw those that fail."""
         try:
             yield from self._sync()
         except Exception as error:
@@ -171,7 +171,7 @@ class Intake:
         if not why:
             try:
                 if agent.library is not shelf.library:
-                    raise HitabError(f"{agent.name} has another library now; send it again")
+                    raise HitabError(f"{agent.name} uses another library now; send it again")
                 edition = shelf.current()
                 notes = agent.take_up(edition, self._start)
                 digest, why = self._digest_in(edition), "; ".join(notes)
@@ -186,7 +186,7 @@ class Intake:
         return self._digests[edition]
 
     def _carry_out(self) -> Job:
-        """Bring the files of all libraries up to date, now that nobody waits for it."""
+        """Bring the files of all libraries up to date; no agent waits for this."""
         notes = [(shelf.library.folder, shelf.note) for shelf in self._noted()]
         if notes:
             yield Background(partial(_carry_out, notes))
@@ -202,8 +202,8 @@ class Intake:
         return [shelf for shelf in self._shelves if shelf.note]
 
 
-_SHARED = "others that share its library have it, and it takes it up when it reloads the library"
-_SAVED = "it is in its library, and is taken up when that is reloaded"
+_SHARED = "other agents that share its library have it; reload the library to use it here"
+_SAVED = "it is in the library; reload the library to use it"
 
 
 def _force_to_disk(folders: list[Path]) -> None:
@@ -212,7 +212,7 @@ def _force_to_disk(folders: list[Path]) -> None:
 
 
 def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
-    """Do what notes say. They stay where the disk fails: who comes next carries them out."""
+    """Carry out notes; if the disk fails they stay, and the next process carries them out."""
     for folder, note in notes:
         carry_out(folder, note)
         time.sleep(_BREATH_S)

@@ -1,4 +1,4 @@
-"""Small files that survive a process, but need not survive the machine."""
+"""Small files that survive a restart of the process, but need not survive a power failure."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from typing import Any
 
 
 class LineMemory:
-    """A file whose first line is what counts.
+    """A file of which only the first line is read.
 
-    Writing must not hold anything up: a line is written over the one before in one go, which takes
-    microseconds, and what is longer stays behind it.
+    Writing must be fast: a line overwrites the previous one in a single call, which takes
+    microseconds; the rest of a longer previous line stays behind it.
 
     Attributes:
-        values: what the file holds; empty if there is none, or it is damaged.
-        damage: why it cannot be read, and that it is ignored; empty if it can.
+        values: what the file holds; empty if it is missing or damaged.
+        damage: why the file is ignored; empty if it can be read.
     """
 
     def __init__(self, path: Path) -> None:
-        """Read it.
+        """Read the file.
 
         Args:
-            path: of the file; it is made, with its folder, when there is something to remember.
+            path: of the file; it is created, with its folder, at the first write.
         """
         self._path = path
         self.values: dict[str, Any] = {}
@@ -38,7 +38,7 @@ class LineMemory:
         except FileNotFoundError:
             pass
         except (OSError, ValueError) as error:
-            self.damage = f"{path} is ignored, since it cannot be read: {error}"
+            self.damage = f"{path} is ignored because it cannot be read: {error}"
 
     def write(self, values: Mapping[str, Any]) -> None:
         """Replace what the file holds.

@@ -1,4 +1,4 @@
-"""Hearing the orders of commanders on behalf of all agents of one process."""
+"""Receiving the orders of commanders for all agents of one process."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ Follow = Callable[[str, Order], None]
 
 
 class OrderSubscriptions:
-    """Has one subscription for each commander and hands its orders to all who are under it.
+    """Has one subscription per commander and hands its orders to all its subordinates.
 
-    Orders pass down through a process as fast as it can read them, and reading one costs more
-    than obeying it: a squad that lives in one process reads once.
+    Reading an order costs more than obeying it, so a squad in one process reads each order once.
     """
 
     def __init__(self, node: GuardedNode) -> None:
-        """Make it.
+        """Subscribe to nothing yet.
 
         Args:
             node: to subscribe on.
@@ -33,12 +32,12 @@ class OrderSubscriptions:
         self._last: dict[str, Order] = {}
 
     def listen(self, node: GuardedNode, topic: str, take: Take) -> None:
-        """Call ``take`` with the order in force, if one was heard, and with all that come.
+        """Call ``take`` with the order in force, if there is one, and with each new one.
 
         Args:
-            node: of the agent that listens, in whose status a failure of ``take`` is shown.
+            node: of the agent that listens; its status shows a failure of ``take``.
             topic: of a commander's orders.
-            take: what to do with them.
+            take: receives them.
         """
         take = node.guard.wrap(f"order on {topic}", take)
         if topic in self._takers:
@@ -58,7 +57,7 @@ class OrderSubscriptions:
         self._node.create_subscription(msg.Order, topic, on_order, qos.LATCHED)
 
     def follow(self, topic: str, follow: Follow) -> None:
-        """Call ``follow`` with each order on a topic when all who are under it have taken it."""
+        """Call ``follow`` with each order on a topic after all subordinates have received it."""
         self._followers.setdefault(topic, []).append(
             self._node.guard.wrap(f"round of {topic}", follow)
         )

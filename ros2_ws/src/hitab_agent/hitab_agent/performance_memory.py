@@ -12,9 +12,9 @@ FILE_NAME = "performance.json"
 class PerformanceMemory:
     """A file in an agent's state folder.
 
-    It counts for the swarm that has written it: when a swarm is brought up again its agents begin
-    as its description says, not where others have ended. An agent that is part of no swarm is
-    started by a person, who says what it should do.
+    It is valid for the swarm that wrote it: the agents of another swarm start as their
+    description says. An agent outside any swarm is started by a person, who says what it should
+    do.
 
     Attributes:
         performed: the top-level behavior before the restart, empty if there was none; None if
@@ -23,10 +23,10 @@ class PerformanceMemory:
     """
 
     def __init__(self, folder: Path, swarm: str) -> None:
-        """Read it.
+        """Read the file.
 
         Args:
-            folder: where the file is.
+            folder: the folder of the file.
             swarm: identity of the agent's swarm; empty: none.
         """
         self._swarm = swarm
@@ -42,14 +42,14 @@ class PerformanceMemory:
 
         Args:
             behavior: what the agent should perform at its first start; empty: nothing.
-            resume: whether it goes on after a restart; else it comes back at rest.
+            resume: whether it continues after a restart; otherwise it comes back idle.
         """
         if self.performed is None:
             return behavior
         return self.performed if resume else ""
 
     def keep(self, behavior: str) -> None:
-        """Write down what is performed now, if that has changed.
+        """Save what is performed now, if that has changed.
 
         Raises:
             OSError: if it cannot be written.

@@ -15,19 +15,19 @@ from hitab_ros.conversions import report_message
 
 
 class ReportOutbox:
-    """Has a publisher for each commander; while it is held, a commander gets one message for all.
+    """Has a publisher per commander; while held, it collects reports into one message each.
 
-    The agents of a host share one. There a report waits a little for others, so that a commander
-    gets one message when an order has changed what all its subordinates do, and orders pass
-    further down before anybody looks at what has become of them.
+    The agents of a host share one. There a report waits briefly for others: a commander gets one
+    message when an order has changed what all its subordinates do, and orders pass further down
+    before their outcome is reported.
     """
 
     def __init__(self, node: GuardedNode, later: Deferred | None = None) -> None:
-        """Make it.
+        """Create the outbox without publishers.
 
         Args:
             node: to publish on.
-            later: when reports are sent; None: at once.
+            later: sends reports later; None: they are sent at once.
         """
         self._node = node
         self._later = later
@@ -36,7 +36,7 @@ class ReportOutbox:
         self._held = False
 
     def open(self, topic: str) -> None:
-        """Make ready to send to a commander: some time has to pass before it hears."""
+        """Create the publisher for a commander early: discovery takes some time."""
         if topic not in self._publishers:
             self._publishers[topic] = self._node.create_publisher(msg.Reports, topic, qos.EVENTS)
 
@@ -50,7 +50,7 @@ class ReportOutbox:
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Gather what is sent meanwhile; send it at the end."""
+        """Collect reports during the block; send them at its end."""
         if self._held:
             yield
             return
@@ -64,7 +64,7 @@ class ReportOutbox:
 
     @contextmanager
     def at_once(self) -> Iterator[None]:
-        """Gather what is sent meanwhile, and send it at the end without waiting for others."""
+        """Collect reports during the block; send them at its end, without further delay."""
         with self.held():
             yield
         self._flush()
@@ -79,5 +79,5 @@ class ReportOutbox:
 
 
 def reports_topic(node: GuardedNode, commander: str) -> str:
-    """Return the topic on which a commander of the node's swarm hears reports."""
+    """Return the topic on which a commander of the node's swarm receives reports."""
     return names.in_swarm(node, commander, names.REPORTS)

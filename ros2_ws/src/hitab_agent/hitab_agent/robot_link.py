@@ -1,4 +1,4 @@
-"""What joins an agent to a robot of its own: sensors in, motors out."""
+"""Connects an agent to its own robot: sensors in, motors out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ OnPercept = Callable[[msg.Percept], tuple[Sequence[float], str]]
 
 
 class RobotLink(Protocol):
-    """A domain names the class of its robots' link in `Domain.link`."""
+    """The connection to a robot; a domain names its class in `Domain.link`."""
 
     def __init__(self, node: Node, world: str, on_percept: OnPercept) -> None:
         """Subscribe to the robot's topics.
@@ -23,17 +23,17 @@ class RobotLink(Protocol):
         Args:
             node: of the agent, in the agent's namespace.
             world: name of the world, if there is one.
-            on_percept: to be called with a percept made from the robot's sensors, at the rate at
-                which the agent should tick. Returns what to carry out: values in the domain's
+            on_percept: call it with a percept made from the robot's sensors, at the rate at
+                which the agent should tick. It returns the action: values in the domain's
                 layout, none if something was wrong, and a text to say.
         """
 
     def close(self) -> None:
-        """Leave the robot at rest: the agent ends."""
+        """Stop the robot: the agent is shutting down."""
 
 
 def link_class(domain: Domain) -> Any:
-    """Return the class that joins an agent of this domain to its robot.
+    """Return the class that connects an agent of this domain to its robot.
 
     Raises:
         HitabError: if it cannot be imported.

@@ -1,4 +1,4 @@
-"""Holding back what agents do in a round of lockstep until their commanders have spoken."""
+"""Holding back the actions of a lockstep round until the commanders have given their orders."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ Act = Callable[[], None]
 
 
 class RoundGate:
-    """Calls a function in each round, when all commanders have given their order of the round.
+    """Calls a function in each round once all commanders have given their order for it.
 
-    A commander that lets a round pass is not waited for until it is heard again. No clock takes
-    part: a round has passed when the next one begins.
+    A commander that misses a round is not waited for until it gives an order again. No clock is
+    involved: a round is over when the next one begins.
     """
 
     def __init__(self, orders: OrderSubscriptions) -> None:
@@ -26,12 +26,12 @@ class RoundGate:
         self._spoken: dict[str, int] = {}
 
     def begin(self, number: int, commanders: Collection[str], act: Act) -> None:
-        """Begin a round; what was held back in the one before is not done any more.
+        """Begin a round; drop what was held back in the previous one.
 
         Args:
             number: of the round.
             commanders: the topics of the orders to wait for.
-            act: what to do then, at once if there is nobody to wait for.
+            act: what to do then; called at once if there is no order to wait for.
         """
         if self._act is not None:
             self._silent |= self._awaited

@@ -1,4 +1,4 @@
-"""What the agents of one process have in common."""
+"""What the agents of one process share."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ from hitab_core.library import Editions
 from hitab_ros import GuardedNode
 
 STATUS_PERIOD_S = 0.05
-"""The path of active states may change every cycle; it is published no more often than this."""
+"""The path of active states may change every cycle; it is published at most this often."""
 
 STATUSES_AT_ONCE = 15
-"""A host publishes no more of them in a period, 300 a second: watching must not cost more than
-what is watched."""
+"""A host publishes at most this many statuses in a period, 300 a second: watching must not cost
+more than what is watched."""
 
 
 @dataclass(slots=True)
 class Shared:
-    """Timers, publishers and whatever else one process needs once, however many agents it runs.
+    """Timers, publishers and whatever else a process needs once, however many agents it runs.
 
     Attributes:
         ticker: calls at fixed rates.
-        statuses: publishes, a little later, the statuses that have changed.
-        orders: hears those of commanders.
+        statuses: publishes changed statuses a little later.
+        orders: receives the orders of commanders.
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
-        host: the node of the host, if it is one.
-        link_to: makes what joins all agents to a world; None: each agent joins it by itself.
-        links: what it has made, by the world's name.
-        on_demand: offers services when somebody asks; None: each agent offers its own at once.
-        domains: the domains that were loaded, by name.
-        libraries: those that were opened, by folder and domain.
-        members: of a host, to be called when what is wrong with the host has changed.
-        editions: what reads and keeps what is in libraries, by domain.
+        host: the node of the host, if the process is one.
+        link_to: creates the link of all agents to a world; None: each agent has its own.
+        links: the links it created, by the world's name.
+        on_demand: offers services when a client asks; None: each agent offers its own at once.
+        domains: the loaded domains, by name.
+        libraries: the open libraries, by folder and domain.
+        members: of a host, called when the faults of the host change.
+        editions: read and cache the contents of libraries, by domain.
     """
 
     ticker: Ticker
@@ -75,40 +75,40 @@ class Shared:
         )
 
     def offer_on_demand(self, node: GuardedNode, agents: int) -> None:
-        """Have so many agents make their services when somebody asks for them."""
+        """Have the agents, so many in number, create their services when a client asks."""
         if self.on_demand is None:
             self.on_demand = ServicesOnDemand(node)
             self.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), self.on_demand.look)
 
     def tell_all(self) -> None:
-        """Have all agents show what is wrong with their host, or that it is over."""
+        """Have all agents show the current faults of their host."""
         for member in self.members:
             member()
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with the host, and so with each of its agents."""
+        """The faults of the host, and so of each of its agents."""
         return [] if self.host is None else self.host.guard.faults.texts()
 
     def link(self, world: str) -> SharedLink | None:
-        """Return what joins all agents to a world; None if each joins it by itself."""
+        """Return the link of all agents to a world; None if each has its own."""
         if self.link_to is not None and world not in self.links:
             self.links[world] = self.link_to(world)
         return self.links.get(world)
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:
-        """Return the library in a folder; agents that have the same one share it.
+        """Return the library in a folder; agents with the same folder share it.
 
-        Those of libraries with the same files share what was read of them.
+        Libraries with the same files share what was read from them.
         """
-        key = (folder, id(domain))  # which is kept by what is found under it
+        key = (folder, id(domain))  # the library found under it keeps the domain alive
         if key not in self.libraries:
             editions = self.editions.setdefault(id(domain), Editions(domain))
             self.libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
         return self.libraries[key]
 
     def domain(self, name: str) -> Domain:
-        """Return the installed domain of a name; see `load_domain`.
+        """Return the installed domain with a name; see `load_domain`.
 
         Raises:
             HitabError: if there is none.

@@ -1,4 +1,4 @@
-"""What joins many agents of one process to a world, and what it needs of each of them."""
+"""Connects many agents of one process to a world; what it needs of each of them."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from hitab_ros import Guard
 
 
 class Perceiver(Protocol):
-    """An agent's node, as far as it perceives and acts."""
+    """The part of an agent's node that perceives and acts."""
 
     agent_name: str
     agent: Agent
     guard: Guard
 
     def take_in(self, percept: msg.Percept) -> bool:
-        """Perceive; return whether that went well.
+        """Perceive; return whether that succeeded.
 
-        An agent takes values and messages out of the percept, which is used again.
+        The percept object is reused: an agent must copy what it keeps.
         """
 
     def answer(self, percept: msg.Percept) -> tuple[Sequence[float], str]:
-        """Act on what was perceived, unless the percept is only to be looked at."""
+        """Act on the last percept, unless it is for inspection only."""
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that it waits for in a round of lockstep."""
+        """Return the topics of the orders that it waits for in a lockstep round."""
 
 
 class SharedLink(Protocol):
-    """Gives percepts to many agents, and their actions to the world."""
+    """Passes percepts to many agents, and their actions to the world."""
 
     def add(self, perceiver: Perceiver) -> None:
         """Have an agent perceive and act from the next announcement on."""
 
     def announce(self) -> None:
-        """Announce to the world who is here, and listen."""
+        """Announce the agents to the world, and listen."""

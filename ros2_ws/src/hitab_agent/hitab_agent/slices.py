@@ -12,21 +12,21 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 SLICE_S = 0.005
-"""How long a job goes on before something else gets its turn; far less than a cycle."""
+"""How long a job runs before something else gets its turn; far less than a cycle."""
 
 PAUSE_S = 0.001
-"""How long something else has to begin."""
+"""The pause in which something else can start."""
 
 
 class Background:
-    """Something that is done in a thread of its own.
+    """A call in its own thread.
 
-    For what waits for the disk, or depends on nothing that changes: it must not touch nodes or
-    agents.
+    Use it for calls that wait for the disk or only read what does not change; they must not touch
+    nodes or agents.
     """
 
     def __init__(self, call: Callable[[], Any]) -> None:
-        """Begin."""
+        """Start the thread."""
         self._call = call
         self._result: Any = None
         self._error: Exception | None = None
@@ -45,7 +45,7 @@ class Background:
         return not self._thread.is_alive()
 
     def result(self) -> Any:
-        """Return what came of it, or raise what it raised."""
+        """Return its result, or raise the error it raised."""
         self._thread.join()
         if self._error is not None:
             raise self._error
@@ -53,14 +53,14 @@ class Background:
 
 
 Job = Iterator[Background | None]
-"""Yields where it may be interrupted: None, or what it has to wait for."""
+"""Yields where it may be interrupted: None, or the call it has to wait for."""
 
 
 class Slices:
-    """Does jobs one after the other, each in slices of a few milliseconds."""
+    """Runs jobs one after the other, each in slices of a few milliseconds."""
 
     def __init__(self, node: Node) -> None:
-        """Make ready; nothing is done before there is a job."""
+        """Create the timer, stopped until there is a job."""
         self._jobs: deque[Job] = deque()
         self._awaited: Background | None = None
         self._timer: Any = node.create_timer(
@@ -69,7 +69,7 @@ class Slices:
         self._timer.cancel()
 
     def do(self, job: Job) -> None:
-        """Do a job after those that wait already."""
+        """Run a job after those already waiting."""
         if not self._jobs:
             self._timer.reset()
         self._jobs.append(job)

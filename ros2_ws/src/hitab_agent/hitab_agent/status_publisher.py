@@ -1,4 +1,4 @@
-"""The status of an agent: what it does now, and what is wrong with it."""
+"""The status of an agent: what it does, and its faults."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class StatusPublisher:
     """Publishes an agent's status, at once or a little later.
 
     Attributes:
-        message: the status; whoever handles a request notes in it what came of that.
-        path: the path of active states that was published last.
-        superior: how the agent is joined to its commander; None: it has none.
+        message: the status; the handlers of requests record their outcome in it.
+        path: the last published path of active states.
+        superior: the link to its commander; None: it has none.
     """
 
     def __init__(
@@ -31,14 +31,14 @@ class StatusPublisher:
         transitions: TransitionLog,
         prepare: Callable[[], None],
     ) -> None:
-        """Make ready; nothing is published yet.
+        """Create the publisher; nothing is published yet.
 
         Args:
             node: of the agent.
             agent: the agent.
-            swarm: identity of the swarm that it is part of; empty: none.
-            shared: what the agents of its process have in common.
-            transitions: its changes of state.
+            swarm: identity of its swarm; empty: none.
+            shared: what the agents of its process share.
+            transitions: its state changes.
             prepare: called before each status.
         """
         self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name, swarm=swarm)
@@ -55,18 +55,18 @@ class StatusPublisher:
 
     @property
     def refusal(self) -> str:
-        """Why an order waits that cannot be obeyed; empty if there is none."""
+        """Why a waiting order cannot be obeyed; empty if no order waits."""
         return "" if self.superior is None else self.superior.subordinate.refusal
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong and lasts, each until its cause ends."""
+        """The lasting faults, each shown until its cause is gone."""
         refusal = self.refusal
         waits = [refusal] if refusal else []
         return [*waits, *self._guard.faults.texts(), *self._shared.faults]
 
     def report_error(self, text: str) -> None:
-        """Publish what was refused or, if nothing was, what is wrong and lasts."""
+        """Publish the reason for a refusal or, without one, the lasting faults."""
         if text:
             self._guard.log(text)
         self._error = text
@@ -97,7 +97,7 @@ class StatusPublisher:
         self._publisher.publish(status)
 
     def publish_soon(self) -> None:
-        """Publish it a little later, once for all changes until then."""
+        """Publish the status a little later, once for all changes until then."""
         if not self._is_due:
             self._is_due = True
             self._shared.statuses.call(self._due)

@@ -1,4 +1,4 @@
-"""How an agent is joined to its commander: orders in, reports out."""
+"""The link of an agent to its commander: orders in, reports out."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ class SuperiorLink:
         subscriptions: OrderSubscriptions,
         ordered: Callable[[], None],
     ) -> None:
-        """Obey from now on.
+        """Start to obey.
 
         Args:
             node: of the agent.
             subordinate: the agent as it obeys and reports.
             commander: its name.
             outbox: sends reports.
-            subscriptions: hear orders.
-            ordered: called when an order was heard, or one that waited was taken up.
+            subscriptions: receive orders.
+            ordered: called when an order has arrived, or a waiting one is obeyed.
         """
         self.subordinate = subordinate
         self.commander = commander
@@ -59,7 +59,7 @@ class SuperiorLink:
                 self.tell()
 
     def settle(self) -> None:
-        """Take up a waiting order, if the demonstrator is done, and report what has changed."""
+        """Obey a waiting order, if the demonstrator is done, and report what has changed."""
         if self.subordinate.settle():
             self._ordered()
         self.tell()
@@ -69,23 +69,23 @@ class SuperiorLink:
 
         Args:
             percept: the percept.
-            seconds: the agent's own time.
-            changed: whether it may do something else than after the percept before.
+            seconds: the agent's own time, s.
+            changed: whether its activity may have changed since the previous percept.
         """
         subordinate = self.subordinate
         changed |= subordinate.rounds_end()
         changed |= self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
-            self._ordered()  # what was in the way may have been that it saw nothing yet
+            self._ordered()  # the order may have been refused only for lack of a percept
             changed = True
         if percept.look:
-            # Whoever arranges a paused world wants the commander to see it, too.
+            # A person who arranges a paused world wants the commander to see it, too.
             self._send(subordinate.report())
         elif changed or subordinate.is_asked:
             self.tell()
 
     def round_begins(self, percept: msg.Percept, seconds: float) -> None:
-        """Report what was perceived in a round of lockstep, before anything is done about it."""
+        """Report what was perceived in a lockstep round, before the agent acts on it."""
         subordinate = self.subordinate
         self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
@@ -95,7 +95,7 @@ class SuperiorLink:
         )
 
     def _keep_time(self, percept: msg.Percept, seconds: float) -> bool:
-        """Take over a percept's time; return whether an episode has begun."""
+        """Adopt a percept's time; return whether an episode has begun."""
         subordinate = self.subordinate
         episode = (percept.episode, percept.seed)
         changed = (subordinate.episode, subordinate.seed) != episode
@@ -108,7 +108,7 @@ class SuperiorLink:
         self._send(self.subordinate.news(self._seconds))
 
     def heartbeat(self) -> None:
-        """Give a sign of life, if there has been none for a while."""
+        """Send a heartbeat, if nothing was sent for a while."""
         self._send(self.subordinate.heartbeat())
 
     def _send(self, report: Report | None) -> None:

@@ -1,4 +1,4 @@
-"""Calling functions at fixed rates, with one timer for all of the same rate."""
+"""Calling functions at fixed rates, with one timer per rate."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from hitab_ros import Guard, GuardedNode, name_of
 Call = Callable[[], None]
 
 TURN_S = 0.02
-"""The functions of one rate are called in turns, this far apart or further: a host with hundreds
-of them must not keep an order waiting until all are through."""
+"""The functions of one rate are called in turns at least this far apart, so that a host with
+hundreds of them does not delay an order until all have run."""
 
 
 class Ticker:
-    """Makes timers on a node; the agents of a host share one of these, and so their timers.
+    """Creates timers on a node; the agents of a host share one ticker and its timers.
 
-    Time is that of the machine, never simulated time: what is called has to happen also while a
-    world is paused.
+    It uses the machine's clock, never simulated time: the calls must go on while a world is
+    paused.
     """
 
     def __init__(self, node: GuardedNode) -> None:
@@ -32,10 +32,9 @@ class Ticker:
         """Call a function every so many seconds, from now on.
 
         Args:
-            seconds: between two calls.
+            seconds: between two calls, s.
             call: the function.
-            guard: of the agent that it is for, in whose status its failure is shown; None: that
-                of the node.
+            guard: of the agent whose status shows a failure; None: that of the node.
         """
         if seconds not in self._rates:
             self._rates[seconds] = _Rate(self._node, self._clock, seconds)
@@ -43,7 +42,7 @@ class Ticker:
         self._rates[seconds].add(guard.wrap(name_of(call), call))
 
     def seconds(self) -> float:
-        """Return the time, s, from an arbitrary beginning; it never goes back."""
+        """Return the monotonic time, s, since an arbitrary start."""
         return float(self._clock.now().nanoseconds) * 1e-9
 
 

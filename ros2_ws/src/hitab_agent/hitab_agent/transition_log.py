@@ -1,4 +1,4 @@
-"""Changes of state on a topic, and why they happened."""
+"""State changes on a topic, and why they happened."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from rclpy.node import Node
 from hitab_core.running import Change
 from hitab_ros import names, qos
 
-_LOOK_EVERY = 64  # changes of state between two looks whether anyone listens
+_LOOK_EVERY = 64  # state changes between two checks for subscribers
 
 
 class TransitionLog:
-    """Publishes each change of state while somebody listens; costs next to nothing otherwise."""
+    """Publishes each state change while there are subscribers; otherwise costs next to nothing."""
 
     def __init__(self, node: Node) -> None:
         self._publisher = node.create_publisher(msg.TransitionEvent, names.TRANSITIONS, qos.EVENTS)
@@ -25,15 +25,15 @@ class TransitionLog:
         self.changed = False
 
     def look(self) -> None:
-        """Find out whether anybody listens."""
+        """Check whether there are subscribers."""
         self._heard = self._publisher.get_subscription_count() > 0
         self._countdown = _LOOK_EVERY
 
     def observe(self, change: Change) -> None:
-        """Publish a change of state; see `RunContext.observe`.
+        """Publish a state change; see `RunContext.observe`.
 
-        Before the action of its cycle is published: whoever hears of the next cycle has then
-        heard of this change.
+        It is published before the action of its cycle, so a subscriber has it before the next
+        cycle.
         """
         self.changed = True
         self._countdown -= 1

@@ -1,4 +1,4 @@
-"""How an agent without a robot of its own is joined to a world: percepts in, actions out."""
+"""The link of an agent without its own robot to a world: percepts in, actions out."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from hitab_ros import GuardedNode, names, qos
 class WorldLink:
     """Answers each percept of the world with the agent's action, as fast as it can.
 
-    In lockstep it answers when the agent's commander, if it has one, has given its order of the
-    round. A robot's own link is described in `hitab_agent.robot_link`.
+    In lockstep it answers after the agent's commander, if it has one, has given its order for the
+    round. For the link to a robot see `hitab_agent.robot_link`.
     """
 
     def __init__(
@@ -28,22 +28,22 @@ class WorldLink:
         answer: Callable[[msg.Percept], tuple[Sequence[float], str]],
         awaited_orders: Callable[[], Collection[str]],
     ) -> None:
-        """Listen from now on.
+        """Subscribe to percepts.
 
         Args:
             node: of the agent.
             world: name of the world.
-            orders: hear those of commanders.
+            orders: receive the orders of commanders.
             take_in: has the agent perceive.
             answer: has it act on what it perceived; returns what it does and says.
-            awaited_orders: returns the topics of the orders that it waits for in a round of
-                lockstep.
+            awaited_orders: returns the topics of the orders that it waits for in a lockstep
+                round.
         """
         self._gate = RoundGate(orders)
         self._take_in = take_in
         self._answer = answer
         self._awaited_orders = awaited_orders
-        # One message is used again for all answers: publishing copies it.
+        # One message is reused for all answers: publishing copies it.
         self._action = msg.Action(agent=names.own_name(node))
         self._actions = node.create_publisher(
             msg.Action, names.in_swarm(node, world, names.ACTIONS), qos.CYCLE
@@ -67,4 +67,4 @@ class WorldLink:
         self._actions.publish(action)
 
     def close(self) -> None:
-        """Do nothing: a world notices by itself that an agent is gone."""
+        """Do nothing: the world notices that an agent is gone."""

@@ -187,7 +187,7 @@ def test_a_body_that_returns_no_action_does_nothing_and_it_is_told(swarm, wrong)
     assert swarm.act([1.0] * SIZE)[:4] == [[1.0], [], [1.0, 1.0], [1.0]]
     swarm._process.until(lambda: told and told[-1].last_error)
     assert "act() of its body returned" in told[-1].last_error
-    assert "it must return numbers, and a text to say" in told[-1].last_error
+    assert "it must return numbers and a text to say" in told[-1].last_error
 
 
 def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broken(

@@ -335,7 +335,7 @@ def test_whoever_performs_what_would_not_fit_keeps_what_it_knew_and_says_so(host
         assert kept == before.texts
     else:
         assert kept == dict(other.files)
-        assert "takes it up when it reloads" in refused.message
+        assert "reload the library to use it" in refused.message
     # What is to be started at once counts, not what is performed now.
     host.send(other, start=True)
     assert host.answers()[busy.name].success
@@ -433,7 +433,7 @@ def test_an_agent_whose_start_behavior_is_gone_is_there_idle_and_says_why(proces
         msg.AgentStatus, f"/pupil_0/{names.STATUS}", told.append, qos.LATCHED
     )
     process.until(lambda: told)
-    assert 'pupil_0 is idle, since it cannot perform "Gone"' in told[-1].last_error
+    assert 'pupil_0 is idle: it cannot perform its start behavior "Gone"' in told[-1].last_error
     assert "have it perform something else, or give it the behavior" in told[-1].last_error
     host.send(taught(tmp_path / "teacher", "Gone", "Left"), start=True)
     assert host.answers()["pupil_0"].success

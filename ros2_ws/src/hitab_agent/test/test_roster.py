@@ -35,12 +35,12 @@ def test_a_roster_tells_names_nodes_and_parameters(process, tmp_path):
         ({"parameters": {}}, "name"),
         ({"name": 3}, "3 must be a name"),
         ({"name": "a", "parameters": ["seed"]}, "parameters .*'seed'.* a mapping"),
-        ({"name": "a", "node": "os:path"}, '"os:path" is not the class'),
+        ({"name": "a", "node": "os:path"}, '"os:path" is not a subclass'),
         ({"name": "a", "node": "nowhere:Node"}, "nowhere"),
         ({"name": "a", "parametres": {}}, "parametres"),
         ("a", "str"),
     ],
 )
 def test_a_roster_that_cannot_be_used_is_refused_by_file(process, tmp_path, entry, why):
-    with pytest.raises(HitabError, match=rf"roster.json: is not a roster of agents: .*{why}"):
+    with pytest.raises(HitabError, match=rf"roster.json: not a roster of agents: .*{why}"):
         read(process, tmp_path, [entry])

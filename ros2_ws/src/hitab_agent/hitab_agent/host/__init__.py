@@ -1,1 +1,1 @@
-"""Running many agents in one process, for which percepts are handled together."""
+"""Running many agents in one process and handling their percepts together."""

@@ -1,4 +1,4 @@
-"""Deciding together for the agents of a host that perform the same automaton."""
+"""Deciding in one batch for the agents of a host that perform the same automaton."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hitab_core import Agent, BatchPercepts
 from hitab_core.running import AgentBatch, BatchMember, Running, RunningAutomaton
 
 WORTH_IT = 8
-"""Fewer agents than these are ticked as fast one by one."""
+"""Below this number of agents, ticking them one by one is as fast."""
 
 
 class _Cast:
@@ -32,7 +32,7 @@ class _Cast:
 
     @property
     def is_current(self) -> bool:
-        """Whether any member still has the library that this was made of."""
+        """Whether any member still has the library that this was made from."""
         return any(agent.library_digest == self._digest for agent in self.agents)
 
     def has(self, agents: Sequence[Agent]) -> bool:
@@ -41,7 +41,7 @@ class _Cast:
         return all(members.get(agent) is agent.performance for agent in agents)
 
     def decide(self, row_of: dict[Agent, int], values: Any, heard: dict[int, list[str]]) -> None:
-        """Decide for those of the agents that are in a batch of percepts."""
+        """Decide for the members that are in a batch of percepts."""
         batch, percepts = self.batch, self.percepts
         present = [
             (row, row_of[agent])
@@ -60,19 +60,19 @@ class _Cast:
 
 
 class AgentBatches:
-    """Finds out who performs the same as others, whatever orders and demonstrators do."""
+    """Groups the agents that perform the same, and regroups them when that changes."""
 
     def __init__(self) -> None:
         self._known: dict[Agent, Running | None] = {}
         self._casts: dict[Hashable, _Cast] = {}
 
     def decide(self, agents: Sequence[Agent], values: Any, heard: dict[int, list[str]]) -> None:
-        """Decide for all agents for which it pays; the others decide when they are ticked.
+        """Decide for the agents where a batch pays off; the others decide when they are ticked.
 
         Args:
-            agents: that have taken in percepts.
-            values: shape (n, m), what they were; None if they are not laid out alike.
-            heard: the messages heard, by place among the agents.
+            agents: those that have received percepts.
+            values: their percepts, shape (n, m); None if their layouts differ.
+            heard: the messages heard, by position among the agents.
         """
         known = self._known
         if any(known.get(agent, self) is not agent.performance for agent in agents):
@@ -93,12 +93,12 @@ class AgentBatches:
             if len(alike) >= WORTH_IT and (cast is None or not cast.has(alike)):
                 self._casts[same] = _Cast(alike)
         self._known = {agent: agent.performance for agent in agents}
-        # What was made of a library that nobody has any more is never performed again.
+        # A batch made from a library that no agent has any longer is never used again.
         self._casts = {same: cast for same, cast in self._casts.items() if cast.is_current}
 
 
 def _same(agent: Agent) -> Hashable:
-    """Return what is equal for agents that can be decided for together."""
+    """Return a key that is equal for agents that can share a batch."""
     context = agent.context
     digest = agent.library_digest, context.repertoire.domain.signature
     return str(agent.top), digest, context.most_probable

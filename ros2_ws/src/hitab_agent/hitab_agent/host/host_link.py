@@ -1,4 +1,4 @@
-"""Joins all agents of a process to a world: one message of percepts in, one of actions out."""
+"""Connects all agents of a process to a world: one message of percepts in, one of actions out."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-"""A host that was held up answers the last percepts, not those that have gone by."""
+"""A host that was held up answers only the latest percepts."""
 
 
 COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
@@ -29,7 +29,7 @@ COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "
 
 
 class _Guarded:
-    """A perceiver that never raises: what goes wrong with one agent touches no other."""
+    """A perceiver that never raises: a failing agent does not affect the others."""
 
     __slots__ = ("agent", "agent_name", "answer", "awaited_orders", "take_in")
 
@@ -43,7 +43,7 @@ class _Guarded:
 
 
 class PerceptOfBatch:
-    """What agents take out of a `msg.Percept`, without the checks made when its fields are set."""
+    """The fields of a `msg.Percept` that agents read, without the checks when they are set."""
 
     __slots__ = (*COMMON, "heard", "values")
 
@@ -62,8 +62,8 @@ class PerceptOfBatch:
 class HostLink:
     """Answers the percepts of all agents of a host.
 
-    All perceive first, then all act; in between, in lockstep, their commanders give orders, and
-    those that perform the same automaton are decided for together.
+    All perceive first, then all act. In between, in lockstep, their commanders give orders, and
+    agents that perform the same automaton decide as one batch.
     """
 
     def __init__(
@@ -75,15 +75,15 @@ class HostLink:
         orders: OrderSubscriptions,
         swarm: str = "",
     ) -> None:
-        """Make ready; nothing comes before `announce`.
+        """Create the publishers; no percepts arrive before `announce`.
 
         Args:
-            host: a node of the process, in the swarm's namespace or in one of its own in it.
+            host: a node of the process, in the swarm's namespace or in its own one below it.
             name: of the host, unique in the swarm.
             world: name of the world.
             outbox: of the process, held while all act.
             orders: of the process.
-            swarm: identity of the swarm that the agents are part of; empty: none.
+            swarm: identity of the agents' swarm; empty: none.
         """
         self._swarm = swarm
         self._host = host
@@ -107,7 +107,7 @@ class HostLink:
         self._perceivers.append(_Guarded(perceiver))
 
     def announce(self) -> None:
-        """Announce to the world who is here, and listen."""
+        """Announce the agents to the world, and listen."""
         self._host.create_subscription(
             msg.PerceptBatch,
             names.in_swarm(self._host, self._name, names.PERCEPTS),
@@ -117,7 +117,7 @@ class HostLink:
         self._publish_roster()
 
     def _publish_roster(self, after: int = 0) -> None:
-        # The time of day, so that a host that is started again has a higher number.
+        # The time of day, so that a restarted host has a higher number.
         self._answers.roster = max(time.time_ns(), after + 1)
         self._rosters.publish(
             msg.HostRoster(
@@ -131,21 +131,21 @@ class HostLink:
     def _on_percepts(self, batch: msg.PerceptBatch) -> None:
         answers = self._answers
         if batch.roster != answers.roster:
-            # Meant for the process of this name that was here before or, if the number is higher,
-            # by a roster that somebody else has published in this host's name.
+            # Meant for an earlier process of this name or, if the number is higher, for a roster
+            # that someone else has published in this host's name.
             if batch.roster > answers.roster and not too_far_ahead(batch.roster):
                 self._publish_roster(batch.roster)
             return
         if not _is_sound(batch, len(self._perceivers)):
             self._host.guard.log(
-                "left out percepts whose agents, counts and values do not fit together; whoever "
-                "sends them must send them as msg/PerceptBatch says"
+                "ignored percepts whose agents, counts and values do not match; their sender must "
+                "fill them in as msg/PerceptBatch says"
             )
             return
         percept = self._percept
         for field in COMMON:
             setattr(percept, field, getattr(batch, field))
-        # One that came too late for the world is skipped, and what it began with it.
+        # The world skips an answer that comes too late, and with it the restart it answered.
         episode = (batch.seed, batch.episode)
         percept.restart |= self._episode is not None and episode != self._episode
         self._episode = episode
@@ -173,12 +173,12 @@ class HostLink:
     def _answer(
         self, batch: msg.PerceptBatch, acting: Sequence[_Guarded], perceived: Sequence[int]
     ) -> None:
-        """Have all act that have taken in a percept of a batch, and answer it."""
+        """Have all agents that took in a percept of a batch act, and answer it."""
         answers, percept = self._answers, self._percept
         with self._outbox.held():
             if not batch.look:
                 agents = [acting[place].agent for place in perceived]
-                # Those that nothing was decided for decide when they act.
+                # Agents outside any batch decide when they act.
                 self._host.guard.run("deciding together", self._decide, agents, perceived, batch)
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
@@ -200,7 +200,7 @@ class HostLink:
     def _decide(
         self, agents: Sequence[Agent], places: Sequence[int], batch: msg.PerceptBatch
     ) -> None:
-        """Decide for agents that have perceived what is at their places in a batch."""
+        """Decide for agents, given their places in a batch of percepts."""
         counts = batch.value_counts
         alike = bool(counts) and min(counts) == max(counts)
         values = np.asarray(batch.values).reshape(len(counts), -1) if alike else None
@@ -217,7 +217,7 @@ class HostLink:
 
 
 def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:
-    """Whether a batch for so many agents is what its counts say."""
+    """Whether the counts of a batch match its contents and the number of agents."""
     counts, heard_counts = batch.value_counts, batch.heard_counts
     return (
         len(counts) == len(batch.agents)

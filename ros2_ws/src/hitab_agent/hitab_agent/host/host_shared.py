@@ -1,4 +1,4 @@
-"""What the agents of a host have in common."""
+"""What the agents of a host share."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ def shared_on_host(node: GuardedNode, agents: int, swarm: str = "") -> Shared:
     """Return what the agents of a host share.
 
     Args:
-        node: of the host, in a namespace of its own.
-        agents: how many there are.
-        swarm: identity of the swarm that they are part of; empty: none.
+        node: of the host, in its own namespace.
+        agents: number of agents.
+        swarm: identity of their swarm; empty: none.
     """
 
     def link_to(world: str) -> HostLink:

@@ -1,4 +1,4 @@
-"""Which agents a host is to run: all alike by its parameters, or each as a file says."""
+"""Which agents a host runs: all alike by its parameters, or each as a file describes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_roster(host: Node) -> list[Entry]:
     """Return the agents that the host's parameters name.
 
     Raises:
-        HitabError: if they name nobody, or the file cannot be read.
+        HitabError: if they name no agents, or the file cannot be read.
     """
     names = host.declare_parameter(
         "agents",
@@ -49,7 +49,7 @@ def read_roster(host: Node) -> list[Entry]:
     if file:
         entries += _read_file(Path(file))
     if not entries:
-        raise HitabError('the host was given no agents; give it -p agents:="[a, b]"')
+        raise HitabError('the host has no agents to run; name them with -p agents:="[a, b]"')
     return entries
 
 
@@ -58,8 +58,8 @@ def _read_file(path: Path) -> list[Entry]:
         return [_entry(**entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
     except (OSError, ValueError, KeyError, TypeError, AttributeError, ImportError) as error:
         raise HitabError(
-            f"{path}: is not a roster of agents: {type(error).__name__}: {error}; see "
-            "`python -m pydoc hitab_agent.host_main` for what it looks like"
+            f"{path}: not a roster of agents: {type(error).__name__}: {error}; for the format see "
+            "`python -m pydoc hitab_agent.host_main`"
         ) from None
 
 
@@ -75,5 +75,5 @@ def _node_class(name: str) -> type[AgentNode]:
     module, _, attribute = name.partition(":")
     found = getattr(import_module(module), attribute)
     if not (isinstance(found, type) and issubclass(found, AgentNode)):
-        raise TypeError(f'"{name}" is not the class of an agent\'s node')
+        raise TypeError(f'"{name}" is not a subclass of AgentNode')
     return found
