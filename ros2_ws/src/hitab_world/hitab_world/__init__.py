@@ -1,4 +1,4 @@
-"""The node that puts any simulated world on topics and services."""
+"""The node that offers any simulated world as topics and services."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Who among the agents of a world is there, and who has answered in this round."""
+"""Which agents of a world are present, and which have answered in this round."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ Answer = tuple[Sequence[float], str]
 
 
 class Attendance:
-    """Keeps account of the answers to one round of percepts.
+    """Records the answers to one round of percepts.
 
-    An agent that lets a deadline pass is not waited for any more until it answers again: a dead
-    one must not slow the others down for longer than one deadline.
+    An agent that misses a deadline is not waited for until it answers again: a dead one must not
+    slow the others down for longer than one deadline.
     """
 
     def __init__(self, agents: Iterable[str], joined: Callable[[str], bool]) -> None:
-        """Know who may come.
+        """Start with no agent present.
 
         Args:
-            agents: all that the world has a place for.
-            joined: tells whether a node listens to an agent's percepts.
+            agents: all agents of the world.
+            joined: returns whether a node listens to an agent's percepts.
         """
         self.agents = tuple(agents)
         self._known = frozenset(self.agents)
@@ -38,37 +38,37 @@ class Attendance:
 
     @property
     def silent(self) -> bool:
-        """Whether somebody is there but not waited for."""
+        """Whether an agent is present but not waited for."""
         return bool(self._silent)
 
     @property
     def complete(self) -> bool:
-        """Whether nobody is waited for in this round."""
+        """Whether no agent is waited for in this round."""
         return not self._awaited
 
     def look(self) -> bool:
-        """Find out who is there; return whether that has changed."""
+        """Update which agents are present; return whether that has changed."""
         present = {name for name in self.agents if self._joined(name)}
         changed = present != self.present
-        self._silent -= self.present - present  # whoever comes back begins anew
+        self._silent -= self.present - present  # one that returns starts over
         self.present = present
         return changed
 
     def begin(self, sequence: int) -> None:
-        """Begin a round: forget the answers to the last one."""
+        """Begin a round: forget the previous answers."""
         self._sequence = sequence
         self.answers = {}
         if self._silent >= self.present:
-            # What all of them have waited for in vain, such as a commander, they have given up.
+            # They have stopped waiting for what held up all of them, such as a commander.
             self._silent = set()
         self._awaited = self.present - self._silent
 
     def excuse(self, agent: str) -> None:
-        """Do not wait for an agent in this round: there is nothing that it could answer."""
+        """Do not wait for an agent in this round: it has nothing to answer."""
         self._awaited.discard(agent)
 
     def take(self, agent: str, sequence: int, answer: Answer) -> None:
-        """Take an agent's answer; one to an earlier round only tells that the agent is alive."""
+        """Take an agent's answer; one to an earlier round only shows that the agent is alive."""
         if agent not in self._known:
             return
         self._silent.discard(agent)
@@ -77,7 +77,7 @@ class Attendance:
             self._awaited.discard(agent)
 
     def count_late(self, *, exclude: bool) -> list[str]:
-        """Count those who have not answered; with ``exclude`` do not wait for them again."""
+        """Count and return the agents that have not answered; ``exclude`` gives up on them."""
         late = sorted(self._awaited)
         self.missed_deadlines += len(late)
         if exclude:
@@ -85,6 +85,6 @@ class Attendance:
         return late
 
     def give_up_on_late(self) -> None:
-        """Do not wait for those who have not answered until they do."""
+        """Do not wait for the agents that have not answered until they do."""
         self._silent |= self._awaited
         self._awaited = set()

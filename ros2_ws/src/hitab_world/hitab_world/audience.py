@@ -1,4 +1,4 @@
-"""Who perceives a world: agents with nodes of their own topics, and hosts of many agents."""
+"""The receivers of a world's percepts: agents with their own topics, and hosts of many agents."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_world.attendance import Answer
 from hitab_world.host_registry import HostRegistry, PerceptOf
 
-ALONE_MAX = 64  # agents for which a topic each is made ready before they come
+ALONE_MAX = 64  # agents for which topics are created before they join
 
 
 class Audience:
-    """Sends percepts, a message per agent or per host, and passes answers on."""
+    """Sends percepts, one message per agent or host, and passes on the answers."""
 
     def __init__(self, node: GuardedNode, agents: tuple[str, ...]) -> None:
         self._node = node
@@ -27,17 +27,17 @@ class Audience:
                 self._expect(name)
 
     def join(self, take: Callable[[str, int, Answer], None]) -> None:
-        """Begin to hear answers, each given to ``take`` with the sequence of its percept."""
+        """Receive answers; pass each to ``take`` with the sequence of its percept."""
 
         def on_action(action: msg.Action) -> None:
             take(action.agent, action.sequence, (action.values, action.say))
 
-        # All may answer before this process gets to read the first.
+        # All may answer before this process reads the first.
         self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL)
         self._hosts = HostRegistry(self._node, self._agents, take)
 
     def look(self) -> None:
-        """Find out which hosts are there."""
+        """Update which hosts are present."""
         if self._hosts is not None:
             self._hosts.look()
 
@@ -48,15 +48,15 @@ class Audience:
         if agent in self._alone:
             return bool(self._alone[agent][0].get_subscription_count())
         if self._node.count_subscribers(names.in_swarm(self._node, agent, names.PERCEPT)):
-            self._expect(agent)  # it is there as soon as the two have found each other
+            self._expect(agent)  # it is present once discovery has matched the two
         return False
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
-        """Send all their percepts.
+        """Send the percepts to all agents and hosts.
 
         Args:
-            common: the fields that all percepts of a cycle have in common.
-            percept_of: returns what an agent perceives; None: nothing is sent to it.
+            common: the fields that all percepts of a cycle share.
+            percept_of: returns what an agent perceives; None: send it nothing.
         """
         for name, (publisher, percept) in self._alone.items():
             if self._hosted(name):

@@ -1,4 +1,4 @@
-"""How a world is run at the moment: what its services change and a restart must not lose."""
+"""How a world is run: what its services change and a restart must not lose."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _KINDS: dict[str, type] = {
 
 @dataclass
 class Control:
-    """How a world is run; its fields are kept in files under these names.
+    """How a world is run; files store the fields under these names.
 
     Attributes:
         pace: whether the world waits for its agents; see `WorldSettings`.
         factor: speed in real-time pace, as a factor of real time.
-        paused: whether it stands still, but for the cycles of ``steps_left``.
-        steps_left: cycles to play although it is paused.
-        episodes_left: episodes to play until it pauses; 0: it does not.
+        paused: whether it is paused, except for the cycles of ``steps_left``.
+        steps_left: cycles to play while paused.
+        episodes_left: episodes to play until it pauses; 0: no limit.
     """
 
     pace: str
@@ -44,21 +44,21 @@ class Control:
 
     @property
     def at_rest(self) -> bool:
-        """Whether no cycle is to be played now."""
+        """Whether no cycle should be played now."""
         return self.paused and not self.steps_left
 
     def pause(self) -> None:
-        """Stand still."""
+        """Pause the world."""
         self.paused = True
         self.steps_left = 0
 
     def resume(self) -> None:
-        """Go on until something pauses the world."""
+        """Run until something pauses the world."""
         self.paused = False
         self.steps_left = 0
 
     def step(self, cycles: int) -> None:
-        """Play some cycles, then stand still."""
+        """Play some cycles, then pause."""
         self.paused = True
         self.steps_left = cycles
 
@@ -69,10 +69,10 @@ class Control:
 
     @classmethod
     def read(cls, values: Mapping[str, Any]) -> Control:
-        """Return what ``dataclasses.asdict`` made of one, if a world can be run so.
+        """Return the control that ``dataclasses.asdict`` turned into these values.
 
         Raises:
-            HitabError, LookupError, TypeError, ValueError: if it cannot.
+            HitabError, LookupError, TypeError, ValueError: if a world cannot be run so.
         """
         for name, kind in _KINDS.items():
             value = values[name]

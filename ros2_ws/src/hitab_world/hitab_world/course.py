@@ -1,4 +1,4 @@
-"""The course of a world: how it is run, who takes part, and its episodes."""
+"""The course of a world: how it is run, its agents and its episodes."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from hitab_world.world import World
 
 
 class Course:
-    """What those have in common who run a world, publish it, keep it, or change it on request.
+    """The state shared by the parts that run, publish, save and change a world.
 
     Attributes:
         world: the world.
         control: how it is run.
-        attendance: who takes part.
-        disturbed: whether the world has become another than the agents were shown.
+        attendance: which agents take part.
+        disturbed: whether the world has changed since the agents were shown it.
         restart: whether agents begin at Start with the next percept.
-        in_real_time: whether a clock has taken part in the run.
-        touched: whether the world was changed from outside since it was kept.
+        in_real_time: whether the run has depended on a clock.
+        touched: whether the world was changed from outside since it was last saved.
     """
 
     def __init__(self, world: World, control: Control, attendance: Attendance) -> None:
@@ -31,19 +31,19 @@ class Course:
 
     @property
     def reproducible(self) -> bool:
-        """Whether the same seed gives this run again: nobody was late, and no clock took part."""
+        """Whether the same seed gives the same run: no late answers, and no clock involved."""
         return not (self.in_real_time or self.attendance.missed_deadlines)
 
     def go_on(self) -> None:
-        """Go on with a run that another process began.
+        """Continue a run that another process began.
 
-        Agents that live on do not begin anew, and what came after the snapshot comes again.
+        Running agents do not start over, and what happened after the snapshot happens again.
         """
         self.restart = False
         self.in_real_time = True
 
     def begin_run(self, seed: int) -> None:
-        """Begin the first episode of a run, and to count what would make it another one."""
+        """Begin the first episode of a run, reproducible so far."""
         self.attendance.missed_deadlines = 0
         self.in_real_time = False
         self.begin_episode(0, seed)
@@ -69,6 +69,6 @@ class Course:
         self.disturbed = True
 
     def change(self) -> None:
-        """Show the agents, and keep soon, a world that was changed from outside."""
+        """Mark the world as changed from outside: show it to the agents and save it soon."""
         self.disturbed = True
         self.touched = True

@@ -1,4 +1,4 @@
-"""Damaged copies of a snapshot, to see whether a world refuses them."""
+"""Damaged copies of a snapshot, to check that a world refuses them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from random import Random
 from typing import Any
 
 LIKE_EACH_OTHER = 3
-"""How many numbers of a list are tried; one for each place of a random generator were many."""
+"""How many values of a list are tried; a random generator has hundreds."""
 
 Path = tuple[Any, ...]
 """Keys and indices that lead to a value in nested dictionaries and lists."""
 
 
 def damaged_copies(snapshot: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield damaged copies, each with what was done to it, such as ``without "seed"``.
+    """Yield damaged copies, each after a text that names the damage, such as ``without "seed"``.
 
     Args:
         snapshot: JSON-able; it is not changed.
@@ -37,7 +37,7 @@ def damaged_copies(snapshot: dict[str, Any]) -> Iterator[tuple[str, dict[str, An
 
 
 def _leaves(part: Any, path: Path = ()) -> Iterator[Path]:
-    """Yield the paths to all that is neither a dictionary nor a list."""
+    """Yield the paths to all values that are neither a dictionary nor a list."""
     if isinstance(part, dict | list):
         for key, value in part.items() if isinstance(part, dict) else enumerate(part):
             yield from _leaves(value, (*path, key))

@@ -13,17 +13,17 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_world.attendance import Answer
 
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
-"""Returns what an agent perceives; None: nothing is to be sent to it."""
+"""Returns what an agent perceives; None: send it nothing."""
 
-GONE_MAX = 50  # hosts that do not listen, or not yet, and are kept all the same
-HOSTS_MAX = 1000  # announcements that are kept for one who reads them late
+GONE_MAX = 50  # hosts that are kept although they do not listen, or not yet
+HOSTS_MAX = 1000  # announcements that are kept for a late reader
 TAKE_IN = QoSProfile(
     depth=HOSTS_MAX, reliability=qos.LATCHED.reliability, durability=qos.LATCHED.durability
 )
 
 
 class _Host:
-    """One host, as it has announced itself last."""
+    """A host, as its last announcement describes it."""
 
     def __init__(self, node: GuardedNode, roster: msg.HostRoster, known: Iterable[str]) -> None:
         self.number = roster.number
@@ -36,7 +36,7 @@ class _Host:
 
     @property
     def listens(self) -> bool:
-        """Whether the host is there."""
+        """Whether the host is present."""
         return bool(self.publisher.get_subscription_count())
 
 
@@ -46,12 +46,12 @@ class HostRegistry:
     def __init__(
         self, node: GuardedNode, agents: Iterable[str], take: Callable[[str, int, Answer], None]
     ) -> None:
-        """Begin to listen.
+        """Subscribe to announcements and actions.
 
         Args:
             node: of the world.
-            agents: that the world has a place for.
-            take: is given each agent's answer, with the sequence of the percept.
+            agents: all agents of the world.
+            take: receives each agent's answer, with the sequence of the percept.
         """
         self._node = node
         self._agents = tuple(agents)
@@ -68,7 +68,7 @@ class HostRegistry:
 
     def _on_roster(self, roster: msg.HostRoster) -> None:
         if self._places.isdisjoint(roster.agents):
-            return  # none of them has a place in this world
+            return  # none of them is an agent of this world
         before = self._hosts.get(roster.host)
         if before is not None:
             if roster.number <= before.number:
@@ -83,21 +83,21 @@ class HostRegistry:
         self._node.destroy_publisher(self._hosts.pop(name).publisher)
 
     def look(self) -> None:
-        """Find out which hosts are there."""
+        """Update which hosts are present."""
         self._there = {
             host.names[i] for host in self._hosts.values() if host.listens for i in host.indices
         }
 
     def has(self, agent: str) -> bool:
-        """Whether a host that was there at the last look runs an agent."""
+        """Whether a host that was present at the last `look` runs an agent."""
         return agent in self._there
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send all hosts their percepts.
 
         Args:
-            common: the fields that all percepts of a cycle have in common.
-            percept_of: returns what an agent perceives; None: nothing is sent to it.
+            common: the fields that all percepts of a cycle share.
+            percept_of: returns what an agent perceives; None: send it nothing.
         """
         for name, host in self._hosts.items():
             if host.listens:

@@ -1,7 +1,7 @@
-"""What the snapshots of all worlds have in common: what they are of, and when.
+"""The common part of all worlds' snapshots: of which world they are, and when they were taken.
 
 A world's `World.snapshot` returns `header` and, under further keys, its own state; its `restore`
-reads that within `reading`, which refuses what is not of such a world or is damaged::
+reads that within `reading`, which refuses a snapshot that is damaged or of another world::
 
     def restore(self, snapshot):
         with reading(snapshot, self, VERSION) as moment:
@@ -24,7 +24,7 @@ from hitab_world.world import World, WorldError
 
 
 class WorldOfFigures(World, Protocol):
-    """A world that has figures, without which its state means nothing."""
+    """A world whose state depends on its figures."""
 
     @property
     def parameters(self) -> Parameters:
@@ -43,10 +43,10 @@ class Moment:
 
     @classmethod
     def of(cls, state: Mapping[str, Any]) -> Moment:
-        """Return the moment that a snapshot's header tells.
+        """Return the moment in a snapshot's header.
 
         Raises:
-            KeyError, TypeError: if it tells none.
+            KeyError, TypeError: if the header is incomplete or wrong.
         """
         return cls(
             seed=whole(state["seed"]),
@@ -57,17 +57,17 @@ class Moment:
         )
 
     def bring_back(self, world: World) -> None:
-        """Set the world's counts, and forget what was refused since."""
+        """Set the world's counts, and clear what was refused since."""
         for name, value in asdict(self).items():
             setattr(world, name, value)
         world.refused = {}
 
 
 def header(world: WorldOfFigures, version: int) -> dict[str, Any]:
-    """Return what a snapshot of a world begins with.
+    """Return the first fields of a snapshot.
 
     Args:
-        world: of which it is taken.
+        world: the world.
         version: of the layout of this kind of world's snapshots.
     """
     moment = Moment(world.seed, world.episode, world.cycle, world.episode_cycle, world.ended)
@@ -79,8 +79,8 @@ def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) ->
     """Check a snapshot's header, and refuse the snapshot if reading the rest of it fails.
 
     Args:
-        snapshot: to be restored.
-        world: in which; it must not be changed in the body.
+        snapshot: to restore.
+        world: where to restore it; the body of the ``with`` must not change it.
         version: as in `header`.
 
     Raises:
@@ -91,7 +91,7 @@ def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) ->
             if snapshot.get(key) != mine:
                 raise WorldError(
                     f"the snapshot's {key} is {snapshot.get(key)}, this world's is {mine}; "
-                    "restore it in a world like the one that it was taken of"
+                    "restore it in a world like the one it was taken from"
                 )
         yield Moment.of(snapshot)
     except WorldError:
@@ -106,10 +106,10 @@ def whole(value: Any) -> int:
     """Return a value that must be a whole number.
 
     Raises:
-        TypeError: if it is none.
+        TypeError: if it is not.
     """
     if not isinstance(value, int) or isinstance(value, bool):
-        raise TypeError(f"{value!r} is no whole number")
+        raise TypeError(f"{value!r} is not a whole number")
     return value
 
 
@@ -117,10 +117,10 @@ def text(value: Any) -> str:
     """Return a value that must be text.
 
     Raises:
-        TypeError: if it is none.
+        TypeError: if it is not.
     """
     if not isinstance(value, str):
-        raise TypeError(f"{value!r} is no text")
+        raise TypeError(f"{value!r} is not text")
     return value
 
 
@@ -128,10 +128,10 @@ def texts(values: Any) -> list[str]:
     """Return values that must be a list of texts.
 
     Raises:
-        TypeError: if they are none.
+        TypeError: if they are not.
     """
     if not isinstance(values, list):
-        raise TypeError(f"{values!r} is no list")
+        raise TypeError(f"{values!r} is not a list")
     return [text(value) for value in values]
 
 
@@ -139,18 +139,18 @@ def finite(value: Any) -> float:
     """Return a value that must be a finite number.
 
     Raises:
-        TypeError: if it is no number.
+        TypeError: if it is not a number.
         ValueError: if it is not finite.
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{value!r} is no number")
+        raise TypeError(f"{value!r} is not a number")
     if not math.isfinite(value):
         raise ValueError(f"{value} is not finite")
     return value
 
 
 def _origin(world: WorldOfFigures, version: int) -> dict[str, Any]:
-    """Return what must be the same in the world where a snapshot is restored."""
+    """Return what must match in the world where a snapshot is restored."""
     return {
         "world": world.name,
         "version": version,

@@ -1,4 +1,4 @@
-"""Checks that any `hitab_world.world.World` can be put through, yours too.
+"""Checks for any `hitab_world.world.World`, including your own.
 
 In a test::
 
@@ -7,8 +7,8 @@ In a test::
     def test_it_is_a_world():
         check_world(lambda seed: MyWorld(seed=seed), Wandering([[1.0, 0.0], [0.0, 0.5]]))
 
-`check_world` calls all others; each raises an AssertionError that says which promise of the seam
-is not kept. The idea is that of PettingZoo's ``api_test`` and ``seed_test``.
+`check_world` calls all others; each raises an AssertionError that names the broken requirement of
+the interface. The idea is that of PettingZoo's ``api_test`` and ``seed_test``.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from hitab_world.damage import damaged_copies
 from hitab_world.world import Action, Entity, EpisodeResult, Placement, World, WorldError
 
 MakeWorld = Callable[[int], World]
-"""Makes a world, given the seed of the run."""
+"""Creates a world, given the seed of the run."""
 
 NOBODY = "nobody_is_called_so"
 
 
 class Wandering:
-    """Varied actions for all agents, the same whenever they are asked for in the same cycle.
+    """Varied actions for all agents; asking again in the same cycle gives the same actions.
 
     Args:
         samples: actions that agents can do, in the domain's own layout.
-        say: what they may say besides nothing.
+        say: what they may say, apart from nothing.
     """
 
     def __init__(self, samples: Sequence[Sequence[float]], say: Sequence[str] = ()) -> None:
@@ -41,7 +41,7 @@ class Wandering:
         self._say = ["", *say]
 
     def actions(self, world: World) -> dict[str, Action]:
-        """Return what all do in this cycle; about one in ten does nothing."""
+        """Return what the agents do in this cycle; about one in ten does nothing."""
         random = Random(world.cycle)
         return {
             name: (random.choice(self._samples), random.choice(self._say))
@@ -51,7 +51,7 @@ class Wandering:
 
 
 def observed(world: World) -> tuple[Any, ...]:
-    """Return all that can be seen of a world now."""
+    """Return everything that can be seen of a world now."""
     return (
         [world.percept(name) for name in world.agents],
         world.entities(),
@@ -61,7 +61,7 @@ def observed(world: World) -> tuple[Any, ...]:
 
 
 def wander(world: World, wandering: Wandering, cycles: int) -> list[Any]:
-    """Let the agents do varied things for some cycles; return all that could be seen."""
+    """Let the agents do varied things for some cycles; return everything that could be seen."""
     seen = [observed(world)]
     for _ in range(cycles):
         if world.ended:
@@ -72,7 +72,7 @@ def wander(world: World, wandering: Wandering, cycles: int) -> list[Any]:
 
 
 def check_world(make: MakeWorld, wandering: Wandering, cycles: int = 60) -> None:
-    """Put a world through all checks."""
+    """Run all checks on a world."""
     check_interface(make(1))
     check_cycles(make(1), wandering, cycles)
     check_seeds(make, wandering, cycles)
@@ -87,7 +87,7 @@ def check_world(make: MakeWorld, wandering: Wandering, cycles: int = 60) -> None
 
 
 def check_interface(world: World) -> None:
-    """Check that a new world has the attributes of the seam, and that they mean something."""
+    """Check that a new world has the attributes of the interface, with valid values."""
     assert isinstance(world.name, str), "name must be text"
     assert world.name, "name must not be empty"
     assert world.agents, "a world has agents"
@@ -110,21 +110,21 @@ def check_interface(world: World) -> None:
     assert len(set(names)) == len(names), "names of entities must differ"
     assert set(world.agents) <= set(names), "every agent is an entity, so that it can be seen"
     refused = _refusal(lambda: world.percept(NOBODY))
-    assert refused is not None, "percept() of a stranger raises a WorldError"
-    assert NOBODY in refused, "percept() of a stranger names it in its error"
+    assert refused is not None, "percept() of an unknown agent raises a WorldError"
+    assert NOBODY in refused, "percept() of an unknown agent names it in its error"
 
 
 def check_cycles(world: World, wandering: Wandering, cycles: int) -> None:
-    """Check that cycles count, nothing becomes NaN, and what has ended must be reset."""
+    """Check that cycles count, nothing becomes NaN, and an ended episode must be reset."""
     begun = 0
     for done in range(cycles):
         assert (world.cycle, world.episode_cycle) == (done, done - begun), "step() counts cycles"
         told = world.step(wandering.actions(world))
-        assert (told or "") == world.ended, "step() tells why the episode ended, else None"
+        assert (told or "") == world.ended, "step() returns why the episode ended, else None"
         assert not world.refused, f"valid actions are not refused: {dict(world.refused)}"
         for entity in world.entities():
             figures = (entity.x, entity.y, entity.heading, entity.vx, entity.vy, entity.radius)
-            assert all(map(math.isfinite, figures)), f"{entity.name} is nowhere: {entity}"
+            assert all(map(math.isfinite, figures)), f"{entity.name} is not finite: {entity}"
         result = world.result()
         assert result.cycles == world.episode_cycle, "result() counts the episode's cycles"
         assert math.isclose(result.seconds, result.cycles * world.cycle_seconds)
@@ -141,20 +141,20 @@ def check_cycles(world: World, wandering: Wandering, cycles: int) -> None:
 
 
 def check_seeds(make: MakeWorld, wandering: Wandering, cycles: int) -> None:
-    """Check that a seed gives the same run, bit for bit, and another seed another one."""
+    """Check that a seed gives the same run, bit for bit, and another seed a different one."""
     first = wander(make(1), wandering, cycles)
     assert wander(make(1), wandering, cycles) == first, "the same seed must give the same run"
-    assert wander(make(2), wandering, cycles) != first, "another seed should give another run"
+    assert wander(make(2), wandering, cycles) != first, "another seed should give a different run"
 
 
 def check_episodes(make: MakeWorld, wandering: Wandering, cycles: int) -> None:
-    """Check that an episode depends on its number and the run's seed, not on what came before."""
+    """Check that an episode depends only on its number and the run's seed."""
     world, other = make(1), make(2)
     wander(world, wandering, cycles)
     before = world.cycle
     world.reset(5, 3)
     assert (world.episode, world.seed, world.episode_cycle) == (5, 3, 0), "reset(5, 3)"
-    assert world.cycle == before, "the world's own cycles are never set back by reset()"
+    assert world.cycle == before, "reset() never sets back the world's own cycles"
     other.reset(5, 3)
     for _ in range(cycles):
         assert observed(world) == observed(other), (
@@ -183,15 +183,15 @@ def check_looking_changes_nothing(make: MakeWorld, wandering: Wandering, cycles:
 
 
 def check_snapshots(make: MakeWorld, wandering: Wandering, cycles: int) -> None:
-    """Check that snapshots are JSON-able and complete: wherever restored, all goes on the same."""
+    """Check that snapshots are JSON-able and complete: a restored world continues the same."""
     world = make(1)
-    for part in (cycles // 3, cycles // 3):  # of a world that was restored itself, too
+    for part in (cycles // 3, cycles // 3):  # the second time from a restored world
         wander(world, wandering, part)
         kept = json.loads(json.dumps(world.snapshot()))
         assert kept == json.loads(json.dumps(world.snapshot())), "asking again gives the same"
         expected = wander(world, wandering, cycles)
         world.restore(kept)
-        assert wander(world, wandering, cycles) == expected, "what is restored goes on the same"
+        assert wander(world, wandering, cycles) == expected, "a restored world continues the same"
         fresh = make(7)
         fresh.restore(kept)
         assert wander(fresh, wandering, cycles) == expected, "in another world as well"
@@ -199,7 +199,7 @@ def check_snapshots(make: MakeWorld, wandering: Wandering, cycles: int) -> None:
 
 
 def check_bad_snapshots(world: World) -> None:
-    """Check that what is not a snapshot is refused and changes nothing."""
+    """Check that an invalid snapshot is refused and changes nothing."""
     before = world.snapshot()
     assert _refusal(lambda: world.restore({})), "an empty snapshot raises a WorldError"
     assert _refusal(lambda: world.restore({**before, "world": NOBODY})), (
@@ -209,7 +209,7 @@ def check_bad_snapshots(world: World) -> None:
 
 
 def check_damaged_snapshots(world: World, wandering: Wandering, cycles: int) -> None:
-    """Check that a snapshot with something missing or wrong is refused as a whole."""
+    """Check that a snapshot with a missing or wrong value is refused as a whole."""
     wander(world, wandering, cycles // 3)
     kept = json.loads(json.dumps(world.snapshot()))
     wander(world, wandering, cycles)
@@ -224,22 +224,22 @@ def check_damaged_snapshots(world: World, wandering: Wandering, cycles: int) -> 
 
 
 def check_bad_actions(make: MakeWorld, wandering: Wandering) -> None:
-    """Check that a bad action counts as none, is told by name, and does not affect others."""
+    """Check that a bad action counts as none, is reported by name, and affects no other agent."""
     for bad in (([math.nan] * 3, ""), ([math.inf] * 3, ""), (["fast"], ""), None, ([[1.0]], "")):
         world, idle = make(1), make(1)
         actions = wandering.actions(world)
         victim = world.agents[0]
         world.step({**actions, victim: bad})  # type: ignore[dict-item]
         idle.step({name: action for name, action in actions.items() if name != victim})
-        assert victim in world.refused, f"the action {bad} is told in `refused`"
-        assert victim in world.refused[victim], "what is refused is told with the agent's name"
+        assert victim in world.refused, f"the action {bad} is reported in `refused`"
+        assert victim in world.refused[victim], "a refusal contains the agent's name"
         assert observed(world) == observed(idle), f"the action {bad} counts as none"
         world.reset()
         world.step({})
-        assert not world.refused, "`refused` is of the last cycle only"
+        assert not world.refused, "`refused` covers the last cycle only"
     world = make(1)
     world.step({NOBODY: ([], "")})
-    assert NOBODY in world.refused, "the action of a stranger is told in `refused`"
+    assert NOBODY in world.refused, "the action of an unknown agent is reported in `refused`"
 
 
 def check_bad_placements(world: World) -> None:
@@ -250,7 +250,7 @@ def check_bad_placements(world: World) -> None:
     for bad in (Placement(NOBODY, 0.0, 0.0), Placement(agent, x=math.inf)):
         refused = _refusal(lambda bad=bad: world.place([good, bad], new_episode=True))  # type: ignore[misc]
         assert refused is not None, f"{bad} raises a WorldError"
-        assert bad.name in refused, f"{bad} is refused by its name"
+        assert bad.name in refused, f"the refusal of {bad} names it"
         assert world.snapshot() == before, "nothing is placed if anything is refused"
     episode = world.episode
     world.place([], new_episode=True)
@@ -258,7 +258,7 @@ def check_bad_placements(world: World) -> None:
 
 
 def check_batches(world: World, wandering: Wandering, cycles: int) -> None:
-    """Check that all percepts at once, where a world gives them, are those one by one."""
+    """Check that all percepts at once, if a world offers them, equal those one by one."""
     percepts = getattr(world, "percepts", None)
     if percepts is None:
         return
@@ -273,7 +273,7 @@ def check_batches(world: World, wandering: Wandering, cycles: int) -> None:
 
 
 def _refusal(call: Callable[[], object]) -> str | None:
-    """Return what a WorldError says, or None if there is none."""
+    """Return the text of a WorldError, or None if none is raised."""
     try:
         call()
     except WorldError as error:

@@ -1,9 +1,9 @@
-"""What a node that owns time needs of a world: a seam behind which other worlds can be put.
+"""The interface of a simulated world; implement it to connect your own world.
 
-A world is stepped by whoever holds it and knows neither ROS nor clocks. An episode is identified
-by the seed of the run and its number in the run: the same two and the same actions give the same
-episode, bit for bit. All quantities that cross this seam are in SI units; x points right, y up,
-angles are counter-clockwise (REP 103).
+A world is stepped by its caller and knows neither ROS nor clocks. An episode is identified by the
+seed of the run and its number in the run: the same two and the same actions give the same episode,
+bit for bit. All quantities of the interface are in SI units; x points right, y up, angles are
+counter-clockwise (REP 103).
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ NAN = float("nan")
 
 
 class WorldError(HitabError, ValueError):
-    """A request that a world refuses as a whole; the message names the way out."""
+    """A request that a world refuses as a whole; the message says what to do instead."""
 
 
 @dataclass(frozen=True, slots=True)
 class Entity:
-    """Something in a world as it truly is: for viewers, never for agents.
+    """The true state of something in a world: for viewers, never for agents.
 
     Attributes:
         name: unique in its world, such as ``keeper_1`` or ``ball``.
@@ -54,7 +54,7 @@ class Entity:
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Where to put an entity; NaN keeps what is. Units as in `Entity`."""
+    """Where to put an entity; NaN keeps the present value. Units as in `Entity`."""
 
     name: str
     x: float = NAN
@@ -87,7 +87,7 @@ class EpisodeResult:
     @classmethod
     def of(cls, world: World, measures: Mapping[str, float]) -> EpisodeResult:
         """Return how a world's present episode went so far, with the figures of its kind."""
-        # Rounded, lest 262 cycles of 0.1 s be 26.200000000000003 s.
+        # Rounded, so that 262 cycles of 0.1 s are not 26.200000000000003 s.
         seconds = round(world.episode_cycle * world.cycle_seconds, 9)
         return cls(world.episode, world.seed, world.episode_cycle, seconds, world.ended, measures)
 
@@ -97,12 +97,12 @@ class World(Protocol):
 
     Attributes:
         name: kind of world, which is also the name of its domain.
-        agents: names of those that perceive and act, in a fixed order.
+        agents: names of the agents, in a fixed order.
         cycle_seconds: simulated duration of a cycle, s.
         size: width and height of the field, m; it is centred on the origin.
         seed: of the run.
         episode: number of the present episode, from 0.
-        cycle: cycles since the world was made; never goes back, except in `restore`.
+        cycle: cycles since the world was created; never goes back, except in `restore`.
         episode_cycle: cycles since the present episode began.
         ended: why the present episode has ended, "" while it is being played.
         refused: what was wrong with actions of the last cycle, by agent; each such action was
@@ -130,18 +130,18 @@ class World(Protocol):
         """Advance by one cycle; agents that are not in ``actions`` do nothing.
 
         Returns:
-            why the episode has ended with this cycle, or None. The world then stays as it is:
+            why the episode ended with this cycle, or None. An ended world stays unchanged until
             `reset` begins the next episode.
 
         Raises:
-            WorldError: if the episode had ended before.
+            WorldError: if the episode had already ended.
         """
 
     def entities(self) -> list[Entity]:
-        """Return everything in the world as it truly is now."""
+        """Return the true state of everything in the world."""
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
-        """Put things somewhere else, optionally beginning the next episode from there.
+        """Move things, optionally beginning the next episode with them there.
 
         Raises:
             WorldError: if anything cannot be placed; then nothing is.
@@ -154,12 +154,12 @@ class World(Protocol):
         """Bring back a state that `snapshot` returned.
 
         Raises:
-            WorldError: if the snapshot is not of such a world, or damaged; then nothing has
-                changed. See `hitab_world.snapshots`.
+            WorldError: if the snapshot is damaged or of another world; then nothing has changed.
+                See `hitab_world.snapshots`.
         """
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode went so far."""
+        """Return how the present episode has gone so far."""
 
 
 LOOK, RESTART = "look", "restart"
@@ -167,20 +167,20 @@ LOOK, RESTART = "look", "restart"
 
 @runtime_checkable
 class LiveWorld(Protocol):
-    """What a `World` has besides that goes on by itself, such as a server that may be elsewhere.
+    """Further members of a `World` that runs by itself, such as on a server elsewhere.
 
     Attributes:
-        waiting: why there is nothing to be stepped at the moment, in one sentence with the way
-            out, such as that the server has gone; "" if there is.
+        waiting: why the world cannot be stepped at the moment, such as that the server has gone,
+            in one sentence that says what to do; "" if it can.
     """
 
     waiting: str
 
     def idle(self) -> str:
-        """Do what has to be done while the world is not stepped; never takes long.
+        """Do what is needed while the world is not stepped; must return quickly.
 
-        Whoever holds the world calls this at least ten times a second while it is paused, has no
-        agents, or is waiting.
+        The caller does this at least ten times a second while the world is paused, has no agents,
+        or is waiting.
 
         Returns:
             `RESTART` if an episode has begun, `LOOK` if what the agents perceive has changed,

@@ -1,4 +1,4 @@
-"""Keeps a world's state at a period, and goes on from it after a restart of the process."""
+"""Saves a world's state at a period, and continues from it after a restart of the process."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from hitab_world.world import LiveWorld
 from hitab_world.world_memory import WorldMemory
 
 LEISURE = 50
-"""Times as long as a snapshot took until the next one is taken, at least."""
+"""Minimum time between two snapshots, as a multiple of the time that one takes."""
 
 
 class WorldKeeper:
     """The memory of a world's course.
 
-    A world that is part of no swarm, or that goes on by itself, such as a server elsewhere, has
-    none. So the state is kept by a swarm's identity; see `WorldMemory`.
+    The state is saved for the swarm with its identity; see `WorldMemory`. Nothing is saved for a
+    world outside any swarm or one that runs by itself, such as on a server elsewhere.
 
     Attributes:
-        named: snapshots that were saved, by name.
+        named: the saved snapshots, by name.
     """
 
     def __init__(
         self, name: str, course: Course, settings: WorldSettings, warn: Callable[[str], None]
     ) -> None:
-        """Find the files of the process before this one, if there are any.
+        """Locate the files of the previous process, if there are any.
 
         Args:
-            name: of the world, of which its folder is named.
-            course: what is kept.
+            name: of the world and its folder.
+            course: what to save.
             settings: where, how often, and for which swarm.
-            warn: writes to the log what cannot be kept or brought back.
+            warn: logs what cannot be saved or restored.
         """
         self._course = course
         self._warn = warn
@@ -52,7 +52,7 @@ class WorldKeeper:
             self._memory = WorldMemory(folder, settings.swarm, warn)
 
     def restore(self) -> bool:
-        """Go on where the process before this one ended; return whether there was one."""
+        """Continue where the previous process ended; return whether there was one."""
         if self._memory is None:
             return False
         self.named = self._memory.named()
@@ -63,16 +63,16 @@ class WorldKeeper:
         try:
             control = Control.read(latest["control"])
             course.world.restore(latest["world"])
-        except Exception as error:  # a world's restore is anybody's code
+        except Exception as error:  # a world's restore may be third-party code
             self._warn(
-                f"the world begins anew, since its latest state cannot be restored: {error!r}"
+                f"the world starts over because its latest state cannot be restored: {error!r}"
             )
             return False
         course.control.take_over(control)
         return True
 
     def attend(self) -> None:
-        """Keep the state if it is time to and it has changed; called between cycles."""
+        """Save the state if it is due and has changed; called between cycles."""
         if self._memory is None:
             return
         now = time.monotonic()
@@ -90,26 +90,25 @@ class WorldKeeper:
         self._kept, course.touched = state, False
         try:
             self._memory.keep({"control": control, "world": course.world.snapshot()})
-        except Exception as error:  # a world's snapshot is anybody's code
+        except Exception as error:  # a world's snapshot may be third-party code
             self._memory = None
             self._warn(
-                f"a restart of the world would begin anew, since its state cannot be kept: "
-                f"{error!r}"
+                f"a restarted world would start over because its state cannot be saved: {error!r}"
             )
         self._earliest_s = now + LEISURE * (time.monotonic() - now)
 
     def save(self, name: str, state: dict[str, Any]) -> None:
-        """Keep a snapshot under a name.
+        """Save a snapshot under a name.
 
         Raises:
-            HitabError: if it cannot be written; then it is not kept at all.
+            HitabError: if it cannot be written; then it is not saved at all.
         """
         if self._memory is not None:
             self._memory.save(name, state)
         self.named[name] = state
 
     def delete(self, name: str) -> None:
-        """Forget a snapshot.
+        """Delete a snapshot.
 
         Raises:
             HitabError: if its file cannot be removed.
@@ -119,7 +118,7 @@ class WorldKeeper:
         del self.named[name]
 
     def close(self) -> None:
-        """Keep the state as it is at the end."""
+        """Save the final state."""
         if self._memory is not None:
             self._keep(time.monotonic())
         if self._memory is not None:

@@ -1,8 +1,8 @@
-"""What a world goes on from after a restart of its process: its latest state, and saved ones.
+"""What a world continues from after a restart of its process: its latest state and snapshots.
 
-The latest state is replaced at a period by a thread of its own, so that no cycle waits for a disk.
-A snapshot that a person saves is on disk before that is acknowledged. Both count for the swarm
-that has written them: when a swarm is brought up again its world begins as its description says.
+A thread replaces the latest state at a period, so that no cycle waits for a disk. A snapshot that
+a person saves is on disk before it is acknowledged. Both are valid for the swarm that wrote them:
+the world of another swarm starts as its description says.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from hitab_core.library.durable_files import UNFINISHED, file_errors, write_dura
 LATEST = "latest.json"
 NAMED = "snapshot-"
 BYTES_MAX = 32_000_000
-"""Larger states are not kept."""
+"""Larger states are not saved."""
 
 
 class WorldMemory:
-    """A folder with the latest state of a world and one file for each saved snapshot."""
+    """A folder with the latest state of a world and one file per saved snapshot."""
 
     def __init__(self, folder: Path, swarm: str, warn: Callable[[str], None]) -> None:
-        """Use a folder, which is made when there is something to keep.
+        """Use a folder, which is created with the first file.
 
         Args:
-            folder: where the files are.
+            folder: the folder of the files.
             swarm: identity of the world's swarm.
-            warn: told once of each file that is ignored or cannot be written; from any thread.
+            warn: called once per file that is ignored or cannot be written; from any thread.
         """
         self._folder = folder
         self._swarm = swarm
@@ -46,11 +46,11 @@ class WorldMemory:
     # -- the latest state -------------------------------------------------------------------
 
     def latest(self) -> dict[str, Any] | None:
-        """Return the latest state that this swarm's world has kept; None if there is none."""
+        """Return the latest state saved by this swarm's world; None if there is none."""
         return self._read(self._folder / LATEST)
 
     def keep(self, state: Mapping[str, Any]) -> None:
-        """Replace the latest state soon; one that has not been written yet is left out.
+        """Replace the latest state soon; one that has not been written yet is skipped.
 
         Args:
             state: JSON-able.
@@ -68,7 +68,7 @@ class WorldMemory:
             self._change.notify_all()
 
     def close(self) -> None:
-        """Write what is to be written, and stop."""
+        """Write the pending state, and stop."""
         with self._change:
             self._closed = True
             self._change.notify_all()
@@ -86,17 +86,17 @@ class WorldMemory:
             path = self._folder / LATEST
             beside = path.with_suffix(UNFINISHED)
             try:
-                # Whole or not at all for whoever reads it; it need not survive the machine.
+                # Readers see it whole or not at all; it need not survive a power failure.
                 self._folder.mkdir(parents=True, exist_ok=True)
                 beside.write_bytes(data)
                 beside.replace(path)
             except OSError as error:
-                self._say(f"a restart would not go on from the world's latest state: {error}")
+                self._say(f"a restart would not resume the world's latest state: {error}")
 
     # -- saved snapshots --------------------------------------------------------------------
 
     def named(self) -> dict[str, dict[str, Any]]:
-        """Return the snapshots that were saved in this swarm, by name; remove those of others."""
+        """Return the snapshots saved in this swarm, by name; remove those of other swarms."""
         found = {}
         for path in sorted(self._folder.glob(f"{NAMED}*.json")):
             saved = self._read(path)
@@ -106,11 +106,11 @@ class WorldMemory:
             if isinstance(name, str) and isinstance(state, dict):
                 found[name] = state
             else:
-                self._say(f"{path} is ignored: it is no snapshot of a world")
+                self._say(f"{path} is ignored: it is not a snapshot of a world")
         return found
 
     def save(self, name: str, state: Mapping[str, Any]) -> None:
-        """Keep a snapshot under a name, on disk when this returns.
+        """Save a snapshot under a name; it is on disk when this returns.
 
         Raises:
             HitabError: if it cannot be written.
@@ -121,7 +121,7 @@ class WorldMemory:
             write_durably(path, data)
 
     def delete(self, name: str) -> None:
-        """Forget a snapshot.
+        """Delete a snapshot.
 
         Raises:
             HitabError: if its file cannot be removed.
@@ -145,10 +145,10 @@ class WorldMemory:
         except FileNotFoundError:
             return None
         except (OSError, ValueError, RecursionError) as error:
-            self._say(f"{path} is ignored, since it cannot be read: {error}")
+            self._say(f"{path} is ignored because it cannot be read: {error}")
             return None
         if values.get("swarm") != self._swarm:
-            path.unlink(missing_ok=True)  # of the swarm before, which will not be back
+            path.unlink(missing_ok=True)  # of an earlier swarm, which will not return
             return None
         return values
 
@@ -156,8 +156,8 @@ class WorldMemory:
         data = json.dumps({"swarm": self._swarm, **values}).encode()
         if len(data) > BYTES_MAX:
             raise HitabError(
-                f"the world's state has {len(data)} bytes, which is more than the {BYTES_MAX} "
-                "that are kept for a restart"
+                f"the world's state has {len(data)} bytes, more than the {BYTES_MAX} that can be "
+                "saved for a restart"
             )
         return data
 

@@ -1,4 +1,4 @@
-"""The node that owns time: it puts a simulated world on topics and services."""
+"""The node that owns time: it offers a simulated world as topics and services."""
 
 from __future__ import annotations
 
@@ -23,38 +23,38 @@ from hitab_world.world_services import WorldServices
 from hitab_world.world_topics import NANOSECONDS, WorldTopics
 
 STATUS_PERIOD_NS = NANOSECONDS
-FAULTS_PERIOD_NS = NANOSECONDS // 20  # until a fault that has come or gone is published
+FAULTS_PERIOD_NS = NANOSECONDS // 20  # until a change of the faults is published
 LOOK_FOR_VIEWERS_EVERY = 50  # cycles
-LISTENER_S = 10.0  # to wait for whoever listened to the episodes before a restart
+LISTENER_S = 10.0  # to wait for the subscribers to the episodes after a restart
 NAMED_MAX = 10  # agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
-UNREAD_MAX = 100  # events that are handled after a deadline to find answers among them
+UNREAD_MAX = 100  # events that are handled after a deadline to find unread answers
 
 
 class WorldNode(GuardedNode):
     """A world in the namespace of its name.
 
     `run` is the process's main loop: a cycle sends a percept to each agent, waits for their
-    answers (lockstep) or for the time to pass (real time), and advances the world. While paused
-    the agents are shown the world at each change, so that what a demonstrator then commands is
-    recorded with what can be seen.
+    answers (lockstep) or for the time to pass (real time), and advances the world. While paused,
+    it shows the agents the world at each change, so that a demonstrator's next command is recorded
+    with the current percept.
     """
 
     def __init__(self, make_world: Callable[[Node, int], World]) -> None:
-        """Make the node and its world.
+        """Create the node and its world.
 
         Args:
-            make_world: given this node, to declare parameters on, and the seed.
+            make_world: called with this node, to declare parameters on, and the seed.
 
         Raises:
-            HitabError: if a parameter is not usable.
+            HitabError: if a parameter is unusable.
         """
         super().__init__("world")
         self.settings = settings = WorldSettings.declare(self)
         self.world = make_world(self, settings.seed)
         self._live_world = self.world if isinstance(self.world, LiveWorld) else None
         self.control = Control(settings.pace, settings.factor, settings.paused)
-        # The time of day, so that the rounds of a world that is started again are new ones.
+        # The time of day, so that a restarted world has new round numbers.
         self._sequence = time.time_ns()
         self._next_cycle_ns = 0
         self._next_status_ns = 0
@@ -66,7 +66,7 @@ class WorldNode(GuardedNode):
         self._topics = WorldTopics(self, self.course, settings)
 
     def join(self) -> None:
-        """Begin to listen and to answer, once it is certain that the name is free."""
+        """Start to listen and answer; call this once the name is known to be free."""
         self._audience.join(self.attendance.take)
         self._restored = self.keeper.restore()
         if self._restored:
@@ -76,12 +76,12 @@ class WorldNode(GuardedNode):
         )
 
     def destroy_node(self) -> None:
-        """Keep the world's state, then take the node down."""
+        """Save the world's state, then destroy the node."""
         self.keeper.close()
         super().destroy_node()
 
     def look_who_is_there(self) -> bool:
-        """Find out which agents have joined the world; return whether that has changed."""
+        """Update which agents have joined the world; return whether that has changed."""
         self._audience.look()
         return self.attendance.look()
 
@@ -90,7 +90,7 @@ class WorldNode(GuardedNode):
     def run(self, spinning: Spinner) -> int:
         """Run the world until the spinner is stopped; return the exit code."""
         if self._restored and self.control.episodes_left:
-            # Who has asked for them still listens, and has to find this process first.
+            # The client that asked for them still listens, and has to discover this process first.
             spinning.spin_until(lambda: self._topics.episodes_are_heard, LISTENER_S)
         while not spinning.stopped:
             if not self.guard.run(TURN, self._turn, spinning):
@@ -99,7 +99,7 @@ class WorldNode(GuardedNode):
         return spinning.exit_code
 
     def _turn(self, spinning: Spinner) -> None:
-        """Do what is to be done now: wait, show the world, or play a cycle."""
+        """Take one turn: wait, show the world, or play a cycle."""
         self._attend()
         self.keeper.attend()
         if not self._live():
@@ -109,17 +109,17 @@ class WorldNode(GuardedNode):
                 self._show(spinning)
             spinning.spin_once(timeout_sec=0.1)
         elif self.control.lockstep and not self.attendance.present:
-            spinning.spin_once(timeout_sec=0.1)  # nobody to play with yet
+            spinning.spin_once(timeout_sec=0.1)  # no agent has joined yet
         else:
             self._cycle(spinning)
 
     def _pause(self, fault: str) -> None:
-        """Stand still after an error in the world itself, until a person resumes it."""
+        """Pause after an error in the world itself, until a person resumes it."""
         self.control.pause()
         self._topics.report_error(f"paused: {self.guard.faults.text(fault)}")
 
     def _live(self) -> bool:
-        """Keep a world that goes on by itself company; return whether it can be stepped."""
+        """Attend to a world that runs by itself; return whether the world can be stepped."""
         world = self._live_world
         if world is None:
             return True
@@ -141,11 +141,11 @@ class WorldNode(GuardedNode):
             self._next_status_ns = now + STATUS_PERIOD_NS
             changed = self.look_who_is_there()
             if changed or (self.attendance.silent and self.control.paused):
-                self.course.disturbed = True  # shown again, so that who was late may answer
+                self.course.disturbed = True  # shown again, so that late agents may answer
             self._topics.publish_status()
 
     def _show(self, spinning: Spinner) -> None:
-        """Have the agents perceive the world as it stands, without acting."""
+        """Have the agents perceive the present world without acting."""
         self.course.disturbed = False
         self._send_percepts(look=True)
         self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
@@ -166,12 +166,12 @@ class WorldNode(GuardedNode):
             deadline = now + int(self.settings.deadline * NANOSECONDS)
         else:
             period = int(self.world.cycle_seconds / self.control.factor * NANOSECONDS)
-            # After a pause or a hold-up the world goes on from now instead of catching up.
+            # After a pause or a delay the world continues from now instead of catching up.
             behind = now - self._next_cycle_ns > 5 * period
             deadline = self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
         self._wait(spinning, deadline, whole=not lockstep)
         if course.disturbed or spinning.stopped:
-            return  # what they answered was about another situation
+            return  # the answers were about another situation
         late = ""
         if not self.attendance.complete:
             names_of_late = self.attendance.count_late(exclude=lockstep)
@@ -193,7 +193,7 @@ class WorldNode(GuardedNode):
                 break
             spin_once(timeout_sec=min(left / NANOSECONDS, 0.1))
 
-        # Where this process itself was held up, answers that came in time are still unread.
+        # If this process itself was delayed, answers that came in time are still unread.
         for _ in range(UNREAD_MAX):
             if attendance.complete or course.disturbed or spinning.stopped:
                 return
@@ -217,7 +217,7 @@ class WorldNode(GuardedNode):
         self.course.restart = False
 
     def _percept(self, agent: str) -> tuple[Sequence[float], Sequence[str]] | None:
-        """Return what an agent perceives; None if the world cannot say it, which is a fault."""
+        """Return what an agent perceives; None, and a fault, if the world fails to return it."""
         key = f"percept of {agent}"
         try:
             values, heard = self.world.percept(agent)
@@ -254,7 +254,7 @@ class WorldNode(GuardedNode):
         if world.cycle % LOOK_FOR_VIEWERS_EVERY == 0:
             topics.look_for_viewers()
         if control.at_rest:
-            self.course.disturbed = True  # to be shown
+            self.course.disturbed = True  # so that it is shown
         elif topics.viewed:
             topics.publish_state_if_due(at_once=ended is not None)
 
@@ -264,21 +264,21 @@ class WorldNode(GuardedNode):
 
 
 def _some(agents: list[str], between: str = ", ") -> str:
-    """Name some agents, and say how many there are besides."""
+    """List some texts, such as agents' names, and the number of further ones."""
     more = len(agents) - NAMED_MAX
     return between.join(agents[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
 
 
 def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:
-    """Make the node of a world and return the loop that runs it.
+    """Create the node of a world and return the loop that runs it.
 
     Raises:
-        HitabError: if a parameter is not usable, or such a world runs already.
+        HitabError: if a parameter is unusable, or a world of this name is already running.
     """
     node = WorldNode(make_world)
     spinning.executor.add_node(node)
     refuse_second_of_name(spinning, [node], msg.WorldStatus)
     node.join()
     if not node.world.agents:
-        raise HitabError("a world without agents cannot be run")
+        raise HitabError("the world has no agents; set its parameters so that it has some")
     return node.run

@@ -1,4 +1,4 @@
-"""What a world publishes: its state, how it is run, its episodes and its clock."""
+"""The topics of a world: its state, status, episodes and clock."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ NANOSECONDS = 1_000_000_000
 
 
 class WorldTopics:
-    """Publishes a world's course; what nobody looks at all the time only if somebody does.
+    """Publishes a world's course; the state and the clock only while there are subscribers.
 
     Attributes:
-        viewed: whether somebody looks at the state.
-        clocked: whether somebody goes by the world's clock.
+        viewed: whether the state has subscribers.
+        clocked: whether the clock has subscribers.
     """
 
     def __init__(self, node: GuardedNode, course: Course, settings: WorldSettings) -> None:
@@ -38,13 +38,13 @@ class WorldTopics:
         self._clock = node.create_publisher(Clock, names.CLOCK, qos.STREAM)
 
     def look_for_viewers(self) -> None:
-        """Find out whether somebody looks at the state and at the clock."""
+        """Check whether the state and the clock have subscribers."""
         self.viewed = self._state.get_subscription_count() > 0
         self.clocked = self._clock.get_subscription_count() > 0
 
     @property
     def episodes_are_heard(self) -> bool:
-        """Whether somebody listens to the episodes."""
+        """Whether the episodes have subscribers."""
         return self._episodes.get_subscription_count() > 0
 
     def publish_clock(self) -> None:
@@ -55,7 +55,7 @@ class WorldTopics:
     # -- how it is run ----------------------------------------------------------------------
 
     def report_error(self, text: str) -> None:
-        """Publish the status with what was refused last, at most once for the same text."""
+        """Publish the status with the last error, at most once for the same text."""
         if text != self._error:
             self._error = text
             if text:
@@ -63,7 +63,7 @@ class WorldTopics:
             self.publish_status()
 
     def publish_status(self) -> None:
-        """Publish how the world runs."""
+        """Publish the world's status."""
         world, control, attendance = self._world, self._course.control, self._course.attendance
         faults = self._guard.faults.texts()
         self._status.publish(
@@ -94,7 +94,7 @@ class WorldTopics:
     # -- episodes ---------------------------------------------------------------------------
 
     def publish_episode(self, ended: str) -> None:
-        """Publish how the episode went, and with the next state why it has ended."""
+        """Publish how the episode went, and with the next state why it ended."""
         result = self._world.result()
         self._episodes.publish(
             msg.Episode(
@@ -113,14 +113,14 @@ class WorldTopics:
     # -- the state --------------------------------------------------------------------------
 
     def publish_state_if_due(self, *, at_once: bool) -> None:
-        """Publish the truth as often as the settings want it, or at once."""
+        """Publish the true state at the rate of the settings, or at once."""
         now = time.monotonic_ns()
         if now >= self._next_state_ns or at_once:
             self._next_state_ns = now + int(NANOSECONDS / self._settings.state_rate)
             self.publish_state()
 
     def publish_state(self) -> None:
-        """Publish the truth about the world, for viewers."""
+        """Publish the true state of the world, for viewers."""
         world = self._world
         entities = self._guard.wrap("the state for viewers", self._entities, otherwise=[])()
         self._state.publish(
