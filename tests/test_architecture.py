@@ -18,8 +18,8 @@ FLOORS = (
 )
 
 CORE_FLOORS = (
-    ("arrays", "errors", "example", "hierarchy", "seeding", "vocabulary"),
-    ("example_codec", "transition_function", "use"),
+    ("arrays", "errors", "example", "hierarchy", "seeding"),
+    ("example_codec", "transition_function", "use", "vocabulary"),
     ("automaton",),
     ("domain",),
     ("repertoire",),

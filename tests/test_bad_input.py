@@ -143,7 +143,7 @@ WORLD_ERRORS = [
     (lambda w: w.control("dance"), 'unknown action "dance"'),
     (lambda w: w.control("step", cycles=0), "step needs a number of cycles"),
     (lambda w: w.control("pace", pace="slow"), 'unknown pace "slow"'),
-    (lambda w: w.control("pace", factor=float("inf")), "factor inf is not a speed"),
+    (lambda w: w.control("pace", factor=float("inf")), "factor inf is out of range"),
     (lambda w: w.snapshot("restore", "nothing"), 'no snapshot "nothing"'),
     (lambda w: w.snapshot("save"), "a snapshot needs a name"),
 ]

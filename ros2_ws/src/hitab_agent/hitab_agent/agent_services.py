@@ -1,4 +1,4 @@
-"""The services of an agent, for what needs an answer."""
+"""The services of an agent, for requests that need a reply."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from hitab_core import (
     TrainingError,
     Use,
     has,
+    unknown,
 )
 from hitab_core.library import SUFFIX
 from hitab_core.training import Curriculum
@@ -37,14 +38,14 @@ class AgentServices:
         library: Callable[[Path, Domain], BehaviorLibrary],
         answered: Callable[[str], None],
     ) -> None:
-        """Offer them.
+        """Offer the services.
 
         Args:
             node: to offer them on.
-            agent: whose they are.
+            agent: the agent that they control.
             library: returns the library in a folder, for a domain.
-            answered: called before the reply to what may have changed the agent, with why it was
-                refused, or "".
+            answered: called before the reply to a request that may have changed the agent, with
+                the reason for a refusal, or "".
         """
         self._agent = agent
         self._library = library
@@ -82,10 +83,9 @@ class AgentServices:
                 self._agent.take_over()
             case Mode.IDLE:
                 self._agent.perform(None)
-            case unknown:
-                raise TrainingError(
-                    f'unknown mode "{unknown}" {has((Mode.TESTING, Mode.TRAINING, Mode.IDLE))}'
-                )
+            case mode:
+                known = (Mode.TESTING, Mode.TRAINING, Mode.IDLE)
+                raise TrainingError(unknown("mode", mode, known))
         return f"{self._agent.name} is {self._agent.mode}"
 
     def _edit_examples(self, request: srv.EditExamples.Request, response: Any) -> str:
@@ -102,19 +102,18 @@ class AgentServices:
                 session.delete(request.numbers)
             case edits.RELABEL:
                 session.relabel(request.numbers, Use.parse(request.next_state))
-            case unknown:
+            case action:
                 known = (edits.UNDO, edits.REDO, edits.DELETE, edits.RELABEL)
-                raise TrainingError(f'unknown action "{unknown}" {has(known)}')
+                raise TrainingError(unknown("action", action, known))
         return f"{len(session.log)} examples"
 
     def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:
         session = self._agent.session
         if request.automaton:
-            automata = self._agent.repertoire.automata
-            if request.automaton not in automata:
-                raise TrainingError(f'no automaton "{request.automaton}" {has(automata)}')
-            automaton = automata[request.automaton]
-            name, features, examples = automaton.name, automaton.features, automaton.examples
+            automata, name = self._agent.repertoire.automata, request.automaton
+            if name not in automata:
+                raise TrainingError(f'no automaton "{name}" {has(automata, name)}')
+            features, examples = automata[name].features, automata[name].examples
         elif session is not None:
             name, features = session.curriculum.name, session.curriculum.features
             examples = session.examples
@@ -141,9 +140,7 @@ class AgentServices:
         saved = Use(automaton.name, automaton.parameters)
         done = f'saved "{saved}" with {len(automaton.examples)} examples'
         if performed and self._agent.mode is Mode.IDLE:
-            done += (
-                f'; {self._agent.name} is idle now, since it cannot perform "{performed}" any more'
-            )
+            done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
@@ -160,12 +157,12 @@ class AgentServices:
             folder = Path(os.path.expanduser(request.path))
             if not folder.is_absolute() or not folder.is_dir():
                 raise LibraryError(
-                    f'"{request.path}" is not a folder here; give the whole path of a library'
+                    f'"{request.path}" is not a folder here; give the absolute path of a library'
                 )
             if any(folder.iterdir()) and not any(folder.glob(f"*{SUFFIX}")):
                 raise LibraryError(
-                    f"{folder} has no behaviors (*{SUFFIX}) but other files; give it the path of "
-                    "a library, or of an empty folder for a new one"
+                    f"{folder} contains files but no behaviors (*{SUFFIX}); give the path of a "
+                    "library, or of an empty folder for a new one"
                 )
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)

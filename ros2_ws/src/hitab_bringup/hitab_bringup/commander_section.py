@@ -20,7 +20,7 @@ from typing import Any, Protocol
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_commander import CommanderKind, OrderMap, parse_kind, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_core import HitabError, Use, did_you_mean, has
+from hitab_core import HitabError, Use, has, unknown
 from hitab_core.commanding import OTHERS
 from hitab_core.library import Fields
 
@@ -156,8 +156,7 @@ class CommanderSection:
             if members is None:
                 known = [*self._groups, *self._lines]
                 line.fields.complain(
-                    f'`commands:` there is no agent or commander "{name}" {has(set(known))}'
-                    f"{did_you_mean(name, known)}",
+                    f'`commands:` there is no agent or commander "{name}" {has(set(known), name)}',
                     "commands",
                 )
             else:
@@ -264,8 +263,8 @@ class CommanderSection:
             self._once(
                 line,
                 seen,
-                f'the order "{order.name}" gives "{member.name}" the unknown behavior '
-                f'"{use.name}" {has(known)}{did_you_mean(use.name, known)}',
+                f'the order "{order.name}" gives "{member.name}" the '
+                f"{unknown('behavior', use.name, known)}",
                 order.name,
                 use.name,
             )

@@ -65,7 +65,7 @@ def shipped(folder: str, name: str) -> Path:
         if (path := place / name).exists():
             return path
     names = [path.name for place in folders for path in place.iterdir()]
-    raise HitabError(f'"{name}" is not among the shipped {folder} {has(names)}')
+    raise HitabError(f'"{name}" is not among the shipped {folder} {has(names, name)}')
 
 
 def find_file(given: str, folder: str, what: str) -> Path:
@@ -83,4 +83,6 @@ def find_file(given: str, folder: str, what: str) -> Path:
             if candidate.is_file():
                 return candidate
     names = [p.stem for place in folders for p in place.glob("*.yaml")]
-    raise HitabError(f'no {what} "{given}": neither a file nor a shipped {what} {has(names)}')
+    raise HitabError(
+        f'no {what} "{given}": neither a file nor a shipped {what} {has(names, given)}'
+    )

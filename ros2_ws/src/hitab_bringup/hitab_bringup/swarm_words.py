@@ -12,9 +12,9 @@ from hitab_core import (
     BehaviorLibrary,
     HitabError,
     Use,
-    did_you_mean,
     has,
     load_domain,
+    unknown,
 )
 from hitab_core.library import SUFFIX, Fields
 
@@ -53,8 +53,7 @@ class Words:
             self._complain(
                 fields,
                 "domain",
-                f'no domain "{name}" is installed {has(self._domains)}'
-                f"{did_you_mean(name, self._domains)}",
+                f'no domain "{name}" is installed {has(self._domains, name)}',
             )
 
     def check_behavior(
@@ -77,11 +76,7 @@ class Words:
         for folder in libraries:
             names |= {path.name.removesuffix(SUFFIX) for path in folder.glob(f"*{SUFFIX}")}
         if use.name not in names:
-            self._complain(
-                fields,
-                "behavior",
-                f'unknown behavior "{use.name}" {has(names)}{did_you_mean(use.name, names)}',
-            )
+            self._complain(fields, "behavior", unknown("behavior", use.name, names))
 
     def check_commander(self, fields: Fields, commander: CommanderDescription) -> None:
         """Complain if a commander cannot perform its initial behavior."""
@@ -94,10 +89,7 @@ class Words:
             return
         known = self.repertoire(commander)
         if self.is_complete(commander) and use.name not in known:
-            fields.complain(
-                f'unknown behavior "{use.name}" {has(known)}{did_you_mean(use.name, known)}',
-                "behavior",
-            )
+            fields.complain(unknown("behavior", use.name, known), "behavior")
 
     def repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
         """Return the known behaviors of a member, with their parameters."""

@@ -137,13 +137,6 @@ def test_a_bad_lesson_is_told_by_file_and_line(tmp_path):
     assert "bad.yaml:4: a step has no known kind" in in_one_line(result.stderr)
 
 
-def test_what_was_meant_is_guessed_from_what_there_is(capsys):
-    from hitab_client import console
-
-    console.error('keeper_1: unknown behavior "GoFats" (has: GetOpen, GoFast, Stop)')
-    assert in_one_line(capsys.readouterr().err).strip().endswith('Did you mean "GoFast"?')
-
-
 def test_an_error_is_printed_as_it_is(capsys):
     from hitab_client import console
 

@@ -77,7 +77,7 @@ def test_an_unknown_domain_is_told_once_and_with_what_was_meant():
     told = complaint("domain: keepawya\nagents: {a: {}, b: {}}\n")
     assert told.count("\n") == 0
     assert told.startswith('/somewhere/team.yaml:1: no domain "keepawya" is installed (has: ')
-    assert told.endswith('Did you mean "keepaway"?')
+    assert told.endswith('Did you mean "keepaway"?)')
 
 
 def test_an_unknown_behavior_is_told_where_it_stands(tmp_path):
@@ -89,7 +89,7 @@ def test_an_unknown_behavior_is_told_where_it_stands(tmp_path):
     )
     told = complaint(text, tmp_path / "team.yaml")
     assert told.startswith(f'{tmp_path}/team.yaml:5: unknown behavior "Danse" (has: Dance, ')
-    assert told.endswith('Did you mean "Dance"?')
+    assert told.endswith('Did you mean "Dance"?)')
 
 
 def test_a_missing_library_is_told_with_the_way_out():

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import json
-import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_core import HitabError, did_you_mean
+from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-_UNKNOWN = re.compile(r'(?:unknown|no) [\w ]+ "([^"(]+)[^"]*".*?\(has: ([^)]+)\)')
 
 
 def out() -> Console:
@@ -44,11 +41,8 @@ def note(text: str) -> None:
 
 
 def error(text: str) -> None:
-    """Print an error, and a suggestion if it lists the known names."""
-    hint = ""
-    if "Did you mean" not in text and (match := _UNKNOWN.search(text)):
-        hint = did_you_mean(match.group(1), match.group(2).split(", "))
-    err().print(f"[bold red]error:[/] {_escaped(text)}{_escaped(hint)}", soft_wrap=True)
+    """Print an error."""
+    err().print(f"[bold red]error:[/] {_escaped(text)}", soft_wrap=True)
 
 
 def _escaped(text: str) -> str:

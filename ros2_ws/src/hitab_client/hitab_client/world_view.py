@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from hitab_client.errors import LessonError
-from hitab_core import did_you_mean, has
+from hitab_core import has
 
 CLOSEST = "closest "
 
@@ -54,7 +54,7 @@ class WorldView:
             kind = name[len(CLOSEST) :]
             near = [t for t in self.things if t.kind == kind and t.name != seen_from]
             if not near or not seen_from:
-                kinds = has({t.kind for t in self.things})
+                kinds = has({t.kind for t in self.things}, kind)
                 raise LessonError(f'there is no "{kind}" here {kinds}')
             origin = self.thing(seen_from)
             return min(near, key=lambda t: math.hypot(t.x - origin.x, t.y - origin.y))
@@ -62,9 +62,7 @@ class WorldView:
             if thing.name == name:
                 return thing
         names = [t.name for t in self.things]
-        raise LessonError(
-            f'there is no "{name}" in the world {has(names)}{did_you_mean(name, names)}'
-        )
+        raise LessonError(f'there is no "{name}" in the world {has(names, name)}')
 
     def distance(self, one: str, other: str) -> float:
         """Return the distance between two things, m."""

@@ -22,7 +22,6 @@ from .errors import HitabError as HitabError
 from .errors import LibraryError as LibraryError
 from .errors import TrainingError as TrainingError
 from .errors import VocabularyError as VocabularyError
-from .errors import has as has
 from .example import Example as Example
 from .example import ExampleKind as ExampleKind
 from .learning.scikit_learn import TransitionTreeClassifier as TransitionTreeClassifier
@@ -37,3 +36,5 @@ from .transition_function import HandWritten as HandWritten
 from .use import NAME as NAME
 from .use import Use as Use
 from .vocabulary import did_you_mean as did_you_mean
+from .vocabulary import has as has
+from .vocabulary import unknown as unknown

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -32,6 +32,7 @@ from hitab_core.seeding import agent_seed
 from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.use import Use
+from hitab_core.vocabulary import has
 
 
 class Mode(StrEnum):

@@ -18,8 +18,9 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Protocol
 
-from hitab_core.errors import VocabularyError, has
+from hitab_core.errors import VocabularyError
 from hitab_core.use import NAME, Use
+from hitab_core.vocabulary import check_known, has
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -231,8 +232,7 @@ class Domain:
         Raises:
             VocabularyError: naming what is unknown and what is available.
         """
-        if use.name not in known:
-            raise VocabularyError(f'unknown {what} "{use.name}" {has(known)}')
+        check_known(what, use.name, known)
         expected = known[use.name]
         if len(use.arguments) != len(expected):
             wanted = ", ".join(expected) if expected else "none"
@@ -240,13 +240,9 @@ class Domain:
                 f'{what} "{use.name}" takes {len(expected)} target(s) ({wanted}), '
                 f"not {len(use.arguments)}"
             )
-        parameters = tuple(parameters)
+        targets = {*self.targets, *parameters} if use.arguments else ()
         for argument in use.arguments:
-            if argument not in self.targets and argument not in parameters:
-                raise VocabularyError(
-                    f'unknown target "{argument}" for {what} "{use.name}" '
-                    f"{has([*self.targets, *parameters])}"
-                )
+            check_known("target", argument, targets, f' for {what} "{use.name}"')
 
 
 def load_domain(name: str) -> Domain:
@@ -268,8 +264,8 @@ def load_domain(name: str) -> Domain:
         points = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
         if name not in points:
             raise VocabularyError(
-                f'no domain "{name}" is installed {has(points)}; a package provides one under '
-                f'the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE"'
+                f'no domain "{name}" is installed {has(points, name)}; a package provides one '
+                f'under the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE"'
             )
         found = points[name].load()
     if not isinstance(found, Domain):

@@ -23,9 +23,3 @@ class LibraryError(HitabError):
 
 class FolderInUseError(LibraryError):
     """A folder that another process has locked."""
-
-
-def has(names: object) -> str:
-    """Return ``(has: a, b, c)``, the tail of an error about an unknown name."""
-    listed = ", ".join(sorted(str(name) for name in names))  # type: ignore[attr-defined]
-    return f"(has: {listed})" if listed else "(has none)"

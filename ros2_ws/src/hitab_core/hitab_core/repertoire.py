@@ -7,9 +7,10 @@ from typing import NoReturn
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, BasicBehavior, Domain, Scale
-from hitab_core.errors import VocabularyError, has
+from hitab_core.errors import VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.use import Use
+from hitab_core.vocabulary import unknown
 
 
 class Repertoire:
@@ -57,7 +58,7 @@ class Repertoire:
         """
         found = self._automata.get(name) or self.domain.behaviors.get(name)
         if found is None:
-            raise VocabularyError(f'unknown behavior "{name}" {has(self.names())}')
+            raise VocabularyError(unknown("behavior", name, self.names()))
         return found
 
     def add(self, automaton: Automaton) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from hitab_core.errors import VocabularyError, has
+from hitab_core.errors import VocabularyError
 from hitab_core.library.edition import Edition
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, Running
@@ -39,8 +39,7 @@ def check_performable(repertoire: Repertoire, use: Use) -> None:
     Raises:
         VocabularyError: if there is no such behavior or target.
     """
-    if use.name not in repertoire:
-        raise VocabularyError(f'unknown behavior "{use.name}" {has(repertoire.names())}')
+    repertoire.get(use.name)
     repertoire.check_state(use)
 
 

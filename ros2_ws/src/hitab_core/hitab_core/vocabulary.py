@@ -1,13 +1,46 @@
-"""Did you mean: the known name nearest to an unknown one."""
+"""What to say of an unknown name: the known ones, and the one that was probably meant."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
+
+from hitab_core.errors import VocabularyError
 
 
-def did_you_mean(wrong: str, names: Iterable[str]) -> str:
+def did_you_mean(wrong: str, names: Iterable[object]) -> str:
     """Return `` Did you mean "x"?`` with a leading space, or nothing if no name is close."""
-    by_lower = {name.lower(): name for name in names}
+    by_lower = {str(name).lower(): str(name) for name in names}
     near = difflib.get_close_matches(wrong.lower(), by_lower, n=1, cutoff=0.6)
     return f' Did you mean "{by_lower[near[0]]}"?' if near else ""
+
+
+def has(names: Iterable[object], *wrong: object) -> str:
+    """Return ``(has: a, b, c. Did you mean "a"?)``, the tail of an error about unknown names."""
+    known = sorted(str(name) for name in names)
+    if not known:
+        return "(has none)"
+    hint = next(filter(None, (did_you_mean(str(name), known) for name in wrong)), "")
+    return f"(has: {', '.join(known)}{hint and '.'}{hint})"
+
+
+def unknown(what: str, name: str, names: Iterable[object], where: str = "") -> str:
+    """Return an error about an unknown name.
+
+    Args:
+        what: it should name, such as "behavior".
+        name: that is unknown.
+        names: the known ones.
+        where: it is, such as `` in state "X"``, with a leading space.
+    """
+    return f'unknown {what} "{name}"{where} {has(names, name)}'
+
+
+def check_known(what: str, name: str, names: Collection[str], where: str = "") -> None:
+    """Check that a name is known.
+
+    Raises:
+        VocabularyError: as `unknown` words it.
+    """
+    if name not in names:
+        raise VocabularyError(unknown(what, name, names, where))

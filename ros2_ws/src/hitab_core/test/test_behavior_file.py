@@ -237,7 +237,7 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
     ("old", "new", "at", "complaint"),
     [
         ("next_state: Approach,", "next_state: Aproach,", "next_state: Aproach",
-         'goes to "Aproach", which is not a listed state (has: Approach, Done, GoTo(goal), Kick)'),
+         'goes to "Aproach", which is not a listed state (has: Approach, Done, GoTo(goal), Kick'),
         ("{number: 1, state: Start,", "{number: 1, state: Begin,", "Begin",
          'example 1 is of state "Begin", which is not listed'),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1]", "0.1,  10.0, 1]",
@@ -254,7 +254,7 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
         ("- GoTo(goal)", "- Kick", "  - Kick\n\nfeatures", 'has "Kick" twice'),
         ("- Done", "- Start", "- Start", "Start is implicit; remove it"),
         ("DirectionTo(goal), kind", "Direction(goal), kind", "Direction(goal)",
-         'unknown feature "Direction" (has: BallIsKickable, DirectionTo, DistanceTo, Role)'),
+         'unknown feature "Direction" (has: BallIsKickable, DirectionTo, DistanceTo, Role'),
         ("period: 360.0", "period: 400.0", "period: 400",
          '"period" of feature "DirectionTo(goal)" is 400.0 here but 360.0 in the domain'),
         ("unit: m}", "unit: cm}", "unit: cm", '"unit" of feature "DistanceTo(ball)" is cm here'),

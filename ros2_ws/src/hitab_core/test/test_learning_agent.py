@@ -90,7 +90,7 @@ def test_a_feature_may_be_declared_in_full():
 @pytest.mark.parametrize(
     ("wrong", "error", "words"),
     [
-        (lambda a: a.step([1.0], command="Lft"), VocabularyError, "(has: Left, Right)"),
+        (lambda a: a.step([1.0], command="Lft"), VocabularyError, 'Did you mean "Left"?)'),
         (lambda a: a.step([1.0, 2.0]), FeatureValueError, "has 2 value(s), the first one had 1"),
         (lambda a: a.learn(), TrainingError, "command the behavior"),
         (lambda a: a.step([1.0]), TrainingError, 'step(percept, command="Left")'),

@@ -22,10 +22,10 @@ def declare_figures(node: Node, kind: type[Figures]) -> Figures:
     Args:
         node: the world's node.
         kind: a dataclass whose fields all have defaults and whose construction raises a
-            ValueError, naming the figure, for what cannot be; see `hitab_world.parameters`.
+            ValueError, naming the figure, for an invalid value; see `hitab_world.parameters`.
 
     Raises:
-        HitabError: for a figure that cannot be or that there is not.
+        HitabError: for an invalid or unknown figure.
     """
     figures: Figures
     (figures,) = declare_all_figures(node, kind)
@@ -33,22 +33,22 @@ def declare_figures(node: Node, kind: type[Figures]) -> Figures:
 
 
 def declare_all_figures(node: Node, *kinds: type[Any]) -> tuple[Any, ...]:
-    """Return the figures of several dataclasses, of which no two have a field of one name.
+    """Return the figures of several dataclasses; no two may have a field of the same name.
 
     Args:
         node: the world's node.
         kinds: as in `declare_figures`.
 
     Raises:
-        HitabError: for a figure that cannot be or that there is not.
+        HitabError: for an invalid or unknown figure.
     """
     values = [{figure.name: _declare(node, figure) for figure in fields(kind)} for kind in kinds]
     known = {name for one in values for name in one}
-    # rclpy tells of overrides only what was declared; a misspelt one would go unnoticed.
+    # rclpy ignores overrides of undeclared parameters; a misspelt one would go unnoticed.
     for override in getattr(node, "_parameter_overrides", {}):
         group, _, name = override.partition(".")
         if group == GROUP and name not in known:
-            raise HitabError(f'this world has no figure "{name}" {has(known)}')
+            raise HitabError(f'this world has no figure "{name}" {has(known, name)}')
     try:
         return tuple(kind(**one) for kind, one in zip(kinds, values, strict=True))
     except ValueError as error:
@@ -62,5 +62,5 @@ def _declare(node: Node, figure: Field[Any]) -> Any:
         return node.declare_parameter(name, default, ParameterDescriptor(read_only=True)).value
     except InvalidParameterTypeException as error:
         raise HitabError(
-            f"{figure.name} is of the wrong kind; give a value such as -p {name}:={default}"
+            f"{figure.name} has the wrong type; give a value such as -p {name}:={default}"
         ) from error

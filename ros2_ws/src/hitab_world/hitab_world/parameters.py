@@ -1,4 +1,4 @@
-"""The figures of a kind of world: a frozen dataclass that refuses what cannot be, by name.
+"""The figures of a kind of world: a frozen dataclass that refuses invalid values by name.
 
 For example::
 
@@ -11,7 +11,7 @@ For example::
         leaves: int = 3
         rain: bool = False
 
-Knows no ROS; `hitab_world.figures` makes such figures the parameters of a node.
+Independent of ROS; `hitab_world.figures` declares such figures as the parameters of a node.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ from hitab_core import has
 
 
 class ParameterError(ValueError):
-    """A figure of a world that cannot be; the message names it and what it may be."""
+    """An invalid figure of a world; the message names the figure and its limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """What a figure may be.
+    """The limit of a figure.
 
     Attributes:
-        words: go on with "it must", such as ``be at least 2 m``.
-        holds: whether a value, which is of the right kind, is within the limit.
+        words: complete "it must", such as ``be at least 2 m``.
+        holds: whether a value of the right type is within the limit.
     """
 
     words: str
@@ -44,16 +44,16 @@ class Limit:
 
 POSITIVE = Limit("be above 0", lambda value: bool(value > 0))
 NOT_NEGATIVE = Limit("not be negative (0 or more)", lambda value: bool(value >= 0))
-FRACTION = Limit("lie between 0 and 1, and be neither", lambda value: bool(0 < value < 1))
+FRACTION = Limit("lie between 0 and 1, exclusive", lambda value: bool(0 < value < 1))
 
 
 def at_least(least: float, unit: str = "") -> Limit:
-    """Return the limit of a number that begins with one, which has a unit or none."""
+    """Return the limit of a number that has a smallest value, with a unit or none."""
     return Limit(f"be at least {least:g} {unit}".rstrip(), lambda value: bool(value >= least))
 
 
 def between(low: int, high: int) -> Limit:
-    """Return the limit of a number that may be either of two, or between them."""
+    """Return the limit of a number between two others, inclusive."""
     return Limit(f"lie between {low} and {high}", lambda value: bool(low <= value <= high))
 
 
@@ -66,8 +66,8 @@ def one_of(*names: str) -> Limit:
 class Parameters:
     """Base of the figures of a kind of world: fields of type bool, int, float or str.
 
-    A subclass gives every field a default. What concerns several figures at once it checks in a
-    ``__post_init__`` of its own, after this one.
+    A subclass gives every field a default. It checks conditions on several figures in its own
+    ``__post_init__``, after this one.
 
     Attributes:
         WORLD: what the world is called in errors.
@@ -78,10 +78,10 @@ class Parameters:
     LIMITS: ClassVar[Mapping[str, Limit]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
-        """Refuse values that mean nothing.
+        """Refuse invalid values.
 
         Raises:
-            ParameterError: naming the figure and what it may be.
+            ParameterError: naming the figure and its limit.
         """
         for figure in fields(self):
             value = getattr(self, figure.name)
@@ -92,25 +92,27 @@ class Parameters:
                 raise ParameterError(f"{figure.name} is {value!r}; it must {must}")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the values by name, as `from_dict` takes them."""
+        """Return the values by name, as `from_dict` accepts them."""
         return asdict(self)
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> Self:
-        """Return parameters with these values, the rest as by default.
+        """Return parameters with these values and defaults for the rest.
 
         Raises:
-            ParameterError: if there is no such parameter, or the value cannot be used.
+            ParameterError: if a parameter is unknown or its value invalid.
         """
         known = [figure.name for figure in fields(cls)]
         for name in values:
             if name not in known:
-                raise ParameterError(f'there is no {cls.WORLD} parameter "{name}" {has(known)}')
+                raise ParameterError(
+                    f'there is no {cls.WORLD} parameter "{name}" {has(known, name)}'
+                )
         return cls(**values)
 
 
 def _missed(kind: Any, value: Any, limit: Limit | None) -> str:
-    """Return what the value of a field of some kind must be and is not, "" if it can be."""
+    """Return the requirement that a field's value misses; "" if it is valid."""
     whole = isinstance(value, int) and not isinstance(value, bool)
     if kind == "bool":
         return "" if isinstance(value, bool) else "be true or false"

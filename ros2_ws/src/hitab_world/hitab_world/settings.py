@@ -9,18 +9,18 @@ from hitab_msgs.msg import WorldStatus
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
-from hitab_core import HitabError, has
+from hitab_core import HitabError, unknown
 
 DESCRIPTIONS = {
     "pace": "lockstep: the next cycle begins when every agent has answered; realtime",
     "factor": "speed in real-time pace, as a factor of real time",
     "seed": "of the run: episode i is seeded with it and i",
     "paused": "wait for a resume, step or play before the first cycle",
-    "deadline": "s; in lockstep, how long an agent's answer is waited for",
-    "swarm": "identity of the swarm that it is part of; empty: none, and nothing to resume",
+    "deadline": "s; in lockstep, how long to wait for an agent's answer",
+    "swarm": "identity of its swarm; empty: none, and nothing to resume",
     "state_dir": "folder in which its state survives a restart of its process; empty: none",
-    "snapshot_period": "s; how often its state is kept for a restart; 0: never",
-    "state_rate": "Hz; how often the truth is published while running",
+    "snapshot_period": "s; how often its state is saved for a restart; 0: never",
+    "state_rate": "Hz; how often the true state is published while running",
 }
 _FLOATS = {"factor": (0.01, 1000.0), "deadline": (0.001, 3600.0), "state_rate": (0.1, 1000.0)}
 _FLOATS["snapshot_period"] = (0.0, 3600.0)
@@ -75,7 +75,7 @@ def check_factor(factor: float) -> None:
     low, high = _FLOATS["factor"]
     if not low <= factor <= high:
         raise HitabError(
-            f"factor {factor:g} is not a speed to run at; give one from {low:g} to {high:g}, "
+            f"factor {factor:g} is out of range; give one from {low:g} to {high:g}, "
             "or use pace lockstep"
         )
 
@@ -84,8 +84,8 @@ def check_pace(pace: str) -> None:
     """Check the name of a pace.
 
     Raises:
-        HitabError: naming the ones there are.
+        HitabError: naming the known ones.
     """
     paces = (WorldStatus.LOCKSTEP, WorldStatus.REALTIME)
     if pace not in paces:
-        raise HitabError(f'unknown pace "{pace}" {has(paces)}')
+        raise HitabError(unknown("pace", pace, paces))

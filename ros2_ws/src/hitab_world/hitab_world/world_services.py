@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core import HitabError, has
+from hitab_core import HitabError, has, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
@@ -17,7 +17,7 @@ from hitab_world.world_keeper import WorldKeeper
 from hitab_world.world_topics import WorldTopics
 
 SNAPSHOTS_MAX = 100
-"""Each is a whole world in memory."""
+"""Limit on saved snapshots: each is a whole world in memory."""
 
 
 class WorldServices:
@@ -31,14 +31,14 @@ class WorldServices:
         topics: WorldTopics,
         look: Callable[[], Any],
     ) -> None:
-        """Offer them.
+        """Offer the services.
 
         Args:
             node: to offer them on.
             course: what they change.
-            keeper: has the snapshots.
-            topics: show at once what has changed.
-            look: finds out which agents have joined the world.
+            keeper: holds the snapshots.
+            topics: publish changes at once.
+            look: updates which agents have joined the world.
         """
         self._course = course
         self._keeper = keeper
@@ -77,7 +77,7 @@ class WorldServices:
                     raise HitabError("step needs a number of cycles greater than 0")
                 self._need_agents()
                 control.step(request.cycles)
-                return f"stepping {request.cycles} cycles"
+                return f"stepping {request.cycles} cycle{'s' if request.cycles > 1 else ''}"
             case actions.RESET:
                 course.begin_episode()
                 return f"episode {course.world.episode}"
@@ -86,31 +86,32 @@ class WorldServices:
                 if request.pace:
                     check_pace(request.pace)
                     control.pace = request.pace
-                    course.disturbed = True  # the agents have to know whether the world waits
+                    course.disturbed = True  # the agents must know whether the world waits
                 if request.factor:
                     control.factor = request.factor
                 return f"pace {control.pace}, factor {control.factor:g}"
-            case unknown:
+            case action:
                 known = (actions.PAUSE, actions.RESUME, actions.STEP, actions.RESET, actions.PACE)
-                raise HitabError(f'unknown action "{unknown}" {has(known)}')
+                raise HitabError(unknown("action", action, known))
 
     def _need_agents(self) -> None:
         agents = self._course.world.agents
         self._look()
         if len(self._course.attendance.missing) == len(agents):
-            raise HitabError(f"no agent has joined the world; start {', '.join(agents)}")
+            raise HitabError(f"no agent has joined the world; start any of {', '.join(agents)}")
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         course = self._course
         self._look()
         if missing := course.attendance.missing:
-            raise HitabError(f"no node answers for {', '.join(missing)}; start them first")
+            raise HitabError(f"no node answers for {', '.join(missing)}; start these agents first")
         course.control.episodes_left = request.episodes
         course.begin_run(request.seed)
         course.control.resume()
         self._topics.report_error("")
         self._topics.publish_status()
-        return f"playing {request.episodes or 'endless'} episodes, seed {request.seed}"
+        episodes = "1 episode" if request.episodes == 1 else f"{request.episodes} episodes"
+        return f"playing {episodes if request.episodes else 'endlessly'}, seed {request.seed}"
 
     def _place(self, request: srv.Place.Request, response: srv.Place.Response) -> str:
         course = self._course
@@ -130,7 +131,7 @@ class WorldServices:
         if request.action != actions.LIST and not name:
             raise HitabError("a snapshot needs a name")
         if request.action in (actions.RESTORE, actions.DELETE) and name not in kept:
-            raise HitabError(f'no snapshot "{name}" {has(kept)}')
+            raise HitabError(f'no snapshot "{name}" {has(kept, name)}')
         match request.action:
             case actions.SAVE:
                 if name not in kept and len(kept) >= SNAPSHOTS_MAX:
@@ -145,9 +146,9 @@ class WorldServices:
                 keeper.delete(name)
                 done = f'deleted "{name}"'
             case actions.LIST:
-                done = f"{len(kept)} snapshots"
-            case unknown:
+                done = f"{len(kept)} snapshot{'' if len(kept) == 1 else 's'}"
+            case action:
                 known = (actions.SAVE, actions.RESTORE, actions.DELETE, actions.LIST)
-                raise HitabError(f'unknown action "{unknown}" {has(known)}')
+                raise HitabError(unknown("action", action, known))
         response.names = sorted(kept)
         return done

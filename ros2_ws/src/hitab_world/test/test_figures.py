@@ -62,14 +62,14 @@ def test_several_dataclasses_give_the_figures_of_one_world(node_given):
     ("figure", "told"),
     [
         ("width:=-1.0", "width is -1.0; it must be above 0"),
-        ("widht:=3.0", r'this world has no figure "widht" \(has: frozen, leaves, width\)'),
+        ("widht:=3.0", r'this world has no figure "widht" \(has: frozen, leaves, width. Did'),
         (
             "width:=wide",
-            "width is of the wrong kind; give a value such as -p parameters.width:=5.0",
+            "width has the wrong type; give a value such as -p parameters.width:=5.0",
         ),
         (
             "leaves:=2.5",
-            "leaves is of the wrong kind; give a value such as -p parameters.leaves:=3",
+            "leaves has the wrong type; give a value such as -p parameters.leaves:=3",
         ),
     ],
 )

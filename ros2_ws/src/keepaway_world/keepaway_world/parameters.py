@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
-from hitab_core import has
+from hitab_core import unknown
 from hitab_world.parameters import (
     FRACTION,
     NOT_NEGATIVE,
@@ -137,5 +137,5 @@ def variant(name: str, **changes: Any) -> KeepawayParameters:
         ParameterError: if there is no such variant or parameter.
     """
     if name not in VARIANTS:
-        raise ParameterError(f'unknown keepaway variant "{name}" {has(VARIANTS)}')
+        raise ParameterError(unknown("keepaway variant", name, VARIANTS))
     return KeepawayParameters.from_dict({**VARIANTS[name].as_dict(), **changes})

@@ -182,8 +182,8 @@ def order(
         view.await_groups(GROUP_SECONDS, (commander,))
         if commander not in view.groups:
             raise SwarmError(
-                f"{commander} is not a commander {has(view.groups)}; `hitab perform {commander} "
-                f"{behavior}` makes an agent perform a behavior"
+                f"{commander} is not a commander {has(view.groups, commander)}; "
+                f"`hitab perform {commander} {behavior}` makes an agent perform a behavior"
             )
         swarm_up.agents.perform(commander, use.name, [*use.arguments, *(targets or [])])
         name = Use(use.name, (*use.arguments, *(targets or [])))

@@ -43,7 +43,7 @@ def _folder(library: Path | None, agent: str | None, swarm: str | None) -> Path:
     from hitab_client import SwarmError
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.swarm_choice import find_meant
-    from hitab_core import did_you_mean, has
+    from hitab_core import has
 
     if library is not None:
         return library
@@ -56,10 +56,7 @@ def _folder(library: Path | None, agent: str | None, swarm: str | None) -> Path:
     for described in read_swarm(Path(record.description)).members:
         if described.name == agent:
             return library_of(described, folder.path)
-    raise SwarmError(
-        f'no agent "{agent}" in swarm {record.swarm} {has(record.agents)}'
-        f"{did_you_mean(agent, record.agents)}"
-    )
+    raise SwarmError(f'no agent "{agent}" in swarm {record.swarm} {has(record.agents, agent)}')
 
 
 @app.command("list")
@@ -154,10 +151,10 @@ def show(
 
 
 def _known(name: str, loaded: Any) -> str:
-    from hitab_core import LibraryError, did_you_mean, has
+    from hitab_core import LibraryError, has
 
     if name not in loaded:
-        raise LibraryError(f'no behavior "{name}" {has(loaded)}{did_you_mean(name, loaded)}')
+        raise LibraryError(f'no behavior "{name}" {has(loaded, name)}')
     return name
 
 

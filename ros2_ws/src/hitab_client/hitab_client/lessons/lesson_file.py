@@ -28,7 +28,7 @@ from hitab_client.lessons.lesson import (
     Undo,
     Until,
 )
-from hitab_core import HitabError, Use, did_you_mean, has
+from hitab_core import HitabError, Use, has
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 
@@ -63,9 +63,8 @@ def _step(fields: Fields, agent: str) -> Step | None:
         kinds.remove("new_episode")  # here it is an option of `place`
     if len(kinds) != 1:
         keys = fields.names()
-        near = "".join(filter(None, (did_you_mean(key, STEPS) for key in keys)))[:60]
         told = "needs exactly one kind" if kinds else "has no known kind"
-        fields.complain(f"a step {told} {has(STEPS)}{near}")
+        fields.complain(f"a step {told} {has(STEPS, *keys)}")
         return None
     step = STEPS[kinds[0]](fields, fields.line, fields.text("agent", agent))
     fields.done()

@@ -23,11 +23,12 @@ from numpy.typing import ArrayLike
 
 from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
-from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_encoding import FeatureEncoding
 from hitab_core.learning.feature_values import check_scales, feature_values
 from hitab_core.transition_function import Decide, Explanation, Values
+from hitab_core.vocabulary import has
 
 _REMEMBERED = 64
 """How many recent predictions a function keeps, so that explaining one needs no prediction."""
@@ -50,13 +51,14 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
         ) from error
     if spec.name not in listed:
         raise VocabularyError(
-            f'"{spec.name}" is not a classifier of scikit-learn {has(["tree", *listed])}'
+            f'"{spec.name}" is not a classifier of scikit-learn '
+            f"{has(['tree', *listed], spec.name)}"
         )
     made = listed[spec.name]
     known = sorted(inspect.signature(made).parameters)
     for name in spec.arguments:
         if name not in known:
-            raise VocabularyError(f'"{spec.name}" has no parameter "{name}" {has(known)}')
+            raise VocabularyError(f'"{spec.name}" has no parameter "{name}" {has(known, name)}')
     arguments = dict(spec.arguments)
     if "random_state" in known:
         arguments.setdefault("random_state", 0)

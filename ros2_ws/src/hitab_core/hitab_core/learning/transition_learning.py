@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hitab_core.domain import Scale
-from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.classifier_replacement import classifier_maker, learn_replacement
 from hitab_core.learning.classifier_spec import ClassifierSpec
@@ -18,6 +18,7 @@ from hitab_core.learning.feature_values import feature_values
 from hitab_core.learning.memo import LearningMemo
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import LearnedTransition
+from hitab_core.vocabulary import has
 
 TREE = "tree"
 
@@ -50,7 +51,9 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     known = sorted({*TransitionTree().get_params()} - {"scales", "feature_names"})
     for name in spec.arguments:
         if name not in known:
-            raise VocabularyError(f'the classifier "tree" has no parameter "{name}" {has(known)}')
+            raise VocabularyError(
+                f'the classifier "tree" has no parameter "{name}" {has(known, name)}'
+            )
 
     def learn_tree(X: ArrayLike, y: Sequence[str], default: Sequence[bool]) -> LearnedTransition:
         tree = TransitionTree(scales, feature_names=names, **spec.arguments)

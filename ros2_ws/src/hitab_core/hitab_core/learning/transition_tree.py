@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hitab_core.arrays import Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import VocabularyError, has
+from hitab_core.errors import VocabularyError
 from hitab_core.learning import tree_text
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.compiled_tree import (
@@ -35,6 +35,7 @@ from hitab_core.learning.tree_nodes import Leaf, Node, described, fold, nodes
 from hitab_core.learning.tree_pruning import prune
 from hitab_core.learning.tree_text import Rule
 from hitab_core.transition_function import Decide, Explanation
+from hitab_core.vocabulary import has
 
 
 class TransitionTree:
@@ -98,7 +99,7 @@ class TransitionTree:
         known = self.get_params()
         for name in params:
             if name not in known:
-                raise ValueError(f'TransitionTree has no parameter "{name}" {has(known)}')
+                raise ValueError(f'TransitionTree has no parameter "{name}" {has(known, name)}')
         for name, value in params.items():
             setattr(self, name, value)
         return self

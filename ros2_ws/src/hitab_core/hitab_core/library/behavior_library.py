@@ -17,7 +17,7 @@ from pathlib import Path
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError, has
+from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.behavior_schema import SUFFIX
@@ -28,6 +28,7 @@ from hitab_core.library.durable_files import PATIENCE
 from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import LibraryFolder
 from hitab_core.library.provenance import Provenance, time_now
+from hitab_core.vocabulary import has
 
 
 def accept_edit(path: Path, domain: Domain) -> Path:
@@ -132,7 +133,7 @@ class BehaviorLibrary:
             LibraryError: if there is none.
         """
         if name not in self.files:
-            raise LibraryError(f'{self.folder}: has no behavior "{name}" {has(self.files)}')
+            raise LibraryError(f'{self.folder}: has no behavior "{name}" {has(self.files, name)}')
         return self.files[name]
 
     def texts(self) -> dict[str, str]:

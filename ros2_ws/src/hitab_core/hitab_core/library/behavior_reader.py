@@ -8,7 +8,7 @@ from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain, Scale
-from hitab_core.errors import HitabError, VocabularyError, has
+from hitab_core.errors import HitabError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import learn_transitions
@@ -20,6 +20,7 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, read_text, read_yaml
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
+from hitab_core.vocabulary import unknown
 
 
 def read_behavior_file(path: Path, domain: Domain) -> BehaviorFile:
@@ -200,8 +201,8 @@ class _Reader:
                 if argument not in arguments:
                     self._complaints.add(
                         ("states", i),
-                        f'unknown target "{argument}" in state "{state}" {has(arguments)}; '
-                        "name one of these, or add it to the parameters",
+                        unknown("target", argument, arguments, f' in state "{state}"')
+                        + "; name one of these, or add it to the parameters",
                     )
         return states
 

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError, VocabularyError, has
+from hitab_core.errors import LibraryError, VocabularyError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.check import misfits
 from hitab_core.library.edition import Edition, Editions
 from hitab_core.repertoire import Repertoire
+from hitab_core.vocabulary import has
 
 
 @dataclass(frozen=True, slots=True)

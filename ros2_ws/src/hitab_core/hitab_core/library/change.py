@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
-from hitab_core.errors import LibraryError, has
+from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.check import misfits
 from hitab_core.library.edition import Editions
 from hitab_core.library.folder import Changes, LibraryFolder
 from hitab_core.library.provenance import Provenance, tool_name
+from hitab_core.vocabulary import has
 
 
 class LibraryChange:
@@ -134,7 +135,7 @@ class LibraryChange:
         """
         names = self._folder.names()
         if name not in names:
-            raise LibraryError(f'{self._folder.path}: has no behavior "{name}" {has(names)}')
+            raise LibraryError(f'{self._folder.path}: has no behavior "{name}" {has(names, name)}')
         users = sorted(n for n, f in self.after.items() if name in f.automaton.behaviors_used)
         if users and name not in self._domain.automata:
             raise LibraryError(

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import Domain
-from hitab_core.errors import has
 from hitab_core.hierarchy import Uses, circular
 from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.vocabulary import has
 
 
 def misfits(
@@ -72,8 +72,9 @@ def _complaints(
             complaints.append(f"{place}, which is faulty itself; fix that first")
         elif parameters is None:
             complaints.append(
-                f"{place}, which is neither in the library {has(files)} nor a behavior of domain "
-                f'"{domain.name}" {has([*domain.behaviors, *domain.automata])}; '
+                f"{place}, which is neither in the library {has(files, state.name)} nor a "
+                f'behavior of domain "{domain.name}" '
+                f"{has([*domain.behaviors, *domain.automata], state.name)}; "
                 f"put {file_name(state.name)} into the folder, or take the state out"
             )
         elif len(parameters) != len(state.arguments):

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 
 from hitab_core.automaton import START
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import has
 from hitab_core.example import Example
+from hitab_core.vocabulary import has
 
 
 def wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale]) -> Iterable[str]:
@@ -19,11 +19,12 @@ def wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale])
         labels: of the automaton's states, without Start.
         scales: how the values of each feature of the automaton compare.
     """
-    if example.state not in (START, *labels):
-        yield f'is of state "{example.state}", which is not listed {has([START, *labels])}'
-    if example.next_state not in labels:
-        yield f'goes to "{example.next_state}", which is not a listed state {has(labels)}'
-    if example.is_default and example.next_state != example.state:
+    state, to = example.state, example.next_state
+    if state not in (START, *labels):
+        yield f'is of state "{state}", which is not listed {has([START, *labels], state)}'
+    if to not in labels:
+        yield f'goes to "{to}", which is not a listed state {has(labels, to)}'
+    if example.is_default and to != state:
         yield "is a default example, but leaves its state; make it a demonstrated one"
     if len(example.features) != len(scales):
         yield f"has {len(example.features)} values for {len(scales)} features; give one for each"

@@ -12,13 +12,14 @@ from typing import Any
 
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import VocabularyError, has
+from hitab_core.errors import VocabularyError
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import described, nodes
 from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import LearnedTransition, TransitionFunction
 from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.vocabulary import has
 
 
 def trim(
@@ -99,7 +100,9 @@ def rebind(
     there |= {*automaton.parameters}
     for old, new in bindings.items():
         if old not in there:
-            raise VocabularyError(f'"{old}" is not in automaton "{automaton.name}" {has(there)}')
+            raise VocabularyError(
+                f'"{old}" is not in automaton "{automaton.name}" {has(there, old)}'
+            )
         if "(" not in old and NAME.match(new) is None:
             raise VocabularyError(f'"{new}" cannot be a target or parameter; {NAME_RULE}')
 
@@ -149,7 +152,7 @@ def check_bound(automaton: Automaton, domain: Domain) -> None:
             if argument not in there:
                 raise VocabularyError(
                     f'"{argument}" in "{use}" of automaton "{automaton.name}" is unbound; bind it '
-                    f"to a target, or make it a parameter {has(there)}"
+                    f"to a target, or make it a parameter {has(there, argument)}"
                 )
 
 

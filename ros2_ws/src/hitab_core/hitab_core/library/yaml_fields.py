@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from hitab_core.errors import has
 from hitab_core.library.yaml_places import Complaints, Place
-from hitab_core.vocabulary import did_you_mean
+from hitab_core.vocabulary import has
 
 REQUIRED: Any = object()
 
@@ -69,7 +68,7 @@ class Fields:
             choices = list(among)
             if value not in choices:
                 self.complain(
-                    f"`{key}: {value}` is not known {has(choices)}{did_you_mean(value, choices)}",
+                    f"`{key}: {value}` is not known {has(choices, value)}",
                     key,
                 )
         return value
@@ -125,11 +124,7 @@ class Fields:
         """Complain about fields that were not asked for."""
         for key in self._value:
             if key not in self._asked:
-                self.complain(
-                    f"`{key}:` is not known here {has(self._asked)}"
-                    f"{did_you_mean(key, self._asked)}",
-                    key,
-                )
+                self.complain(f"`{key}:` is not known here {has(self._asked, key)}", key)
 
     def _typed(self, key: str, default: Any, types: Any, what: str) -> Any:
         value = self.raw(key, default)

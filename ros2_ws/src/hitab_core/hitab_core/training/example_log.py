@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-from hitab_core.errors import TrainingError, has
+from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
+from hitab_core.vocabulary import has
 
 Placed = tuple[int, Example]
 """An example and its index in the list."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.errors import TrainingError, VocabularyError, has
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions, learner
@@ -18,6 +18,7 @@ from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.example_log import Edit, ExampleLog
 from hitab_core.training.training_record import prepared, replay
 from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.vocabulary import check_known, has
 
 Journal = Callable[[Mapping[str, Any]], None]
 """Writes a record to disk before it returns."""
@@ -341,7 +342,7 @@ class TrainingSession:
         if chosen and state not in chosen:
             raise TrainingError(
                 f'"{state}" is not among the states chosen for "{self.curriculum.name}" '
-                f"{has(chosen)}; begin again with this state, or without a choice of states"
+                f"{has(chosen, state)}; begin again with this state, or without a choice of states"
             )
 
 
@@ -364,8 +365,7 @@ def check(context: RunContext, curriculum: Curriculum) -> None:
             f"{len(curriculum.arguments)} target(s) to train with"
         )
     for argument in curriculum.arguments:
-        if argument not in repertoire.domain.targets:
-            raise VocabularyError(f'unknown target "{argument}" {has(repertoire.domain.targets)}')
+        check_known("target", argument, repertoire.domain.targets)
     if len(set(curriculum.features)) < len(curriculum.features):
         raise VocabularyError(f'"{name}" has a feature twice')
     for feature in curriculum.features:

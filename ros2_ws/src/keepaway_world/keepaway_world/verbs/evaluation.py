@@ -212,7 +212,7 @@ def _check_library(library: Path, behavior: str) -> str:
     opened = open_library(library)
     there = opened.load()
     if behavior not in there:
-        raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there)}')
+        raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there, behavior)}')
     return opened.digest
 
 
