@@ -143,9 +143,7 @@ class Team:
         node = self.nodes.pop(name)
         self.executor.remove_node(node)
         node.destroy_node()
-        journal = node.agent._journal
-        if journal is not None:
-            journal.close()  # as the end of a process does
+        node.agent.journal.close()  # as the end of a process does
 
     def close(self) -> None:
         for name in list(self.nodes):
