@@ -9,7 +9,7 @@ DATA = ("lessons", "libraries", "swarms")
 
 
 def shipped(folder: str) -> list[tuple[str, list[str]]]:
-    """Return what is to be installed of a data folder, for `data_files`."""
+    """Return the files to install from a data folder, for `data_files`."""
     files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
     by_folder: dict[str, list[str]] = {}
     for path in files:

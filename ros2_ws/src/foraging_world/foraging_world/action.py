@@ -3,13 +3,13 @@
 ======  =====================================================================================
 value   meaning
 ======  =====================================================================================
-drive   how fast to walk, or to pull, along the body: -1 to 1 of what it can do
+drive   speed of walking or pulling along the body: -1 to 1, as a fraction of the maximum
 turn    angle to turn by, rad, counter-clockwise
-grip    0: as before; -1: let go of what is held; n >= 1: grip the box of number n, which
-        must be in reach and nothing be held, else nothing happens
+grip    0: as before; -1: let go of what is held; n >= 1: grip box number n; nothing happens
+        unless it is in reach and nothing is held
 ======  =====================================================================================
 
-An empty action is none; figures beyond what a robot can do are clipped.
+An empty action means no action; values beyond a robot's limits are clipped.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def parse_all(
     """Return what all foragers do, and what was refused, by agent.
 
     Args:
-        actions: by agent; who is not in it does nothing.
+        actions: by agent; agents that are missing do nothing.
         index: row of each forager.
     """
     commands = np.zeros((len(index), LENGTH))
@@ -51,13 +51,13 @@ def parse_all(
             if len(values) == 0:
                 continue
             drive, turn, grip = values
-            # NaN and infinity leave a sum that is neither finite.
+            # NaN or infinity makes the sum not finite.
             if not math.isfinite(drive + turn + grip):
                 raise ValueError("needs finite values")
         except (TypeError, ValueError) as error:
             refused[name] = (
-                f"{name}: an action is drive, turn and grip, not {_shown(action)}: {error}; taken "
-                "as no action"
+                f"{name}: an action must be drive, turn and grip, not {_shown(action)}: {error}; "
+                "treated as no action"
             )
             continue
         rows.append(row)

@@ -6,7 +6,7 @@ from foraging_world.body import ForagerBody
 from hitab_core import BasicBehavior
 
 STEP_TURN = 0.1
-"""rad in a cycle: half of what a forager can turn by default."""
+"""rad in a cycle: half of the default maximum."""
 
 
 def forward(body: ForagerBody) -> None:
@@ -15,7 +15,7 @@ def forward(body: ForagerBody) -> None:
 
 
 def stop(body: ForagerBody) -> None:
-    """Stand; what is held is held on to."""
+    """Stand still; keep hold of a box."""
 
 
 def rotate_left(body: ForagerBody) -> None:

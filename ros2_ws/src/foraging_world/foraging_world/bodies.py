@@ -1,12 +1,12 @@
 """The robots, boxes and obstacles as pymunk bodies, moved by one cycle at a time.
 
-What happens in a cycle depends on nothing but the positions and velocities that are given, so that
-a world that was restored from a snapshot goes on bit for bit as the one that it was taken of:
+A cycle depends only on the given positions and velocities, so that a world restored from a
+snapshot continues bit for bit like the original:
 
-* bodies and shapes are added once, in a fixed order, and found by a spatial hash, which is filled
-  afresh in each step;
-* pymunk keeps the impulses of touching bodies to begin the next step with. It forgets them in a
-  step in which nothing touches, so one such step, with everything far apart, ends a cycle.
+* bodies and shapes are added once, in a fixed order, and found by a spatial hash, which is
+  refilled in each step;
+* pymunk keeps the impulses of touching bodies for the next step. It forgets them in a step in
+  which nothing touches, so one such step, with everything far apart, ends a cycle.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ FORAGER_MASS, BOX_MASS = 1.0, 10_000.0
 ITERATIONS = 4
 SLOP = 0.005  # m: how much bodies may overlap
 BIAS = 1e-6  # how much of an overlap is left after a second
-WALL = 2.0  # m: thickness, so that nobody is pushed through
+WALL = 2.0  # m: thickness, so that no robot is pushed through
 APART = 1e4  # m
 
 
 class Bodies:
     """A pymunk space with foragers and boxes in it, in this order.
 
-    Boxes are round, so that they slide off what is in their way. Around each there is a ring, in
-    which those walk who pull it: it only collides with obstacles and walls.
+    Boxes are round, so that they slide off obstacles. Each has a ring around it, in which its
+    pullers walk; the ring only collides with obstacles and walls.
 
     Args:
         parameters: counts, sizes.
@@ -92,16 +92,16 @@ class Bodies:
         self._space.add(*shapes)
 
     def step(self, xy: Floats, velocity: Floats, seconds: float) -> Floats:
-        """Return where all bodies are after moving with these velocities for some time.
+        """Return the positions of all bodies after moving with these velocities.
 
         Args:
-            xy: where they are, foragers first, then boxes; shape (bodies, 2), m.
+            xy: present positions, foragers first, then boxes; shape (bodies, 2), m.
             velocity: the same shape, m/s.
-            seconds: how long, s.
+            seconds: duration, s.
         """
         space, fields = self._space, BodyFields.POSITION | BodyFields.VELOCITY
-        # pymunk moves first and finds out then what touches, to change velocities and to push
-        # apart in the next step. So one step leads to where all are, and the next one moves.
+        # pymunk first moves bodies and then detects contacts, which change velocities and push
+        # apart in the next step. So one step leads to the present positions, the next one moves.
         self._given[:-1, :2] = xy - velocity * seconds
         self._given[:-1, 2:] = velocity
         set_space_bodies(space, fields, self._buffer)

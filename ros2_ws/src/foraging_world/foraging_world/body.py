@@ -12,12 +12,12 @@ from foraging_world.percept import FAR, LENGTH
 class ForagerBody:
     """The `hitab_core.domain.Body` of one forager.
 
-    Things are referred to by their *place* in the percept: the index of their distance, after
-    which their direction and number follow. What a forager does in a cycle is driving, turning
-    and gripping; each is set on its own, and is none unless set in this very cycle.
+    Things are referred to by their *place* in the percept: the index of their distance, which is
+    followed by their direction and number. A forager drives, turns and grips; each of these is
+    set separately and lasts for one cycle.
 
     Attributes:
-        values: the percept, laid out as `foraging_world.percept` tells.
+        values: the percept, in the layout of `foraging_world.percept`.
     """
 
     __slots__ = ("_action", "name", "values")
@@ -28,31 +28,31 @@ class ForagerBody:
         self._action = [0.0, 0.0, 0.0]
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take this cycle's percept and forget what was done in the last one.
+        """Take this cycle's percept and clear the last action.
 
         Raises:
-            ValueError: if the percept is not laid out for a forager.
+            ValueError: if the percept does not have a forager's layout.
         """
         if len(values) != LENGTH:
             raise ValueError(
-                f"{self.name}: a percept of {len(values)} values is not one of foraging; "
-                "is the agent linked to another world?"
+                f"{self.name}: a percept of {len(values)} values is not from foraging, which has "
+                f"{LENGTH}; link the agent to a foraging world"
             )
         self.values = values
         self._action = [0.0, 0.0, 0.0]
 
     def act(self) -> tuple[Sequence[float], str]:
-        """Return what is done in this cycle, see `foraging_world.action`; foragers are silent."""
+        """Return this cycle's action, see `foraging_world.action`; foragers say nothing."""
         return self._action, ""
 
     @property
     def position(self) -> tuple[float, float]:
-        """Where it is, m."""
+        """Its position, m."""
         return self.values[percept.X], self.values[percept.Y]
 
     @property
     def heading(self) -> float:
-        """Where its body points, rad."""
+        """The direction of its body, rad."""
         return self.values[percept.HEADING]
 
     @property
@@ -61,19 +61,19 @@ class ForagerBody:
         return self.values[percept.HELD]
 
     def sees(self, place: int) -> bool:
-        """Whether what a place is about is there and seen, or known by radio."""
+        """Whether the thing at a place is seen or known by radio."""
         return self.values[place] < FAR
 
     def drive(self, effort: float) -> None:
-        """Walk, or pull if a box is held, along the body; 1 is as fast as it can."""
+        """Walk, or pull if a box is held, along the body; 1 is full speed."""
         self._action[0] = effort
 
     def turn_by(self, angle: float) -> None:
-        """Turn by an angle, rad, or as far as it can in one cycle."""
+        """Turn by an angle, rad, limited to the maximum of one cycle."""
         self._action[1] = angle
 
     def grip(self, number: float) -> None:
-        """Grip the box of this number, if it is in reach and nothing is held."""
+        """Grip the box with this number, if it is in reach and nothing is held."""
         self._action[2] = number
 
     def let_go(self) -> None:

@@ -1,4 +1,4 @@
-"""What foragers can tell about their situation, and the things that it is about."""
+"""The features and targets of foragers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hitab_core import Feature, FeatureKind, Target
 
 
 def distance_to(body: ForagerBody, place: int) -> float:
-    """Return how far X is, m, edge to edge; 1000 if it is not seen or there is none."""
+    """Return the distance to X, m, edge to edge; 1000 if it is not seen or there is none."""
     return body.values[place]
 
 
@@ -19,7 +19,7 @@ def direction_to(body: ForagerBody, place: int) -> float:
 
 
 def sees(body: ForagerBody, place: int) -> float:
-    """Whether X is there and seen, or known by radio."""
+    """Whether X is seen or known by radio."""
     return float(body.sees(place))
 
 
@@ -54,12 +54,12 @@ def hands(body: ForagerBody) -> float:
 
 
 def waited(body: ForagerBody) -> float:
-    """Return for how long the box that is held has not moved, s."""
+    """Return how long the held box has not moved, s."""
     return body.values[percept.WAITED]
 
 
 def rested(body: ForagerBody) -> float:
-    """Return for how long no box is held since one was given up, s; 1000 if never."""
+    """Return how long ago a box was given up, s; 1000 if never."""
     return body.values[percept.RESTED]
 
 

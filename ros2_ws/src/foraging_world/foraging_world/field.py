@@ -1,4 +1,4 @@
-"""The state of a foraging field and how it changes in a cycle: arrays over robots and boxes."""
+"""The state of a foraging field and its change in a cycle: arrays over robots and boxes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from hitab_world.parameters import ParameterError
 Floats = NDArray[np.float64]
 
 NOTHING = -1
-AWAY = 1e6  # m: where boxes are that have come home for good
+AWAY = 1e6  # m: where boxes are kept that are home for good
 
 
 class Field:
@@ -29,8 +29,8 @@ class Field:
         heading: rad.
         held: index of the box that each holds, or `NOTHING`.
         grip: where each holds it, relative to the box's centre, m.
-        waited: for how long what each holds has not moved, s.
-        rested: since when each has let go of a box by itself, s.
+        waited: how long the box that each holds has not moved, s.
+        rested: how long ago each has let go of a box by itself, s.
         box_xy, box_velocity: m and m/s; shape (boxes, 2).
         present: whether a box is on the field.
         box_radius, large: fixed; small boxes come first.
@@ -49,10 +49,10 @@ class Field:
         self.begin(0)
 
     def begin(self, seed: int) -> None:
-        """Lay everything out afresh.
+        """Lay everything out for a new episode.
 
         Raises:
-            ParameterError: if there is no room for it.
+            ParameterError: if there is not enough room.
         """
         p, boxes = self.parameters, len(self.large)
         self.random = random = Generator(PCG64(seed))
@@ -69,16 +69,16 @@ class Field:
         self.present = np.zeros(boxes, bool)
         self.hands = np.zeros(boxes, np.int64)
         self.collected = np.zeros(2, np.int64)
-        for box in reversed(range(boxes)):  # the large ones first, which need most room
+        for box in reversed(range(boxes)):  # the large ones need most room
             if not self._lay(box):
                 raise ParameterError(
                     f"there is no room for {p.small_boxes} small and {p.large_boxes} large boxes "
-                    f"on {p.width:g} m by {p.height:g} m; make the field wider or boxes fewer"
+                    f"on {p.width:g} m by {p.height:g} m; use a larger field or fewer boxes"
                 )
         self.make_bodies()
 
     def make_bodies(self) -> None:
-        """Make the bodies of what is there now."""
+        """Create the bodies of the present field."""
         self._bodies = Bodies(self.parameters, self.box_radius, self.obstacles)
 
     def _lay(self, box: int) -> bool:
@@ -102,7 +102,7 @@ class Field:
     # -- a cycle ----------------------------------------------------------------------------
 
     def step(self, commands: action.Commands, seconds: float) -> None:
-        """Let the robots do what they want for some time, s."""
+        """Carry out the robots' commands for some time, s."""
         p = self.parameters
         slips = 1.0 + p.noise * self.random.standard_normal((p.foragers, 2))
         drive = np.clip(commands[:, action.DRIVE], -1.0, 1.0)
@@ -134,7 +134,7 @@ class Field:
         self._count_hands()
 
     def let_go(self, foragers: NDArray[np.bool_]) -> None:
-        """Have some robots, of a mask over all, lose what they hold: it was not given up."""
+        """Have the robots of a mask lose what they hold; this does not count as giving up."""
         foragers = foragers & (self.held != NOTHING)
         self.held[foragers] = NOTHING
         self.waited[foragers] = 0.0
@@ -146,10 +146,10 @@ class Field:
         self.hands = np.bincount(held, minlength=len(self.large))
 
     def _pulled(self, ahead: Floats, drive: Floats) -> Floats:
-        """Return how fast each box is pulled: along the mean of its pullers, if they are enough.
+        """Return the velocity of each box: the mean of its pullers, if there are enough of them.
 
-        Those who pull in other directions take away from the others, so that a box on which all
-        disagree does not move however many they are.
+        Pullers in different directions cancel out, so that a box on which all disagree does not
+        move, however many they are.
         """
         p, boxes = self.parameters, len(self.large)
         pulling = (self.held != NOTHING) & (drive > 0.0)
@@ -170,7 +170,7 @@ class Field:
             np.concatenate([self.xy, self.box_xy]), np.concatenate([velocity, pulled]), seconds
         )
         moves = np.any(pulled != 0.0, axis=1)
-        # A box that is not pulled stays where it is, whoever bumps into it.
+        # A box that is not pulled stays in place, whatever bumps into it.
         self.box_xy = np.where(moves[:, None], found[p.foragers :], boxes_before)
         self.xy = found[: p.foragers]
         if len(pulled):
@@ -183,9 +183,9 @@ class Field:
         self.box_velocity = (self.box_xy - boxes_before) / seconds
 
     def _hold_on(self, holds: NDArray[np.bool_]) -> None:
-        """Keep those who hold a box at it; pushed by others, they slide along its edge.
+        """Keep robots at the box they hold; when pushed by others, they slide along its edge.
 
-        So those who come later find a place, instead of standing behind those who came first.
+        So later robots find a place, instead of standing behind the first ones.
         """
         boxes, grip = self.box_xy[self.held[holds]], self.grip[holds]
         pushed = self.xy[holds] - boxes
@@ -204,7 +204,7 @@ class Field:
             self.box_xy[box] = AWAY * (1.0 + box)
             self.box_velocity[box] = 0.0
         if p.renew:
-            # Where there was no room for one, there may be later.
+            # If there was no room for one, there may be later.
             for box in np.flatnonzero(~self.present).tolist():
                 self._lay(box)
 
@@ -221,24 +221,24 @@ class Field:
         return {**arrays, "random": self.random.bit_generator.state}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Bring back what `state` returned.
+        """Restore what `state` returned.
 
         Raises:
-            KeyError, TypeError, ValueError: if it is not such a state; then nothing has changed.
+            KeyError, TypeError, ValueError: if the state is invalid; then nothing has changed.
         """
         arrays = {}
         for name in self.ARRAYS:
             now = getattr(self, name)
             given = np.array(state[name])
             if given.size and not np.can_cast(given.dtype, now.dtype, "same_kind"):
-                raise TypeError(f"{name} has {given.dtype} for {now.dtype}")
+                raise TypeError(f"{name} has type {given.dtype} instead of {now.dtype}")
             arrays[name] = given.astype(now.dtype).reshape(now.shape)
             if not np.all(np.isfinite(arrays[name])):
                 raise ValueError(f"{name} is not finite")
         random = PCG64(0)
         random.state = state["random"]
         if np.any(arrays["held"] >= len(self.large)) or np.any(arrays["held"] < NOTHING):
-            raise ValueError("a robot holds a box that there is not")
+            raise ValueError("a robot holds a box that does not exist")
         for name, array in arrays.items():
             setattr(self, name, array)
         self.random = Generator(random)

@@ -1,4 +1,4 @@
-"""Where things lie when an episode begins, and where a box comes to lie anew."""
+"""Where things lie when an episode begins, and where a box is put after it came home."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
 
 def start_places(p: ForagingParameters) -> Floats:
-    """Return where the foragers stand at first: in a dense spiral around home."""
+    """Return the start positions of the foragers: a dense spiral around home."""
     number = np.arange(1, p.foragers + 1)
     distance = SPREAD * (p.forager_radius / 0.2) * np.sqrt(number)
     angle = number * GOLDEN_ANGLE
@@ -27,16 +27,16 @@ def start_places(p: ForagingParameters) -> Floats:
 
 
 def clear_radius(p: ForagingParameters) -> float:
-    """Return how far from the middle nothing lies at first: home and the foragers are there, m."""
+    """Return the radius around the middle, m, that is kept clear for home and the foragers."""
     spread = SPREAD * (p.forager_radius / 0.2) * math.sqrt(p.foragers) + p.forager_radius
     return max(spread, p.home_radius) + p.largest_radius
 
 
 def obstacle_places(p: ForagingParameters, random: Generator) -> Floats:
-    """Return where the obstacles lie: between any two, even a large box can be pulled through.
+    """Return the positions of the obstacles; a large box can be pulled between any two.
 
     Raises:
-        ParameterError: if there is no room for so many.
+        ParameterError: if there is no room for that many.
     """
     passage = 2.0 * p.largest_radius + 0.5
     places: list[Floats] = []
@@ -51,9 +51,8 @@ def obstacle_places(p: ForagingParameters, random: Generator) -> Floats:
         )
         if place is None:
             raise ParameterError(
-                f"there is no room for {p.obstacles} obstacles, between which large boxes can be "
-                f"pulled, on {p.width:g} m by {p.height:g} m; make the field wider or obstacles "
-                "fewer"
+                f"there is no room for {p.obstacles} obstacles, with passages for large boxes, on "
+                f"{p.width:g} m by {p.height:g} m; use a larger field or fewer obstacles"
             )
         places.append(place)
     return np.array(places).reshape(-1, 2)
@@ -62,11 +61,11 @@ def obstacle_places(p: ForagingParameters, random: Generator) -> Floats:
 def box_place(
     p: ForagingParameters, random: Generator, radius: float, taken: Floats, radii: Floats
 ) -> Floats | None:
-    """Return where a box can lie: away from home, the walls and everything that is there.
+    """Return where a box can lie: away from home, the walls and everything else.
 
     Args:
         radius: of the box, m.
-        taken, radii: centres and radii of all that it must not touch, nor its pullers.
+        taken, radii: centres and radii of what the box and its pullers must not touch.
     """
     ring = radius + p.ring_width
     return _free_place(

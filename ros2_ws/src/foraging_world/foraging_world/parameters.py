@@ -15,24 +15,23 @@ class ForagingParameters(Parameters):
 
     Attributes:
         foragers: number of robots.
-        squad_size: robots of successive numbers that share a radio channel, on which each
-            tells where it is and which box it holds: 1 to 5, 6 to 10 and so on.
-        company_squads: squads of successive numbers that share a second channel.
+        squad_size: consecutive robots that share a radio channel, on which each reports its
+            position and the box it holds: 1 to 5, 6 to 10 and so on.
+        company_squads: consecutive squads that share a second channel.
         width, height: of the field, which is centred on the origin, m.
         home_radius: of the home, a disc in the middle, m. A box is home when its centre is.
         obstacles: number of round obstacles.
-        small_boxes, large_boxes: how many lie about.
+        small_boxes, large_boxes: number of boxes on the field.
         small_pullers, large_pullers: how many robots must pull before a box moves.
-        renew: whether a box that has come home lies somewhere else again, so that there are
-            always as many; otherwise the episode ends when all are home.
+        renew: whether a box that has come home is put elsewhere on the field again, so that
+            their number is constant; otherwise the episode ends when all are home.
         duration: of an episode, s.
-        sight: how far boxes are seen, m, from the robot's centre to the box's edge.
-        obstacle_sight: how far obstacles and walls are seen, m, edge to edge.
-        reach: how far a box can be gripped, m, edge to edge.
-        speed, turn_rate: the most a robot does, m/s and rad/s.
-        pull_speed: the most a box moves at, m/s.
-        noise: standard deviation of what each turn and each distance covered differ by, as a
-            part of them.
+        sight: range at which boxes are seen, m, from the robot's centre to the box's edge.
+        obstacle_sight: range at which obstacles and walls are seen, m, edge to edge.
+        reach: range at which a box can be gripped, m, edge to edge.
+        speed, turn_rate: maximum of a robot, m/s and rad/s.
+        pull_speed: maximum speed of a box, m/s.
+        noise: relative standard deviation of each turn and each distance covered.
     """
 
     WORLD = "foraging"
@@ -70,12 +69,12 @@ class ForagingParameters(Parameters):
     obstacle_radius: float = 1.2
 
     def __post_init__(self) -> None:
-        """Refuse figures that mean nothing, or that leave no room."""
+        """Refuse figures that are invalid or leave no room."""
         super().__post_init__()
         if self.foragers * 4.0 * self.forager_radius**2 > 0.5 * self.width * self.height:
             raise ParameterError(
                 f"foragers is {self.foragers}: they do not fit into half of the field of "
-                f"{self.width:g} m by {self.height:g} m; make it wider"
+                f"{self.width:g} m by {self.height:g} m; make it larger"
             )
         for size in ("small", "large"):
             pullers = getattr(self, f"{size}_pullers")
@@ -91,10 +90,10 @@ class ForagingParameters(Parameters):
 
     @property
     def ring_width(self) -> float:
-        """Of the ring around a box in which the robots are that hold it, m."""
+        """Width of the ring around a box for the robots that hold it, m."""
         return self.reach + 2.0 * self.forager_radius
 
     @property
     def largest_radius(self) -> float:
-        """Of a large box with its ring of pulling robots, m."""
+        """Radius of the largest box with its ring of pulling robots, m."""
         return max(self.small_radius, self.large_radius) + self.ring_width

@@ -1,4 +1,4 @@
-"""Works out what all foragers perceive of a field, laid out as `foraging_world.percept` says."""
+"""Computes what all foragers perceive of a field, in the layout of `foraging_world.percept`."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def _put_boxes(field: Field, senses: Floats, put) -> None:
 
 @dataclass(frozen=True)
 class _Sightings:
-    """Who sees what, how far away; sorted by forager, then by distance.
+    """Which foragers see what, how far away; sorted by forager, then by distance.
 
     Attributes:
         forager, thing: indices.
@@ -125,17 +125,17 @@ class _Sightings:
     gap: Floats
 
     def where(self, mask: NDArray) -> _Sightings:
-        """Return some of them."""
+        """Return the sightings of a mask."""
         return _Sightings(self.forager[mask], self.thing[mask], self.gap[mask])
 
     def closest(self) -> _Sightings:
-        """Return what is closest to each, of those who see anything."""
+        """Return the closest thing to each forager that sees anything."""
         if not len(self.forager):
             return self
         return self.where(np.diff(self.forager, prepend=-1) != 0)
 
     def spread(self, foragers: int) -> tuple[Ints, Floats]:
-        """Return what each sees, and how far away; infinitely far who sees nothing."""
+        """Return what each forager sees, and how far away; infinitely far if it sees nothing."""
         thing, gap = np.zeros(foragers, np.int64), np.full(foragers, np.inf)
         thing[self.forager] = self.thing
         gap[self.forager] = self.gap
@@ -143,7 +143,7 @@ class _Sightings:
 
 
 def _in_sight(xy: Floats, things: Floats, radii: Floats, sight: float) -> _Sightings:
-    """Return who sees what; ``radii`` are those of thing and forager together."""
+    """Return which foragers see what; ``radii`` are the sums of a thing's and a forager's."""
     dx = things[:, 0] - xy[:, 0, None]
     dy = things[:, 1] - xy[:, 1, None]
     forager, thing = np.nonzero(dx * dx + dy * dy <= (sight + radii) ** 2 + 1e-9)
@@ -162,7 +162,7 @@ def squad_means(xy: Floats, squad_size: int) -> Floats:
 
 
 def _closest_obstacle(field: Field) -> tuple[Floats, Floats, None, NDArray]:
-    """Return the vectors and distances to what is closest of the obstacles and the walls."""
+    """Return the vectors and distances to the closest obstacle or wall."""
     p, xy = field.parameters, field.xy
     rows = np.arange(len(xy))
     half_width, half_height = p.width / 2.0, p.height / 2.0

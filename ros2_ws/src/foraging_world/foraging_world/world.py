@@ -1,4 +1,4 @@
-"""The foraging world: a field, whom it hears of, and episodes."""
+"""The foraging world: a field, its foragers and episodes."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ TIME, CLEARED = "time", "cleared"
 
 
 class ForagingWorld:
-    """A swarm that forages; see `hitab_world.world.World` for what can be done.
+    """A swarm that forages; see `hitab_world.world.World` for its methods.
 
-    What foragers perceive is laid out as `foraging_world.percept` tells, what they do as
-    `foraging_world.action` does. Nobody hears anything that is said.
+    `foraging_world.percept` describes the layout of percepts, `foraging_world.action` that of
+    actions. Foragers do not hear each other.
 
     Args:
         parameters: figures of the field, the boxes and the robots.
-        seed: of the run. Episode i draws from a generator seeded by the two, so that it can be
-            played again by itself.
+        seed: of the run. Episode i draws from a generator seeded with the two, so that it can be
+            replayed by itself.
 
     Raises:
-        ParameterError: if there is no room for all that is to lie on the field.
+        ParameterError: if the field has no room for all boxes and obstacles.
     """
 
     name = "foraging"
@@ -116,7 +116,7 @@ class ForagingWorld:
     # -- showing and arranging --------------------------------------------------------------
 
     def entities(self) -> list[Entity]:
-        """Return home, obstacles, boxes and foragers as they truly are now."""
+        """Return the true state of home, obstacles, boxes and foragers."""
         p, field = self.parameters, self._field
         found = [Entity("home", "home", 0.0, 0.0, radius=p.home_radius)]
         found += [
@@ -150,13 +150,13 @@ class ForagingWorld:
         return found
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
-        """Put foragers or boxes somewhere else; nothing is placed if anything is refused.
+        """Move foragers or boxes; nothing is placed if anything is refused.
 
-        A forager that is put somewhere lets go of its box; a box that is put somewhere is let go
-        by all. Velocities are those of the next command, so that there is nothing to be set.
+        A forager that is moved lets go of its box; all foragers let go of a box that is moved.
+        Velocities cannot be set: they follow from the next command.
 
         Raises:
-            WorldError: naming what does not exist or cannot be.
+            WorldError: naming what is unknown or invalid.
         """
         placements = list(placements)
         for placement in placements:
@@ -184,7 +184,7 @@ class ForagingWorld:
         if name not in self._index and name not in self._boxes:
             fixed = name == "home" or name.startswith("obstacle_")
             raise WorldError(
-                f"{name} cannot be moved"
+                f"{name} cannot be moved; move foragers or boxes"
                 if fixed
                 else f'nothing is called "{name}" (has: forager_1 to {self.agents[-1]}'
                 f"{''.join(f', {box}' for box in self._boxes)})"
@@ -195,13 +195,13 @@ class ForagingWorld:
         for figure, half in (("x", self.size[0] / 2.0), ("y", self.size[1] / 2.0)):
             if abs(getattr(placement, figure)) > half:
                 raise WorldError(
-                    f"{name}: {figure} is {getattr(placement, figure):g} m, outside of the field, "
-                    f"which ends at {half:g} m"
+                    f"{name}: {figure} is {getattr(placement, figure):g} m, outside the field; "
+                    f"give {-half:g} to {half:g} m"
                 )
         if math.hypot(*(0.0 if math.isnan(v) else v for v in (placement.vx, placement.vy))):
             raise WorldError(
-                f"{name}: cannot be given a velocity; foragers walk as they are commanded, boxes "
-                "as they are pulled; leave it out"
+                f"{name}: the velocity cannot be set, it follows from commands and pulling; "
+                "leave it out"
             )
         if name in self._boxes and not self._field.present[self._boxes.index(name)]:
             raise WorldError(f"{name} is home already; a new episode brings it back")
@@ -213,7 +213,7 @@ class ForagingWorld:
         return {**snapshots.header(self, SNAPSHOT_VERSION), "field": self._field.state()}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
-        """Bring back a state that `snapshot` returned.
+        """Restore a state that `snapshot` returned.
 
         Raises:
             WorldError: if it is of another kind of world, of one with other parameters, or
@@ -225,7 +225,7 @@ class ForagingWorld:
         self._perceived = None
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode went so far: boxes that came home, by size."""
+        """Return how the present episode has gone so far: boxes brought home, by size."""
         small, large = self._field.collected.tolist()
         return EpisodeResult.of(
             self, {"boxes": float(small + large), "small": float(small), "large": float(large)}

@@ -1,4 +1,4 @@
-"""Runs the foraging world as a process of its own.
+"""Runs the foraging world as its own process.
 
 For example::
 
@@ -22,10 +22,10 @@ from hitab_world.figures import declare_figures
 
 
 def make_world(node: Node, seed: int) -> ForagingWorld:
-    """Make the world that the node's parameters describe.
+    """Create the world that the node's parameters describe.
 
     Raises:
-        HitabError: if a figure cannot be, or there is no room for all that shall be there.
+        HitabError: if a figure is invalid, or there is no room for all boxes and obstacles.
     """
     try:
         return ForagingWorld(declare_figures(node, ForagingParameters), seed)
@@ -34,7 +34,7 @@ def make_world(node: Node, seed: int) -> ForagingWorld:
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until stopped."""
     sys.exit(run(lambda spinning: run_world(make_world, spinning)))
 
 

@@ -68,7 +68,7 @@ def test_nobody_walks_through_walls_or_others(quiet, seen):
 
 
 def test_a_percept_of_another_world_is_refused():
-    with pytest.raises(ValueError, match="linked to another world"):
+    with pytest.raises(ValueError, match="link the agent to a foraging world"):
         ForagerBody("forager_1").sense([0.0] * 14, [])
 
 
@@ -103,8 +103,8 @@ def test_what_there_is_no_room_for_is_told(figures):
     [
         (Placement("home", 1.0, 1.0), "home cannot be moved"),
         (Placement("obstacle_1", 1.0, 1.0), "obstacle_1 cannot be moved"),
-        (Placement("forager_1", 31.0, 1.0), "outside of the field"),
-        (Placement("forager_1", vx=1.0), "cannot be given a velocity"),
+        (Placement("forager_1", 31.0, 1.0), "outside the field"),
+        (Placement("forager_1", vx=1.0), "velocity cannot be set"),
     ],
 )
 def test_what_cannot_be_placed_is_told(placement, message):
