@@ -29,7 +29,7 @@ def studio(
     token: Annotated[
         str,
         typer.Option(
-            help="Who opens the page from elsewhere must have it; made up if none is given.",
+            help="Required to open the page from other machines; generated if not given.",
             show_default=False,
         ),
     ] = "",
@@ -38,10 +38,10 @@ def studio(
         Path | None, typer.Option(help="The run folder of the swarm, instead of its name.")
     ] = None,
 ) -> None:
-    """Open the console in a browser: the field live, training by clicking, what was learned.
+    """Open the console in a browser: the live field, training by clicking, what was learned.
 
-    The swarm may be up already or be started later; the page finds it, and finds it again when
-    it is restarted.
+    The swarm may be started before or after this command; the page finds it, also after a
+    restart.
 
     Examples:
 

@@ -1,4 +1,4 @@
-"""Which swarm the studio talks to: it may not be up yet, and may be another one a moment later."""
+"""Which swarm the studio connects to: it may not be up yet, and may be replaced at any time."""
 
 from __future__ import annotations
 
@@ -14,17 +14,16 @@ from hitab_client.swarm_choice import find_meant, meant
 
 @dataclass(frozen=True)
 class Target:
-    """A swarm, or just a ROS domain in which there may be one.
+    """A swarm, or just a ROS domain that may contain one.
 
     Attributes:
         domain_id: its ROS domain.
-        swarm: its name; empty if nobody says.
-        identity: of its present start; empty if nobody says.
+        swarm: its name; empty if unknown.
+        identity: of its present start; empty if unknown.
         world: whether it has started a world.
-        agents: those that there should be.
-        start: a number that another start of the same swarm does not have.
-        problem: why it is not certain which swarm is meant, or "": then there is nothing to
-            connect to.
+        agents: the agents that it should have.
+        start: a number that differs for each start of the same swarm.
+        problem: why no swarm can be chosen to connect to; "" if one can.
     """
 
     domain_id: int
@@ -71,6 +70,6 @@ def _target(record: RunRecord) -> Target:
 
 
 def describe(target: Target) -> str:
-    """Return what a person calls it."""
+    """Return its name for people."""
     name = target.swarm or f"ROS domain {target.domain_id}"
     return f"{name} ({os.uname().nodename})"

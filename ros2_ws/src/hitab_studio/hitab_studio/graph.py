@@ -27,7 +27,7 @@ LINE = 13.0
 
 @dataclass(frozen=True)
 class DrawnState:
-    """A state: its middle and size, what it is called and what kind it is."""
+    """A state: its centre, size, name and kind."""
 
     name: str
     kind: str
@@ -39,7 +39,7 @@ class DrawnState:
 
 @dataclass(frozen=True)
 class DrawnArrow:
-    """An arrow: its path, what is written on it, and where."""
+    """An arrow: its path, its label and where the label goes."""
 
     source: str
     target: str
@@ -143,7 +143,7 @@ def graph(automaton: Automaton, automata: Sequence[str]) -> Graph:
 
     Args:
         automaton: to draw.
-        automata: names of the behaviors that one can look into.
+        automata: names of the behaviors that can be opened.
     """
     return _graph(_ByIdentity(automaton), frozenset(automata))
 

@@ -1,4 +1,4 @@
-"""Who may talk to the page: nobody from another site, and from elsewhere only with the token."""
+"""Access to the page: refused to other sites, and to other machines without the token."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
 def is_loopback(host: str) -> bool:
-    """Whether an address is reached from this machine alone."""
+    """Whether an address can only be reached from this machine."""
     if host == "localhost":
         return True
     try:
@@ -33,15 +33,15 @@ def is_loopback(host: str) -> bool:
 
 
 class Guard:
-    """Lets through what may pass, before any other code sees it; for requests and web sockets.
+    """Filters requests and web sockets before any other code sees them.
 
-    A page of another site makes the browser send an ``Origin`` of its own. A name of another
-    site that was made to point here (DNS rebinding) stands in ``Host``.
+    For a page of another site, the browser sends that site's ``Origin``. With DNS rebinding,
+    ``Host`` has the other site's name.
 
     Args:
-        app: what is guarded.
+        app: the guarded application.
         host: the address that the server listens on.
-        token: that must be shown once, in the address; "" if none is needed.
+        token: required once, in the address; "" if none is needed.
     """
 
     def __init__(self, app: App, host: str = "127.0.0.1", token: str = "") -> None:
@@ -114,11 +114,11 @@ async def _refuse(scope: Scope, send: Send, status: int, why: str) -> None:
 
 
 def new_token(host: str, given: str = "") -> str:
-    """Return the token for an address: the given one, or where one is needed a new one.
+    """Return the token for an address: the given one, or a new one if one is needed.
 
     Raises:
-        SwarmError: if the given one cannot stand in an address.
+        SwarmError: if the given one is not valid in an address.
     """
     if given and re.fullmatch(r"[A-Za-z0-9_-]{8,}", given) is None:
-        raise SwarmError("a token has at least 8 letters, digits, - and _")
+        raise SwarmError("a token must have at least 8 letters, digits, - and _")
     return given or ("" if is_loopback(host) else secrets.token_urlsafe(18))

@@ -1,9 +1,9 @@
-"""What pages ask of the swarm: jobs that wait without stopping anybody else.
+"""Jobs: requests of pages to the swarm, which wait without blocking each other.
 
-A job is ordinary code that waits by spinning the link. Each has a thread of its own, which runs
-only while the link's thread lets it: from one wait to the next. So there is never more than one
-thread at the node, the clients and what they know, and none of it needs a lock; and while a job
-waits the link's thread spins the node for everybody.
+A job is ordinary code that waits by spinning the link. Each has its own thread, which only runs
+when the link's thread lets it, from one wait to the next. So only one thread at a time uses the
+node, the clients and their data, and none of them needs a lock; while a job waits, the link's
+thread spins the node for all.
 
 The rule for jobs: wait by the link (`spin`, `spin_until`, `call`), never by sleeping.
 """
@@ -20,24 +20,24 @@ from hitab_client import RosLink, SwarmClient, SwarmError, WorldClient
 from hitab_core import HitabError
 
 STUBBORN = 100
-"""Waits after which a job that was ended, and waits again and again, is left alone."""
+"""Waits after which a job that keeps waiting although it was ended is abandoned."""
 
 _here = threading.local()
 
 
 class JobError(RuntimeError):
-    """A mistake in a job, as a future can carry it."""
+    """A bug in a job, in a form that a future can carry."""
 
 
 class Job:
-    """One thing that a page asks for.
+    """One request of a page.
 
     Args:
         work: does it, and returns the answer.
-        lines: jobs that have a line in common are done one after the other.
+        lines: jobs that share a line are done one after the other.
 
     Attributes:
-        answer: for whoever asked.
+        answer: for the caller.
     """
 
     def __init__(self, work: Callable[[], Any], lines: Iterable[str] = ()) -> None:
@@ -52,7 +52,7 @@ class Job:
         self._has_ended = False
 
     def go_on(self) -> bool:
-        """Let it work until it waits; return whether it has ended. For the link's thread."""
+        """Run it until it waits; return whether it has ended. For the link's thread."""
         if self._has_ended:
             return True
         if self._thread is not None:
@@ -67,7 +67,7 @@ class Job:
         return self._has_ended
 
     def end(self, why: str) -> None:
-        """Have it end with an error, wherever it waits. For the link's thread."""
+        """End it with an error, wherever it waits. For the link's thread."""
         self._why = why
         if self._thread is None:
             self._error, self._has_ended = SwarmError(why), True
@@ -78,7 +78,7 @@ class Job:
         self._error = SwarmError(why)
 
     def reply(self) -> None:
-        """Give the answer to whoever asked."""
+        """Give the answer to the caller."""
         if self.answer.cancelled():
             return
         if self._error is not None:
@@ -90,7 +90,7 @@ class Job:
         """Wait for the next turn. For the job's own thread.
 
         Raises:
-            SwarmError: if the job is to end.
+            SwarmError: if the job should end.
         """
         self._back.release()
         self._turn.acquire()
@@ -112,17 +112,17 @@ class Job:
 
 
 class Jobs:
-    """The jobs that have not ended, in the order in which they were asked for."""
+    """The jobs that have not ended, in the order of their requests."""
 
     def __init__(self) -> None:
         self._jobs: list[Job] = []
 
     def add(self, job: Job) -> None:
-        """Do this too."""
+        """Add a job."""
         self._jobs.append(job)
 
     def go_on(self) -> list[Job]:
-        """Give each job that need not wait for another one its turn; return those that ended."""
+        """Run each job that need not wait for another one; return those that ended."""
         ended: list[Job] = []
         taken: set[str] = set()
         for job in self._jobs:
@@ -134,7 +134,7 @@ class Jobs:
         return ended
 
     def end(self, why: str) -> list[Job]:
-        """Have all end with an error; return them."""
+        """End all jobs with an error; return them."""
         ended, self._jobs = self._jobs, []
         for job in ended:
             job.end(why)
@@ -142,10 +142,10 @@ class Jobs:
 
 
 class SharedLink(RosLink):
-    """A link that jobs use beside the thread that spins it: they wait for their next turn."""
+    """A link that jobs can use besides its own thread: they wait for their next turn."""
 
     def spin(self, seconds: float = 0.1) -> None:
-        """Handle what has come; in a job: have the link's thread do that."""
+        """Handle events; in a job, have the link's thread do that."""
         job: Job | None = getattr(_here, "job", None)
         if job is None:
             super().spin(seconds)

@@ -1,6 +1,6 @@
-"""What the link's thread tells the pages: frozen, so that two threads may look at it.
+"""What the link's thread passes to the pages: frozen, so that two threads can read it.
 
-A message of ROS that was received is never changed by anybody; all else here is immutable.
+Received ROS messages are never changed; everything else here is immutable.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ class Known:
     """All that is known of a swarm at one moment.
 
     Attributes:
-        target: which swarm is meant; None before anything was looked for.
+        target: the swarm to connect to; None before the first search.
         revision: raised with each change that pages show.
         world: the last `WorldStatus`.
         scene: the last moment.
         statuses: the last `AgentStatus` of each agent, by name.
         gone: agents whose node has gone.
         groups: the last `CommanderStatus` of each commander, by name.
-        watched: more about those that are looked at, by name.
+        watched: more about the viewed agents, by name.
         moments: in which examples were recorded.
-        recording: where a run is being recorded to; "" while none is.
-        recorded: how many messages it has.
+        recording: the file of the run being recorded; "" if none is.
+        recorded: its number of messages.
     """
 
     target: Target | None = None
@@ -48,12 +48,12 @@ class Known:
 
     @property
     def agents(self) -> list[str]:
-        """Names of the agents that there are or should be."""
+        """Names of the agents that are present or should be."""
         expected = self.target.agents if self.target is not None else ()
         return sorted({*self.statuses, *expected}, key=natural)
 
     def answers(self, agent: str) -> bool:
-        """Whether an agent is there."""
+        """Whether an agent is present."""
         return agent in self.statuses and agent not in self.gone
 
     def doing(self) -> dict[str, tuple[str, str]]:
@@ -63,12 +63,12 @@ class Known:
 
 @dataclass(frozen=True)
 class Trouble:
-    """Something that went wrong in the link's thread.
+    """An error in the link's thread.
 
     Attributes:
-        text: what, for people.
-        session: the page that caused it; "" if that is not known.
-        agent: pages that look at it caused it; "" if that is not known.
+        text: a description for people.
+        session: the page that caused it; "" if unknown.
+        agent: the agent whose viewing pages caused it; "" if unknown.
     """
 
     text: str
@@ -77,6 +77,6 @@ class Trouble:
 
 
 def natural(name: str) -> tuple[str, int, str]:
-    """Return what sorts keeper_2 before keeper_10."""
+    """Return a sort key that puts keeper_2 before keeper_10."""
     head = name.rstrip("0123456789")
     return (head, int(name[len(head) :] or 0), name)

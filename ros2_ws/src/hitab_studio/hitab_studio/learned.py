@@ -1,4 +1,4 @@
-"""What an agent's behaviors have learned, rebuilt from what the agent tells over its services."""
+"""What an agent's behaviors have learned, rebuilt from the answers of its services."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Learned:
-    """One automaton of an agent, as `GetBehavior` tells it.
+    """One automaton of an agent, as `GetBehavior` describes it.
 
     Attributes:
         origin: basic, hand-written, trained or training.
-        parameters, arguments: what is open, and what it is bound to while it is being trained.
+        parameters, arguments: the parameters, and their bindings during training.
         states, features: labels; in the order of the examples' values.
         units, scales: of the features.
         examples: all of them.
@@ -62,7 +62,7 @@ class Learned:
 
     @cached_property
     def automaton(self) -> Automaton | None:
-        """The automaton with its trees; None while it has none, or where they cannot be told."""
+        """The automaton with its trees; None if it has none, or they are unknown."""
         known = ClassifierSpec.parse(self.classifier or TREE).name == TREE
         if not self.examples or not known:
             return None
@@ -90,7 +90,7 @@ class Learned:
         return function if isinstance(function, TransitionTree) else None
 
     def decides(self, state: str, values: Sequence[float]) -> Mapping[str, float]:
-        """Return the probability of each next state; nothing where that cannot be told."""
+        """Return the probability of each next state; nothing if that is unknown."""
         tree = self.tree(state)
         if tree is None or any(math.isnan(v) for v in values):
             return {}
@@ -98,7 +98,7 @@ class Learned:
 
 
 def learned_of(answer: Any) -> Learned:
-    """Return what an answer of `GetBehavior` tells."""
+    """Return the content of an answer of `GetBehavior`."""
     scales = [
         Scale(FeatureKind(kind), period, tuple(c for c in categories.split("|") if c))
         for kind, period, categories in zip(
@@ -128,7 +128,7 @@ def learned_of(answer: Any) -> Learned:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What can be commanded, perceived and targeted, as `GetVocabulary` tells it."""
+    """What can be commanded, perceived and targeted, from `GetVocabulary`."""
 
     domain: str = ""
     behaviors: tuple[str, ...] = ()
@@ -158,9 +158,9 @@ class Vocabulary:
 
 
 def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
-    """Return, for each example that others contradict, the numbers of those.
+    """Return, for each example that others contradict, the numbers of the others.
 
-    Two contradict each other if in the same state, seeing the same, they lead elsewhere.
+    Two contradict each other if they have the same state and values but different next states.
     """
     alike: dict[tuple[str, tuple[float, ...]], list[Example]] = {}
     for example in examples:
@@ -177,10 +177,10 @@ def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
 
 @dataclass(frozen=True)
 class Effect:
-    """What a change of examples did.
+    """The effect of a change of examples.
 
     Attributes:
-        rules_gone, rules_new: what trees said, and say, in words.
+        rules_gone, rules_new: removed and added rules of the trees, as text.
         decisions: for examples on which the decision changed: state, values, before, after.
     """
 
@@ -215,6 +215,6 @@ def _rules(learned: Learned) -> list[str]:
     for state in (START, *(learned.automaton.labels if learned.automaton else ())):
         tree = learned.tree(state)
         for rule in tree.rules(learned.features) if tree else ():
-            words, _, _ = str(rule).rpartition(" (")  # without how many examples there are
+            words, _, _ = str(rule).rpartition(" (")  # without the number of examples
             rules.append(f"{state}: {words}")
     return rules

@@ -1,4 +1,4 @@
-"""One demonstrator per agent at a time: who holds which agent, and how another takes it."""
+"""One demonstrator per agent at a time: who holds an agent, and how another takes it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Holder:
 
 
 class Locks:
-    """Who may command which agent. An agent that nobody holds is taken by commanding it."""
+    """Who may command which agent. Commanding a free agent takes it."""
 
     def __init__(self) -> None:
         self._holders: dict[str, Holder] = {}
@@ -31,10 +31,10 @@ class Locks:
         return self._holders.get(agent)
 
     def claim(self, agent: str, holder: Holder) -> None:
-        """Hold an agent, or go on holding it.
+        """Hold an agent, or keep holding it.
 
         Raises:
-            SwarmError: if somebody else does.
+            SwarmError: if another demonstrator holds it.
         """
         other = self._holders.get(agent)
         if other is not None and other.session != holder.session:
@@ -44,18 +44,18 @@ class Locks:
         self._holders[agent] = holder
 
     def take(self, agent: str, holder: Holder) -> Holder | None:
-        """Hold an agent whoever held it; return who did."""
+        """Take an agent; return its previous holder."""
         before = self._holders.get(agent)
         self._holders[agent] = holder
         return before if before is not None and before.session != holder.session else None
 
     def release(self, agent: str, session: str) -> None:
-        """Let go of an agent."""
+        """Release an agent."""
         holder = self._holders.get(agent)
         if holder is not None and holder.session == session:
             del self._holders[agent]
 
     def leave(self, session: str) -> None:
-        """Let go of everything: the browser has gone."""
+        """Release all agents: the browser has gone."""
         for agent in [a for a, h in self._holders.items() if h.session == session]:
             del self._holders[agent]

@@ -1,4 +1,4 @@
-"""Hands what one thread knows to the loop of another."""
+"""Passes values from one thread to the event loop of another."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from typing import Generic, TypeVar
 T = TypeVar("T")
 
 MOST = 200
-"""Values that wait; of more, the oldest are dropped."""
+"""Maximum number of waiting values; beyond it, the oldest are dropped."""
 
 
 class Mailbox(Generic[T]):
-    """Takes values, from any thread, and gives them to a function that runs in a loop.
+    """Takes values from any thread and passes them to a function that runs in a loop.
 
     Args:
-        loop: in which.
-        take: is given all values that have come since, oldest first.
+        loop: the event loop.
+        take: called with all new values, oldest first.
     """
 
     def __init__(
@@ -30,7 +30,7 @@ class Mailbox(Generic[T]):
         self._values: deque[T] = deque(maxlen=MOST)
 
     def post(self, value: T) -> None:
-        """Hand over a value, which nobody changes from now on; after the loop's end, nothing."""
+        """Pass a value, which must not change afterwards; ignored after the end of the loop."""
         self._values.append(value)
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._open)

@@ -1,4 +1,4 @@
-"""The field as standard markers, so that RViz and Foxglove show the same."""
+"""The field as standard markers, for RViz and Foxglove."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ OTHERS = "#5c7ea8"
 
 
 class Markers:
-    """Publishes the field while anybody listens."""
+    """Publishes the field while there are subscribers."""
 
     def __init__(self, link: RosLink) -> None:
         self._publisher = link.node.create_publisher(MarkerArray, TOPIC, qos.LATCHED)
@@ -46,18 +46,18 @@ class Markers:
         self._count = 0
 
     def look(self) -> None:
-        """Find out whether anybody listens."""
+        """Check whether there are subscribers."""
         self._heard = self._publisher.get_subscription_count() > 0
 
     def show(
         self, scene: Scene, doing: Mapping[str, tuple[str, str]], colors: Mapping[str, int]
     ) -> None:
-        """Publish a moment, if anybody listens and it is time.
+        """Publish a moment, if there are subscribers and it is due.
 
         Args:
             scene: to show.
             doing: mode and active state of each agent, by name.
-            colors: of states; one that has none yet leaves agents their own.
+            colors: of states; agents in a state without one keep their own color.
         """
         if self._heard and abs(scene.seconds - self._last) >= EVERY_SECONDS:
             self._last = scene.seconds

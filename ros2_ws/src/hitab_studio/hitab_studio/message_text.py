@@ -1,4 +1,4 @@
-"""The definitions of messages with all that they are made of, as recordings carry them."""
+"""The definitions of messages with all their parts, as recordings contain them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def type_name(kind: Any) -> str:
 
 @cache
 def definition(name: str) -> str:
-    """Return the definition of a type, followed by those of the types it is made of."""
+    """Return the definition of a type, followed by those of its parts."""
     own = _text(name)
     parts = [own]
     waiting, seen = _inner(name, own), {name}

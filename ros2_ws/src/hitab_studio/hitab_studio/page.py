@@ -18,11 +18,11 @@ from hitab_studio.views import PANELS, render
 STATIC = Path(__file__).parent / "static"
 REFRESH_SECONDS = 0.15
 ALSO_EVERY = 2
-"""Refreshes until what changes all the time, such as curves, is drawn again."""
+"""Refreshes between two drawings of what changes all the time, such as curves."""
 
 
 class Panel(Element, component="static/panel.js"):
-    """A part of the page whose HTML the server gives."""
+    """A part of the page with HTML from the server."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -38,7 +38,7 @@ class Panel(Element, component="static/panel.js"):
 
 
 class Page:
-    """One page: shows a session, and tells it what the person does."""
+    """One page: shows a session, and passes on the person's actions."""
 
     def __init__(self, studio: Studio, session: Session, client: Client) -> None:
         self._studio = studio
@@ -71,7 +71,7 @@ class Page:
         self._client.on_delete(self._wishes.close)
 
     async def _perform(self) -> None:
-        """Do what the person does; what was begun when the page goes is done to its end."""
+        """Perform the person's actions; one in progress when the page goes is completed."""
         try:
             await self._wishes.perform(self._session, self._refresh)
         finally:
@@ -89,7 +89,7 @@ class Page:
             try:
                 panel.show(render(panel.name, session))
                 self._broken.pop(panel.name, None)
-            except Exception as error:  # the other panels, and the page, go on
+            except Exception as error:  # the other panels and the page continue
                 why = what_went_wrong(error)
                 if self._broken.get(panel.name) != why:
                     self._broken[panel.name] = why

@@ -1,4 +1,4 @@
-"""The field as it is now, made ready once for all pages."""
+"""The present field, prepared once for all pages."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from hitab_studio.scene import Palette, Scene, frame, roster
 
 
 class Present:
-    """The last moment of the swarm, as the pages get it.
+    """The last moment of the swarm, in the form sent to pages.
 
     Attributes:
         frame: the moment as a binary frame.
-        frames: how many there were.
+        frames: number of frames so far.
         roster: the message that names what frames show; empty until there is a moment.
     """
 
@@ -25,7 +25,7 @@ class Present:
         self._roster_key: tuple[Any, ...] = ()
 
     def draw(self, scene: Scene, doing: Mapping[str, tuple[str, str]]) -> bool:
-        """Make the frame of a moment; return whether the roster has changed.
+        """Create the frame of a moment; return whether the roster has changed.
 
         Args:
             scene: the moment.

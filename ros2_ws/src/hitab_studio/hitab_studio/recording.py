@@ -1,4 +1,4 @@
-"""Records what is said in a swarm as MCAP, which Foxglove and ``ros2 bag play`` read too."""
+"""Records the messages of a swarm as MCAP, which Foxglove and ``ros2 bag play`` can read."""
 
 from __future__ import annotations
 
@@ -39,34 +39,34 @@ KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
     "distribution_ack": (DistributionAck, qos.EVENTS),
     "markers": (MarkerArray, qos.LATCHED),
 }
-"""What is recorded, by the last part of the topic's name; besides, everybody's status."""
+"""What is recorded besides all statuses, by the last part of the topic's name."""
 
 STATUSES = (WorldStatus, AgentStatus)
 
 
 def recordings_folder() -> Path:
-    """Return where recordings are kept."""
+    """Return the folder of recordings."""
     return state_home() / "recordings"
 
 
 def new_recording(swarm: str) -> Path:
-    """Return where the next recording goes."""
+    """Return the path of the next recording."""
     stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
     return recordings_folder() / f"{swarm or 'swarm'}_{stamp}.mcap"
 
 
 class Recorder:
-    """Records every topic of the swarm's, those that appear later too, as it comes.
+    """Records every topic of the swarm, including those that appear later.
 
-    Messages are not unpacked: they are written as they were received.
+    Messages are not deserialized: they are written as received.
 
     Attributes:
-        count: how many there are.
-        problem: why nothing more can be written; "" as long as all is well.
+        count: number of recorded messages.
+        problem: why nothing more can be written; "" if nothing is wrong.
     """
 
     def __init__(self, link: RosLink, path: str | Path) -> None:
-        """Begin.
+        """Start recording.
 
         Raises:
             SwarmError: if the file cannot be written.
@@ -87,7 +87,7 @@ class Recorder:
         self.look()
 
     def look(self) -> None:
-        """Find topics that have appeared since."""
+        """Find new topics."""
         for topic, kinds in self._link.node.get_topic_names_and_types():
             if topic in self._subscriptions:
                 continue
@@ -125,10 +125,10 @@ class Recorder:
         )
 
     def close(self) -> None:
-        """End: write the index.
+        """Write the index and close the file.
 
         Raises:
-            SwarmError: if that cannot be written.
+            SwarmError: if it cannot be written.
         """
         for subscription in self._subscriptions.values():
             self._link.node.destroy_subscription(subscription)

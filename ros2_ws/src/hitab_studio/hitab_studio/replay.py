@@ -1,4 +1,4 @@
-"""A recorded run, to be looked at moment by moment."""
+"""A recorded run, to view moment by moment."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TRANSITION, EPISODE = "hitab_msgs/msg/TransitionEvent", "hitab_msgs/msg/Episode"
 
 @dataclass
 class _Line:
-    """Messages of one topic in the order in which they came, unpacked when looked at."""
+    """Messages of one topic in order of arrival, deserialized on access."""
 
     times: list[float] = field(default_factory=list)
     data: list[bytes] = field(default_factory=list)
@@ -78,7 +78,7 @@ class Recording:
                     self.episodes.append((seconds, episode.ended))
 
     def scene(self, seconds: float) -> Scene:
-        """Return what was to be seen so many seconds after the beginning."""
+        """Return the scene this many seconds after the beginning."""
         data = self._states.last(self.start + seconds) or self._states.data[0]
         return scene_of(deserialize_message(data, WorldState))
 
@@ -99,7 +99,7 @@ class Recording:
         }
 
     def events(self, seconds: float, agent: str, count: int = 12) -> list[Any]:
-        """Return an agent's last changes of state until then, newest first."""
+        """Return an agent's last state changes until then, newest first."""
         found: list[Any] = []
         i = bisect_right(self._events.times, self.start + seconds)
         while i and len(found) < count:
@@ -116,8 +116,8 @@ class Player:
 
     Attributes:
         at: seconds since the beginning.
-        playing: whether time goes on.
-        speed: of it.
+        playing: whether it is playing.
+        speed: of playback.
     """
 
     recording: Recording
@@ -126,7 +126,7 @@ class Player:
     speed: float = 1.0
 
     def advance(self, seconds: float) -> bool:
-        """Let time pass; return whether the moment changed."""
+        """Advance the time; return whether the moment changed."""
         if not self.playing:
             return False
         self.at = min(self.at + self.speed * seconds, self.recording.seconds)

@@ -1,6 +1,6 @@
-"""What is to be seen in a world, as compact as a browser needs it ten times a second.
+"""What is visible in a world, compact enough to send to a browser ten times a second.
 
-Names, kinds and sizes are sent when they change (the roster); where things are goes into a binary
+Names, kinds and sizes are sent when they change (the roster); positions are sent as a binary
 frame, little-endian:
 
     uint32  1, uint32 n, float64 cycle
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 MODES = ("idle", "performing", "training", "testing")
 NO_COLOR = 255
 COLORS = 12
-"""How many colors the page has for states; more states share them."""
+"""Number of colors for states on the page; further states share them."""
 
 KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
 
@@ -58,7 +58,7 @@ class Scene:
     said: Mapping[int, str]
 
     def place_of(self, name: str) -> dict[str, float]:
-        """Return where something is and how it moves."""
+        """Return the position and motion of a thing."""
         row = self.places[self.names.index(name)].tolist()
         return dict(zip(KNOWN_FIELDS, row, strict=True))
 
@@ -96,7 +96,7 @@ def scene_of(state: Any) -> Scene:
 
 
 class Palette:
-    """A color for each state that was ever active, in the order in which they appeared."""
+    """A color for each state that was ever active, in order of appearance."""
 
     def __init__(self) -> None:
         self.states: list[str] = []
@@ -152,7 +152,7 @@ def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) 
 
 
 def said_message(scene: Scene) -> str:
-    """Return the message that tells what is said."""
+    """Return the message with what is said."""
     return json.dumps({"t": "say", "said": [[i, text] for i, text in scene.said.items()]})
 
 

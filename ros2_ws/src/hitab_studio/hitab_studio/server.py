@@ -29,7 +29,7 @@ class Address:
 
     Attributes:
         host, port: to listen on.
-        token: to be shown by whoever opens the page; "" where only this machine can.
+        token: required to open the page; "" if only this machine can reach it.
     """
 
     host: str = "127.0.0.1"
@@ -38,7 +38,7 @@ class Address:
 
     @property
     def url(self) -> str:
-        """What to open."""
+        """The URL to open."""
         name = "127.0.0.1" if self.host in ("0.0.0.0", "::", "") else self.host
         shown = f"[{name}]" if ":" in name else name
         suffix = f"/?token={self.token}" if self.token else "/"
@@ -48,7 +48,7 @@ class Address:
         """Refuse an address that cannot be served safely.
 
         Raises:
-            SwarmError: if it is reached from elsewhere and there is no token, or is in use.
+            SwarmError: if other machines can reach it and it has no token, or it is in use.
         """
         if not is_loopback(self.host) and not self.token:
             raise SwarmError(
@@ -73,11 +73,11 @@ def serve(
     show: bool = False,
     ready: Callable[[], None] | None = None,
 ) -> None:
-    """Serve the page until the process is told to end.
+    """Serve the page until the process is stopped.
 
     Args:
-        find: tells which swarm is meant.
-        address: where.
+        find: returns the swarm to connect to.
+        address: where to serve it.
         show: whether to open a browser.
         ready: called once the page can be opened.
 

@@ -34,7 +34,7 @@ NOTHING = Watched()
 
 @dataclass
 class Toast:
-    """A short message that goes away by itself."""
+    """A short message that disappears by itself."""
 
     number: int
     kind: str
@@ -53,7 +53,7 @@ class Asked:
 
 @dataclass
 class Table:
-    """How the table of examples is looked at."""
+    """How the table of examples is shown."""
 
     automaton: str = ""
     sort: str = "number"
@@ -64,7 +64,7 @@ class Table:
 
 
 class Shared:
-    """What all pages share, each other included.
+    """What all pages share, including each other.
 
     Attributes:
         link: to the swarm.
@@ -89,14 +89,14 @@ class Session:
     """One page in one browser.
 
     Attributes:
-        shared: what it has in common with the other pages.
-        chosen: names of the things that are chosen in the field.
-        agent: the one among them, or in the list, that is looked at and commanded.
-        level: the automaton that is looked at, if not the outermost one.
-        state: the state whose tree is looked at, if not the active one.
-        dialog: what is asked for, with all that is needed to show it.
-        player: the recording that is played, if one is.
-        connected: whether the browser is there.
+        shared: what it shares with the other pages.
+        chosen: names of the things selected in the field.
+        agent: the one among them, or in the list, that is viewed and commanded.
+        level: the viewed automaton, if not the outermost one.
+        state: the state whose tree is viewed, if not the active one.
+        dialog: the open dialog, with all that is needed to show it.
+        player: the open recording, if there is one.
+        connected: whether the browser is connected.
         sent: the frame that the browser has.
     """
 
@@ -152,7 +152,7 @@ class Session:
         return self.status is not None and self.status.mode in ("training", "testing")
 
     def look_at(self, agent: str) -> None:
-        """Look at an agent; at none if empty."""
+        """View an agent; none if empty."""
         if agent != self.agent:
             self.agent = agent
             self.level = self.state = self.behavior = ""
@@ -163,7 +163,7 @@ class Session:
         self.touch()
 
     def choose(self, names: list[str]) -> None:
-        """Choose things in the field; the first agent among them is looked at."""
+        """Select things in the field; the first agent among them is viewed."""
         self.chosen = names
         self.send({"t": "chosen", "names": names})
         self.touch()
@@ -171,7 +171,7 @@ class Session:
     # -- what the field shows ---------------------------------------------------------------
 
     def frame(self) -> bytes:
-        """Return the frame that the page is to show now."""
+        """Return the frame that the page should show now."""
         if self.player is None:
             return self.shared.present.frame
         recording, at = self.player.recording, self.player.at
@@ -180,7 +180,7 @@ class Session:
     def show_again(self) -> None:
         """Show the present moment: of the recording that is open, else of the swarm.
 
-        The page gets it even if it was sent before: it may show something else by now.
+        It is sent even if the page had it before: the page may show something else by now.
         """
         self.sent = b""
         if self.player is not None:
@@ -231,10 +231,10 @@ class Session:
             self.touch()
 
     async def ask_agent(self, job: Callable[[Connected, str], T]) -> T:
-        """Have something done with the agent, which this session holds from then on.
+        """Have the link do something with the agent, which this session holds from then on.
 
         Raises:
-            SwarmError: if there is none, it does not answer, or somebody else holds it.
+            SwarmError: if there is none, it does not answer, or another demonstrator holds it.
         """
         agent = self.agent
         if not agent:
@@ -267,7 +267,7 @@ class Session:
             other.tell(text, "bad")
 
     def drop_old_toasts(self) -> None:
-        """Take away messages that have been there long enough."""
+        """Remove expired messages."""
         now = time.monotonic()
         if any(toast.until < now for toast in self.toasts):
             self.toasts = [toast for toast in self.toasts if toast.until >= now]

@@ -1,4 +1,4 @@
-"""Where everything was when something happened, to go back there later."""
+"""Past positions of everything, to return to them later."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import MappingProxyType
 from hitab_studio.scene import Scene
 
 RECENT = 600
-"""Moments that are remembered, newest last; at 10 Hz the last minute."""
+"""Number of remembered moments; at 10 Hz, the last minute."""
 
 Key = tuple[str, str, int, int]
 
@@ -27,10 +27,10 @@ class Moments:
 
 
 class Situations:
-    """Remembers recent moments by the world's cycle, and for good those of examples.
+    """Remembers recent moments by the world's cycle, and those of examples permanently.
 
     Attributes:
-        kept: those of examples; replaced when there are more, never changed.
+        kept: the moments of examples; replaced when there are more, never changed.
     """
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class Situations:
         self._recent: OrderedDict[int, Scene] = OrderedDict()
 
     def see(self, scene: Scene) -> None:
-        """Remember a moment; one of the same cycle is replaced: something was placed since."""
+        """Remember a moment; it replaces one of the same cycle: something was placed since."""
         self._recent[scene.cycle] = scene
         self._recent.move_to_end(scene.cycle)
         while len(self._recent) > RECENT:

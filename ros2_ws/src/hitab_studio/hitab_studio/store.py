@@ -1,4 +1,4 @@
-"""What all pages share. It belongs to the server's thread, as the pages do."""
+"""What all pages share. Like the pages, it belongs to the server's thread."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from hitab_studio.scene import Palette
 
 @dataclass
 class Store:
-    """What is known, and what pages have in common besides.
+    """What is known of the swarm, and what else pages share.
 
     Attributes:
-        known: what the link's thread told last.
+        known: the latest from the link's thread.
         version: raised with each change that pages show.
         palette: the colors of states.
-        placements: where things were before they were placed, newest last, for undoing that.
-        snapshots: names of the snapshots that the world keeps.
+        placements: where things were before they were placed, newest last, for undo.
+        snapshots: names of the world's snapshots.
     """
 
     known: Known = field(default_factory=Known)

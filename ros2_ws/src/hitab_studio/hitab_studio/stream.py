@@ -1,4 +1,4 @@
-"""The stream of moments to one page: always the newest one, however slow the page is."""
+"""The stream of moments to one page: always the newest moment, however slow the page is."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The studio: what all pages have in common, and what keeps each of them up to date.
+"""The studio: what all pages share, and what keeps each of them up to date.
 
-All of it belongs to the server's thread: the studio, the store, the sessions. What the link's
-thread knows comes through a mailbox, frozen (`swarm_link.py` has the rule).
+The studio, the store and the sessions belong to the server's thread. What the link's thread knows
+arrives through a mailbox, frozen (`swarm_link.py` states the rule).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ REPLAY_SECONDS = 0.1
 
 
 class Studio:
-    """Keeps what the pages share up to date, and spreads what is new.
+    """Keeps the shared state up to date, and passes news to the pages.
 
     Attributes:
         shared: what the pages share; the other attributes are parts of it.
@@ -43,7 +43,7 @@ class Studio:
         self._replays: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
-        """Begin; to be called in the server's loop."""
+        """Start; call this in the server's loop."""
         self._mailbox = Mailbox(asyncio.get_running_loop(), self._take)
         self._replays = asyncio.create_task(self._play())
         self.link.start()
@@ -55,7 +55,7 @@ class Studio:
         await asyncio.to_thread(self.link.stop)
 
     def _hear(self, news: Known | Trouble) -> None:
-        """Take what the link tells; in the link's thread."""
+        """Take news from the link; runs in the link's thread."""
         if self._mailbox is not None:
             self._mailbox.post(news)
 
@@ -71,7 +71,7 @@ class Studio:
         return session
 
     def close(self, session: Session) -> None:
-        """Forget a page that has gone, and is doing nothing any more; its agents are free."""
+        """Remove a page that has gone and finished its requests; release its agents."""
         self.sessions.pop(session.id, None)
         self.locks.leave(session.id)
         self.link.focus(session.id, [])
@@ -80,7 +80,7 @@ class Studio:
     # -- moments ----------------------------------------------------------------------------
 
     def _take(self, news: Sequence[Known | Trouble]) -> None:
-        """Take what the link tells: what is known now, and what went wrong."""
+        """Take news from the link: what is known now, and errors."""
         for trouble in news:
             if isinstance(trouble, Trouble):
                 self._complain(trouble)
@@ -91,7 +91,7 @@ class Studio:
         self.store.take(known)
         scene = known.scene
         moves = scene is not before.scene
-        # What agents do is shown in the field of a paused world too.
+        # The field shows what agents do in a paused world, too.
         does = known.statuses is not before.statuses
         messages = []
         if scene is not None and (moves or (does and scene.mode == "paused")):
@@ -108,7 +108,7 @@ class Studio:
                 session.tell(trouble.text, "bad")
 
     def _draw(self, scene: Scene) -> bool:
-        """Make the frame of a moment; return whether the roster has changed."""
+        """Create the frame of a moment; return whether the roster has changed."""
         changed = self.present.draw(scene, self.store.known.doing())
         palette = self.store.palette
         if len(palette.states) != self._painted:
@@ -139,7 +139,7 @@ class Studio:
                 session.news.set()
 
     async def _play(self) -> None:
-        """Let the time of open recordings pass."""
+        """Advance the time of open recordings."""
         while True:
             await asyncio.sleep(REPLAY_SECONDS)
             for session in list(self.sessions.values()):

@@ -1,12 +1,12 @@
-"""The connection to the swarm, in a thread of its own beside the web server.
+"""The connection to the swarm, in its own thread beside the web server.
 
-The thread spins a node, finds out what is to be known, and gives jobs their turns. It connects
-anew whenever the swarm that is meant has been started again.
+The thread spins a node, observes the swarm, and runs jobs. It reconnects whenever the swarm has
+been restarted.
 
-The rule: the two threads share nothing. All that has to do with ROS belongs to the link's thread,
-all that has to do with pages to the server's. The link's thread hands over a frozen `Known` when
-something has changed; pages hand over functions, which the link's thread calls. Whatever goes
-wrong here is shown on the page that caused it, and ends nothing.
+The rule: the two threads share nothing. Everything about ROS belongs to the link's thread,
+everything about pages to the server's. The link's thread passes a frozen `Known` when something
+has changed; pages pass functions, which the link's thread calls. An error here is shown on the
+page that caused it, and ends nothing.
 """
 
 from __future__ import annotations
@@ -34,21 +34,21 @@ SPIN_SECONDS = 0.01
 LOOK_SECONDS = 0.05
 FIND_SECONDS = 1.0
 AGAIN_SECONDS = 10.0
-"""Until the same trouble is told again."""
+"""Time until the same error is reported again."""
 
 ENDED = "The studio has ended."
 
 FAILURES = 50
-"""Turns in a row that fail before the link connects anew."""
+"""Consecutive failed turns after which the link reconnects."""
 
 
 class SwarmLink:
-    """Talks to the swarm for all pages.
+    """Communicates with the swarm for all pages.
 
     Args:
-        find: tells which swarm is meant.
-        tell: called in the link's thread with what is known, whenever that changes, and with what
-            goes wrong.
+        find: returns the swarm to connect to.
+        tell: called in the link's thread with what is known, whenever that changes, and with
+            errors.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class SwarmLink:
         self._thread.start()
 
     def stop(self) -> None:
-        """End, and wait for the node to have left."""
+        """Stop, and wait until the node has left."""
         self._stopping.set()
         self._thread.join(10.0)
 
@@ -85,7 +85,7 @@ class SwarmLink:
 
         Args:
             job: does it.
-            lines: jobs that have one in common are done one after the other; all others at once.
+            lines: jobs that share one are done one after the other; all others at once.
 
         Raises:
             SwarmError: if it cannot be done; the message is for people.
@@ -98,7 +98,7 @@ class SwarmLink:
         return answer
 
     def focus(self, session: str, agents: Iterable[str]) -> None:
-        """Look at these agents on behalf of a session; at none: it has gone."""
+        """View these agents on behalf of a session; none means that it has gone."""
         looked_at = frozenset(agents)
 
         def change() -> None:
@@ -118,7 +118,7 @@ class SwarmLink:
         self._requests.put(lambda: self._with_watch(agent, Watch.refresh))
 
     def paint(self, colors: Mapping[str, int]) -> None:
-        """Give states these colors in what others than pages are shown."""
+        """Give states these colors in the markers for other viewers."""
         self._requests.put(lambda: setattr(self, "_colors", colors))
 
     # -- the thread -------------------------------------------------------------------------
@@ -155,13 +155,13 @@ class SwarmLink:
         self._end(ENDED)
 
     def _begin(self, target: Target) -> None:
-        """Forget the swarm before: another one is meant from now on, or another start of it."""
+        """Forget the previous swarm: another one, or another start of it, takes its place."""
         self._next_look = self._next_find = 0.0
         self._known = Known(target, self._known.revision + 1)
         self._deliver()
 
     def _end(self, why: str) -> None:
-        """End what is under way."""
+        """End all jobs."""
         self._take_requests()
         if self._observer is not None:
             self._try(self._observer.stop_recording)
@@ -171,7 +171,7 @@ class SwarmLink:
         self._connected = self._observer = None
 
     def _wait_for_certainty(self, target: Target) -> None:
-        """Refuse all that is asked for until it is certain which swarm is meant."""
+        """Refuse all requests until the swarm is known."""
         while not self._stopping.is_set() and self._is_still(target):
             self._end(target.problem)
             self._stopping.wait(FIND_SECONDS)
@@ -235,7 +235,7 @@ class SwarmLink:
             self._try(self._requests.get())
 
     def _try(self, work: Callable[[], Any]) -> bool:
-        """Do something and tell if it goes wrong; return whether it went well."""
+        """Call a function and report a failure; return whether it succeeded."""
         try:
             work()
         except Exception as error:
@@ -246,7 +246,7 @@ class SwarmLink:
     def _trouble(
         self, agent: str, text: str, error: Exception | None = None, session: str = ""
     ) -> None:
-        """Show what failed: on a page, on those that look at an agent, or else on all."""
+        """Show an error: on a page, on those that view an agent, or on all."""
         now = time.monotonic()
         if now < self._troubles.get(text, 0.0):
             return
@@ -257,15 +257,15 @@ class SwarmLink:
     # -- recording; to be called as jobs ----------------------------------------------------
 
     def start_recording(self, path: str, session: str = "") -> None:
-        """Record all that is said from now on.
+        """Record all messages from now on.
 
         Raises:
-            SwarmError: if that is done already, or the file cannot be written.
+            SwarmError: if a recording is running, or the file cannot be written.
         """
         self._observing().start_recording(path, session)
 
     def stop_recording(self) -> str:
-        """End the recording and return where it is; "" if there was none.
+        """End the recording and return its path; "" if there was none.
 
         Raises:
             SwarmError: if its end could not be written.
@@ -274,6 +274,6 @@ class SwarmLink:
 
 
 def _gone(target: Target) -> str:
-    """Say why nothing more comes of a job."""
+    """Return the error of a job whose swarm has gone."""
     name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
     return f"{name} went down meanwhile, or was started again: look whether it was done."

@@ -1,4 +1,4 @@
-"""A transition tree as rows of a page: what is tested, where it leads, which path was taken."""
+"""A transition tree as rows of a page: the tests, their outcomes and the path taken."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class Row:
 
     Attributes:
         depth: from 0.
-        condition: of the branch; "" at a tree without tests.
+        condition: of the branch; "" in a tree without tests.
         chances: at a leaf, probability and label of each next state, the most probable first.
-        examples: at a leaf, how many examples came here.
-        taken: whether the decision that is shown took it.
+        examples: at a leaf, the number of its examples.
+        taken: whether the shown decision took it.
     """
 
     depth: int

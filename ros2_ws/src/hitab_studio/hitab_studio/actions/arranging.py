@@ -1,4 +1,4 @@
-"""Driving the world and arranging what is in it."""
+"""Running the world and moving the things in it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST_UNDO = 100
 
 @action("pause")
 async def pause(session: Session, data: Data) -> None:
-    """Pause the world, or let it go on."""
+    """Pause or resume the world."""
     world = session.shared.store.known.world
     wanted = "resume" if world is not None and world.mode == "paused" else "pause"
     await session.ask(lambda swarm: swarm.world.control(wanted))
@@ -22,7 +22,7 @@ async def pause(session: Session, data: Data) -> None:
 
 @action("step", repeats=True)
 async def step(session: Session, data: Data) -> None:
-    """Let some cycles pass, then pause."""
+    """Play some cycles, then pause."""
     cycles = int(data.get("cycles", 1))
     await session.ask(lambda swarm: swarm.world.step(cycles, 5.0))
 
@@ -48,7 +48,7 @@ async def pace(session: Session, data: Data) -> None:
 
 
 def _remember(session: Session) -> None:
-    """Remember where everything is, to be able to go back."""
+    """Remember all positions, for undo."""
     store = session.shared.store
     if store.known.scene is not None:
         store.placements.append(store.known.scene.everything())
@@ -57,7 +57,7 @@ def _remember(session: Session) -> None:
 
 @action("place", repeats=True)
 async def place(session: Session, data: Data) -> None:
-    """Put things where they were dragged to."""
+    """Move things to where they were dragged."""
     things = {
         str(name): {key: float(value) for key, value in where.items()}
         for name, where in data["things"].items()
@@ -74,7 +74,7 @@ async def place(session: Session, data: Data) -> None:
 def _placed(swarm: Connected, things: Any) -> None:
     status = swarm.world.status
     if status is not None and status.mode == "paused":
-        # Commands that follow must find that the agents have seen it.
+        # The agents must have seen it before the next command.
         swarm.world.changed(lambda: swarm.world.place(things), 3.0)
     else:
         swarm.world.place(things)
@@ -85,7 +85,7 @@ async def unplace(session: Session, data: Data) -> None:
     """Undo the last placement."""
     placements = session.shared.store.placements
     if not placements:
-        raise SwarmError("Nothing was placed that could be undone.")
+        raise SwarmError("There is no placement to undo.")
     things = placements.pop()
     await session.ask(lambda swarm: _placed(swarm, things))
     session.tell("everything is where it was before")
@@ -100,7 +100,7 @@ async def snapshots(session: Session, data: Data) -> None:
 
 @action("snapshot-save")
 async def snapshot_save(session: Session, data: Data) -> None:
-    """Keep the world's state under a name."""
+    """Save the world's state under a name."""
     name = str(data["values"].get("name", "")).strip()
     if not name:
         raise SwarmError("Give the snapshot a name.")
@@ -110,7 +110,7 @@ async def snapshot_save(session: Session, data: Data) -> None:
 
 @action("snapshot-restore")
 async def snapshot_restore(session: Session, data: Data) -> None:
-    """Bring a snapshot back."""
+    """Restore a snapshot."""
     name = str(data["name"])
     _remember(session)
     await _snapshot(session, "restore", name)
@@ -120,7 +120,7 @@ async def snapshot_restore(session: Session, data: Data) -> None:
 
 @action("snapshot-delete")
 async def snapshot_delete(session: Session, data: Data) -> None:
-    """Forget a snapshot."""
+    """Delete a snapshot."""
     await _snapshot(session, "delete", str(data["name"]))
 
 
@@ -130,7 +130,7 @@ async def _snapshot(session: Session, what: str, name: str = "") -> None:
 
 
 async def go_there(session: Session, things: Any) -> None:
-    """Pause, and put everything where it was at another time."""
+    """Pause, and move everything to where it was at another time."""
     _remember(session)
 
     def job(swarm: Connected) -> None:

@@ -10,26 +10,26 @@ from hitab_studio.session import Session
 
 @action("undo", repeats=True)
 async def undo(session: Session, data: Data) -> None:
-    """Take back the last command or edit."""
+    """Undo the last command or edit."""
     await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "undo"))
     session.tell("taken back")
 
 
 @action("mark", repeats=True)
 async def mark(session: Session, data: Data) -> None:
-    """Choose an example, or choose it no more."""
+    """Select or deselect an example."""
     session.table.marked ^= {int(data["number"])}
 
 
 @action("mark-none")
 async def mark_none(session: Session, data: Data) -> None:
-    """Choose no example."""
+    """Deselect all examples."""
     session.table.marked.clear()
 
 
 @action("sort", repeats=True)
 async def sort(session: Session, data: Data) -> None:
-    """Sort by a column, or the other way round."""
+    """Sort by a column, or reverse the order."""
     table, column = session.table, str(data["column"])
     table.descending = not table.descending if table.sort == column else False
     table.sort = column
@@ -68,7 +68,7 @@ async def delete(session: Session, data: Data) -> None:
 
 @action("relabel")
 async def relabel(session: Session, data: Data) -> None:
-    """Change where examples lead to."""
+    """Change the next state of examples."""
     numbers, state = _numbers(session, data), str(data["value"])
     if not state:
         return
@@ -82,7 +82,7 @@ async def relabel(session: Session, data: Data) -> None:
 
 @action("situation")
 async def situation(session: Session, data: Data) -> None:
-    """Put everything where it was when an example was recorded."""
+    """Move everything to where it was when an example was recorded."""
     number = int(data["number"])
     training = session.watched.training
     found = [e for e in training.examples if e.number == number] if training else []

@@ -1,4 +1,4 @@
-"""Choosing what to look at."""
+"""Selecting what to view."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hitab_studio.session import TABS, Session
 
 @action("choose", repeats=True)
 async def choose(session: Session, data: Data) -> None:
-    """Choose something in the field: an agent to look at, or a target that was asked for."""
+    """Select something in the field: an agent to view, or a requested target."""
     name = str(data["name"])
     if session.asked is not None:
         meant = targets_meant(session, name)
@@ -32,7 +32,7 @@ async def choose(session: Session, data: Data) -> None:
 
 @action("agent", repeats=True)
 async def agent(session: Session, data: Data) -> None:
-    """Look at an agent of the list."""
+    """View an agent of the list."""
     name = str(data["name"])
     session.choose([name])
     session.look_at(name)
@@ -40,7 +40,7 @@ async def agent(session: Session, data: Data) -> None:
 
 @action("neighbor", repeats=True)
 async def neighbor(session: Session, data: Data) -> None:
-    """Look at the next agent of the list, or the one before."""
+    """View the next or the previous agent of the list."""
     agents = session.agents
     if agents:
         step = int(data["step"])
@@ -50,7 +50,7 @@ async def neighbor(session: Session, data: Data) -> None:
 
 @action("deselect", repeats=True)
 async def deselect(session: Session, data: Data) -> None:
-    """Choose nothing in the field; the agent that is looked at stays."""
+    """Deselect everything in the field; the viewed agent stays."""
     if session.asked is None:
         session.choose([session.agent] if session.agent else [])
 
@@ -70,32 +70,32 @@ async def tab(session: Session, data: Data) -> None:
 
 @action("level", repeats=True)
 async def level(session: Session, data: Data) -> None:
-    """Look into one automaton of the hierarchy."""
+    """View an automaton of the hierarchy."""
     session.level, session.state = str(data.get("name", "")), ""
 
 
 @action("state")
 async def state(session: Session, data: Data) -> None:
-    """Look at the tree of a state; of the active one again if it is that already."""
+    """View the tree of a state; if it is shown already, that of the active one."""
     name = str(data.get("name", ""))
     session.state = "" if session.state == name else name
 
 
 @action("help")
 async def show_help(session: Session, data: Data) -> None:
-    """Tell the keys."""
+    """Show the keys."""
     session.dialog = {"kind": "help"}
 
 
 @action("close", repeats=True)
 async def close(session: Session, data: Data) -> None:
-    """Close what is asked for."""
+    """Close the dialog."""
     session.dialog = {}
 
 
 @action("escape", repeats=True)
 async def escape(session: Session, data: Data) -> None:
-    """Close what is in front."""
+    """Close whatever is in front."""
     if session.dialog:
         session.dialog = {}
     elif session.asked is not None:

@@ -42,7 +42,7 @@ async def replay(session: Session, data: Data) -> None:
 
 @action("replay-play")
 async def replay_play(session: Session, data: Data) -> None:
-    """Play, or pause; from the beginning again at the end."""
+    """Play or pause; restart at the end."""
     player = _player(session)
     if not player.playing and player.at >= player.recording.seconds:
         player.seek(0.0)
@@ -58,7 +58,7 @@ async def replay_seek(session: Session, data: Data) -> None:
 
 @action("replay-speed", repeats=True)
 async def replay_speed(session: Session, data: Data) -> None:
-    """Set how fast it plays."""
+    """Set the playback speed."""
     _player(session).speed = float(data["value"])
 
 

@@ -15,15 +15,15 @@ Action = Callable[[Session, Data], Awaitable[None]]
 
 ACTIONS: dict[str, Action] = {}
 REPEATED: set[str] = set()
-"""Actions that somebody who clicks quickly wants that often."""
+"""Actions that fast clicking repeats."""
 
 
 def action(name: str, *, repeats: bool = False) -> Callable[[Action], Action]:
-    """Make a function the action of this name.
+    """Register a function as the action with this name.
 
     Args:
-        name: that pages use.
-        repeats: whether a double click asks for it twice; else it is meant once.
+        name: used by pages.
+        repeats: whether a double click performs it twice; otherwise once.
     """
 
     def register(function: Action) -> Action:
@@ -36,13 +36,13 @@ def action(name: str, *, repeats: bool = False) -> Callable[[Action], Action]:
 
 
 class Wishes:
-    """What a page asks for and is not done yet, in order, without what was not meant.
+    """The pending requests of a page, in order, without unintended repetitions.
 
-    The second click of a double click is not meant, nor is what already waits or is being done:
-    the person has seen no answer yet. Actions that repeat are meant each time.
+    The second click of a double click is dropped, and so is a request that is pending already,
+    because the person has seen no answer yet. Repeating actions are never dropped.
 
     Attributes:
-        waiting: what is being done, and what waits for that.
+        waiting: the request being handled, and those after it.
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class Wishes:
         self.waiting: list[Data] = []
 
     def add(self, data: Any) -> None:
-        """Take what the page asks for."""
+        """Add a request of the page."""
         if not isinstance(data, Mapping):
             return
         asked = {key: value for key, value in data.items() if key != "again"}
@@ -60,13 +60,13 @@ class Wishes:
         self._queue.put_nowait(asked)
 
     def close(self) -> None:
-        """End after what is being done: the page has gone, and what waits is not done any more."""
+        """Stop after the present request and drop the others: the page has gone."""
         while not self._queue.empty():
             self._queue.get_nowait()
         self._queue.put_nowait(None)
 
     async def perform(self, session: Session, done: Callable[[], None]) -> None:
-        """Do one thing after the other until the page has gone.
+        """Handle one request after the other until the page has gone.
 
         Args:
             session: of the page.
@@ -79,7 +79,7 @@ class Wishes:
 
 
 async def perform(session: Session, data: Data) -> None:
-    """Do what a page asks for; tell there what went wrong."""
+    """Handle a request of a page; show errors on it."""
     wanted = ACTIONS.get(str(data.get("do")))
     if wanted is None:
         session.tell(f"unknown action {data.get('do')}", "bad")

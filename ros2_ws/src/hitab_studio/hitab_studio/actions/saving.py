@@ -1,4 +1,4 @@
-"""Saving, the library, and giving behaviors to others."""
+"""Saving, the library, and distributing behaviors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hitab_studio.session import Session
 
 
 def _bindings(values: Any) -> dict[str, str]:
-    """Return what is bound to something else, as ``bind:ball`` says."""
+    """Return the new bindings, from values such as ``bind:ball``."""
     return {
         key.removeprefix("bind:"): str(value).strip()
         for key, value in values.items()
@@ -34,7 +34,7 @@ async def save_dialog(session: Session, data: Data) -> None:
 
 @action("save-preview", repeats=True)
 async def save_preview(session: Session, data: Data) -> None:
-    """Show it again with other choices."""
+    """Show the preview for other choices."""
     await _preview(session, data["values"])
 
 
@@ -84,7 +84,7 @@ async def save(session: Session, data: Data) -> None:
 
 @action("library")
 async def library(session: Session, data: Data) -> None:
-    """Look at a behavior of the library."""
+    """View a behavior of the library."""
     session.behavior = str(data["name"]) if session.behavior != data["name"] else ""
     session.compare = None
     session.shared.link.want(session.agent, str(data["name"]))
@@ -92,7 +92,7 @@ async def library(session: Session, data: Data) -> None:
 
 @action("versions")
 async def versions(session: Session, data: Data) -> None:
-    """Tell what has changed between two versions."""
+    """Show the differences between two versions."""
     name, agent = session.behavior, session.agent
     newer = int(data.get("newer") or data["values"]["newer"])
     older = int(data.get("older") or data["values"]["older"])
@@ -111,7 +111,7 @@ async def versions(session: Session, data: Data) -> None:
 
 @action("distribute-dialog")
 async def distribute_dialog(session: Session, data: Data) -> None:
-    """Ask who is to get a behavior."""
+    """Ask for the receivers of a behavior."""
     session.dialog = {
         "kind": "distribute",
         "agent": session.agent,
@@ -129,7 +129,7 @@ def _distributed(
 
 @action("distribute")
 async def distribute(session: Session, data: Data) -> None:
-    """Give a behavior to others and show what each of them says."""
+    """Distribute a behavior and show each receiver's answer."""
     values = data["values"]
     behavior = session.dialog["behavior"]
     receivers = [str(r) for r in values.get("receivers", [])]
@@ -148,7 +148,7 @@ async def distribute(session: Session, data: Data) -> None:
 
 @action("round-dialog")
 async def round_dialog(session: Session, data: Data) -> None:
-    """Explain a round of behavior bootstrapping before it is done."""
+    """Explain a round of behavior bootstrapping before it starts."""
     training = session.watched.training
     if training is None:
         raise SwarmError("A round begins with a training: train the first version.")

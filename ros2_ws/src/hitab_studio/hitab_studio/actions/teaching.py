@@ -29,7 +29,7 @@ async def command(session: Session, data: Data) -> None:
         session.tell(f"{session.agent} performs {behavior}")
         return
     if status is not None and status.mode == "testing":
-        # One keystroke: whoever commands has taken over.
+        # One keystroke: a command also takes over.
         await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, "training"))
     await _commanded(session, behavior)
 
@@ -39,7 +39,7 @@ async def _commanded(session: Session, behavior: str) -> None:
 
 
 def targets_meant(session: Session, name: str) -> list[str]:
-    """Return the targets that a person may mean who clicks a thing: itself, or its kind."""
+    """Return the targets that a click on a thing may mean: itself, or its kind."""
     targets = session.watched.vocabulary.targets
     if name in targets:
         return [name]
@@ -50,7 +50,7 @@ def targets_meant(session: Session, name: str) -> list[str]:
 
 
 async def give_target(session: Session, target: str) -> None:
-    """Take a target that was asked for; command when it was the last."""
+    """Bind a requested target; command after the last one."""
     asked = session.asked
     if asked is None:
         return
@@ -62,13 +62,13 @@ async def give_target(session: Session, target: str) -> None:
 
 @action("target")
 async def target(session: Session, data: Data) -> None:
-    """Take a target that was asked for."""
+    """Bind a requested target."""
     await give_target(session, str(data["name"]))
 
 
 @action("toggle")
 async def toggle(session: Session, data: Data) -> None:
-    """Hand the agent back to what it has learned, or take it over, without a reset."""
+    """Switch between testing what was learned and taking over, without a reset."""
     status = session.status
     if (
         status is None
@@ -104,7 +104,7 @@ async def perform_behavior(session: Session, data: Data) -> None:
 
 @action("take")
 async def take(session: Session, data: Data) -> None:
-    """Take an agent from another demonstrator, who is told."""
+    """Take an agent from another demonstrator and notify that one."""
     before = session.shared.locks.take(session.agent, session.holder)
     if before is not None:
         session.tell_other(before.session, f"{session.holder.name} has taken {session.agent}")
@@ -114,14 +114,14 @@ async def take(session: Session, data: Data) -> None:
 
 @action("release")
 async def release(session: Session, data: Data) -> None:
-    """Let go of an agent."""
+    """Release an agent."""
     session.shared.locks.release(session.agent, session.id)
     session.shared.store.touch()
 
 
 @action("new")
 async def new(session: Session, data: Data) -> None:
-    """Ask what is to be trained."""
+    """Ask what to train."""
     if not session.agent:
         raise SwarmError("Choose an agent first, in the list or in the field.")
     session.dialog = {
@@ -134,7 +134,7 @@ async def new(session: Session, data: Data) -> None:
 
 @action("new-parameter", repeats=True)
 async def new_parameter(session: Session, data: Data) -> None:
-    """Offer features and behaviors of a parameter too."""
+    """Also offer features and behaviors of a parameter."""
     session.dialog["parameter"] = str(data["value"]).strip()
 
 
@@ -156,7 +156,7 @@ async def begin(session: Session, data: Data) -> None:
         "discard": values.get("discard") == "on",
     }
     if not fields["features"] and not resume:
-        raise SwarmError("Choose at least one feature: what the decisions may look at.")
+        raise SwarmError("Choose at least one feature for the decisions to depend on.")
     answer = await session.ask_agent(
         lambda swarm, agent: swarm.agents.begin(agent, name, **fields)
     )

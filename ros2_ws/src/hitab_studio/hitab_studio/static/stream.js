@@ -10,7 +10,7 @@ export function openStream(session, take) {
     socket.onopen = () => (wait = 250);
     socket.onmessage = ({ data }) => take(typeof data === "string" ? JSON.parse(data) : frame(data));
     socket.onclose = ({ code }) => {
-      if (code === 4404) return; // the server knows this page no more: it reloads
+      if (code === 4404) return; // the server no longer knows this page: it reloads
       setTimeout(open, wait);
       wait = Math.min(2 * wait, 4000);
     };

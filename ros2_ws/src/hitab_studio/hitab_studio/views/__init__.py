@@ -1,4 +1,4 @@
-"""What the page shows: for each panel a function that says what, and a template that says how."""
+"""What the page shows: each panel has a function for its content and a template."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PANELS: dict[str, Callable[[Session], Context]] = {
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number as short as people want it."""
+    """Return a number in a short form for people."""
     if math.isnan(value):
         return "-"
     if value == int(value) and abs(value) < 1e6:

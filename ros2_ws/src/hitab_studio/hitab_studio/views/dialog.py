@@ -1,4 +1,4 @@
-"""What is asked for in front of everything else."""
+"""The dialog in front of everything else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table of examples, what contradicts, and what the last change did."""
+"""The table of examples, contradictions, and the effect of the last change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Line:
     """One example.
 
     Attributes:
-        decided: what is decided in its place now, where that is something else.
+        decided: the present decision in its situation, if it differs.
         against: numbers of the examples that contradict it.
         known: whether the situation in which it was recorded is known.
     """

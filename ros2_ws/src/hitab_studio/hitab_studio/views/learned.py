@@ -19,7 +19,7 @@ class Level:
     """One automaton of the hierarchy.
 
     Attributes:
-        label: as it stands in the path, such as ``GoTo(ball)``.
+        label: as in the path of active states, such as ``GoTo(ball)``.
         state: its active state; "" if it is not active.
     """
 
@@ -32,7 +32,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Change:
-    """A change of state and why it happened."""
+    """A state change and why it happened."""
 
     cycle: int
     automaton: str

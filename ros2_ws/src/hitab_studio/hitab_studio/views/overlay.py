@@ -1,4 +1,4 @@
-"""What lies over the field: what the agent does, who is in control, and what to command."""
+"""The overlay of the field: what the agent does, who is in control, and what to command."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 
 KEYS = "1234567890qweyiopasdghjkzxcvbm"
-"""Keys of behaviors; the others have meanings of their own."""
+"""Keys of behaviors; other keys have other meanings."""
 
 MODE_WORDS = {
     "idle": ("Idle", "nobody decides"),
@@ -33,7 +33,7 @@ class Button:
 
 
 def context(session: Session) -> dict[str, Any]:
-    """Return what lies over the field."""
+    """Return what the overlay shows."""
     status = session.status
     holder = session.shared.locks.holder(session.agent) if session.agent else None
     store = session.shared.store
@@ -69,7 +69,7 @@ def _legend(session: Session) -> list[tuple[str, str]]:
 
 
 def _empty(session: Session) -> tuple[str, str, str]:
-    """Return a title, what it means and what to type, where there is no field to be seen."""
+    """Return a title, an explanation and what to type, for when there is no field to show."""
     store = session.shared.store
     if session.player is not None or store.known.scene is not None:
         return ("", "", "")
@@ -96,7 +96,7 @@ def _buttons(session: Session) -> list[Button]:
     names = list(vocabulary.behaviors)
     names.sort(key=lambda b: (Use.parse(b).name in vocabulary.trained, b))
     if session.is_training and training is not None:
-        # Always in the same order, whatever was commanded: hands learn where a key is.
+        # Always in the same order, so that people learn the keys.
         automaton, chosen = session.shared.chosen_states.get(session.agent, ("", ()))
         if automaton == training.name and chosen:
             names = [s for s in chosen if s not in FLAGS]

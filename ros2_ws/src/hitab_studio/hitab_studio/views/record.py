@@ -1,4 +1,4 @@
-"""Recordings: making one, and those that there are."""
+"""Recordings: making one, and the list of existing ones."""
 
 from __future__ import annotations
 

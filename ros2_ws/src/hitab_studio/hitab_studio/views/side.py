@@ -1,4 +1,4 @@
-"""The panel at the right, of which one tab is shown."""
+"""The panel at the right, which shows one of its tabs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who does what, and the commanders' orders."""
+"""What the agents do, and the commanders' orders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bar at the top: which swarm, and driving its world."""
+"""The bar at the top: the name of the swarm, and the controls of its world."""
 
 from __future__ import annotations
 
