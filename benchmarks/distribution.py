@@ -97,8 +97,8 @@ class Meter:
     def __init__(self, link: Any, agents: int) -> None:
         from hitab_msgs import msg, srv
 
-        from hitab_client.names import WORLD
         from hitab_ros import names, qos
+        from hitab_ros.names import WORLD
 
         self._link = link
         self._load, self._distribute = srv.LoadLibrary, srv.Distribute

@@ -83,8 +83,8 @@ class Orders:
     def __init__(self, link: Any, agents: int) -> None:
         from hitab_msgs import msg, srv
 
-        from hitab_client.names import WORLD
         from hitab_ros import names, qos
+        from hitab_ros.names import WORLD
 
         self._link = link
         self._kind = srv.Perform

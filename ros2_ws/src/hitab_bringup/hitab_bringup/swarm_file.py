@@ -20,11 +20,11 @@ from hitab_bringup.swarm_description import (
 )
 from hitab_bringup.swarm_words import Words
 from hitab_client import DescriptionError
-from hitab_client.names import WORLD
 from hitab_commander import CommanderKind
-from hitab_core import NAME, did_you_mean, has
+from hitab_core import NAME, has
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
+from hitab_ros.names import WORLD
 
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"
@@ -277,7 +277,7 @@ def _kind(fields: Fields, kinds: Mapping[str, CommanderKind]) -> CommanderKind |
     name = fields.text("kind")
     if name is not None and name not in kinds:
         fields.complain(
-            f'there is no kind "{name}" under `kinds:` {has(kinds)}{did_you_mean(name, kinds)}',
+            f'there is no kind "{name}" under `kinds:` {has(kinds, name)}',
             "kind",
         )
     return kinds.get(name)

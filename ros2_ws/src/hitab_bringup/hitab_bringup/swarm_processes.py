@@ -15,7 +15,7 @@ from hitab_bringup.swarm_description import (
     SwarmDescription,
     WorldDescription,
 )
-from hitab_client.names import WORLD
+from hitab_ros.names import WORLD
 
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"

@@ -3,7 +3,6 @@ from . import console as console
 from . import dds_profile as dds_profile
 from . import domain_ids as domain_ids
 from . import identity as identity
-from . import names as names
 from . import run_folder as run_folder
 from . import swarm_choice as swarm_choice
 from .command_view import Branch as Branch

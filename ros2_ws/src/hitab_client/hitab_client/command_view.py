@@ -8,10 +8,9 @@ from typing import Any
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_client import names
 from hitab_client.identity import is_own
 from hitab_client.ros_link import RosLink
-from hitab_ros import qos
+from hitab_ros import names, qos
 from hitab_ros.names import GROUP
 
 GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"

@@ -12,9 +12,8 @@ from typing import Self
 
 from hitab_msgs.msg import TransitionEvent
 
-from hitab_client import names
 from hitab_client.ros_link import RosLink
-from hitab_ros import qos
+from hitab_ros import names, qos
 
 
 class PathTracker:
@@ -28,7 +27,7 @@ class PathTracker:
 
     def __init__(self, link: RosLink, agents: Iterable[str], *, prefix: str = "") -> None:
         self._link = link
-        self._topics = {a: names.of_agent(a, "transitions", prefix) for a in agents}
+        self._topics = {a: names.of_agent(a, names.TRANSITIONS, prefix) for a in agents}
         self._passed: dict[str, list[str]] = {agent: [] for agent in self._topics}
 
     def __enter__(self) -> Self:

@@ -21,12 +21,11 @@ from hitab_msgs.srv import (
     SetMode,
 )
 
-from hitab_client import names
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_core import has
-from hitab_ros import qos, refuse_other_definitions
+from hitab_ros import names, qos, refuse_other_definitions
 
 DISCOVERY_SECONDS = 8.0
 """Nodes usually discover each other within a second, but it may take several."""
@@ -111,7 +110,7 @@ class SwarmClient:
             self.watch_all()
         link.subscribe(
             DistributionAck,
-            names.of_swarm("distribution_ack", prefix),
+            names.of_swarm(names.DISTRIBUTION_ACK, prefix),
             self._take_ack,
             qos.ROLL_CALL,
         )
@@ -128,7 +127,7 @@ class SwarmClient:
             self._watched.add(agent)
             self.link.subscribe(
                 AgentStatus,
-                names.of_agent(agent, "status", self.prefix),
+                names.of_agent(agent, names.STATUS, self.prefix),
                 lambda status: self._take_status(agent, status),
                 qos.LATCHED,
             )
@@ -268,7 +267,7 @@ class SwarmClient:
         return status
 
     def _commander(self, agent: str) -> Any:
-        topic = names.of_agent(agent, "command", self.prefix)
+        topic = names.of_agent(agent, names.COMMAND, self.prefix)
         publisher = self._publishers.get(agent)
         if publisher is None:
             publisher = self.link.node.create_publisher(Command, topic, qos.EVENTS)
@@ -301,11 +300,11 @@ class SwarmClient:
 
     def begin(self, agent: str, automaton: str, **fields: Any) -> Any:
         """Begin to train an automaton; see BeginTraining.srv."""
-        return self.ask(agent, BeginTraining, "begin", automaton=automaton, **fields)
+        return self.ask(agent, BeginTraining, names.BEGIN, automaton=automaton, **fields)
 
     def set_mode(self, agent: str, mode: str, *, restart: bool = False) -> Any:
         """Switch between training and testing."""
-        return self.ask(agent, SetMode, "set_mode", mode=mode, restart=restart)
+        return self.ask(agent, SetMode, names.SET_MODE, mode=mode, restart=restart)
 
     def edit_examples(
         self, agent: str, action: str, numbers: Sequence[int] = (), next_state: str = ""
@@ -314,7 +313,7 @@ class SwarmClient:
         return self.ask(
             agent,
             EditExamples,
-            "edit_examples",
+            names.EDIT_EXAMPLES,
             action=action,
             numbers=list(numbers),
             next_state=next_state,
@@ -322,23 +321,25 @@ class SwarmClient:
 
     def list_examples(self, agent: str, automaton: str = "") -> Any:
         """Return the examples of the current training, or of a trained behavior."""
-        return self.ask(agent, ListExamples, "list_examples", automaton=automaton)
+        return self.ask(agent, ListExamples, names.LIST_EXAMPLES, automaton=automaton)
 
     def save(self, agent: str, **fields: Any) -> Any:
         """Save what was trained; see SaveBehavior.srv."""
-        return self.ask(agent, SaveBehavior, "save", **fields)
+        return self.ask(agent, SaveBehavior, names.SAVE, **fields)
 
     def perform(self, agent: str, behavior: str, arguments: Sequence[str] = ()) -> Any:
         """Make an agent perform a behavior; empty: nothing."""
-        return self.ask(agent, Perform, "perform", behavior=behavior, arguments=list(arguments))
+        return self.ask(
+            agent, Perform, names.PERFORM, behavior=behavior, arguments=list(arguments)
+        )
 
     def load_library(self, agent: str, path: str = "") -> Any:
         """Make an agent reload its library, or load another one."""
-        return self.ask(agent, LoadLibrary, "load_library", path=path)
+        return self.ask(agent, LoadLibrary, names.LOAD_LIBRARY, path=path)
 
     def vocabulary(self, agent: str) -> Any:
         """Return what can be commanded, perceived and targeted."""
-        return self.ask(agent, GetVocabulary, "get_vocabulary")
+        return self.ask(agent, GetVocabulary, names.GET_VOCABULARY)
 
     # -- distributing -----------------------------------------------------------------------
 
@@ -398,13 +399,13 @@ class SwarmClient:
     def _await_hearing(self, agents: Iterable[str]) -> None:
         """Wait until acknowledgements can arrive from the processes of all these agents."""
         node = self.link.node
-        topic = names.of_swarm("distribution_ack", self.prefix)
+        topic = names.of_swarm(names.DISTRIBUTION_ACK, self.prefix)
         unheard = set(agents)
 
         def heard() -> bool:
             there = {_process(info) for info in node.get_publishers_info_by_topic(topic)}
             for agent in sorted(unheard):
-                status = names.of_agent(agent, "status", self.prefix)
+                status = names.of_agent(agent, names.STATUS, self.prefix)
                 infos = node.get_publishers_info_by_topic(status)
                 if any(_process(info) in there for info in infos):
                     unheard.discard(agent)

@@ -8,11 +8,10 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_client import names
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
-from hitab_ros import qos
+from hitab_ros import names, qos
 
 NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
 NAN = float("nan")
@@ -49,9 +48,9 @@ class WorldClient:
         self.state: WorldState | None = None
         self._states = 0
         self.episodes: list[Episode] = []
-        link.subscribe(WorldStatus, self._name("status"), self._take_status, qos.LATCHED)
-        link.subscribe(WorldState, self._name("state"), self._take_state, qos.LATCHED)
-        link.subscribe(Episode, self._name("episodes"), self.episodes.append, qos.EVENTS)
+        link.subscribe(WorldStatus, self._name(names.STATUS), self._take_status, qos.LATCHED)
+        link.subscribe(WorldState, self._name(names.STATE), self._take_state, qos.LATCHED)
+        link.subscribe(Episode, self._name(names.EPISODES), self.episodes.append, qos.EVENTS)
 
     def _name(self, name: str) -> str:
         return names.of_world(name, self.prefix)
@@ -89,7 +88,7 @@ class WorldClient:
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""
-        return bool(self.link.node.count_publishers(self._name("status")))
+        return bool(self.link.node.count_publishers(self._name(names.STATUS)))
 
     def ask(self, kind: Any, service: str, **fields: Any) -> Any:
         """Call one of the world's services and return its answer.
@@ -107,7 +106,9 @@ class WorldClient:
 
     def control(self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0) -> Any:
         """Pause, resume, step, reset or set the pace."""
-        return self.ask(Control, "control", action=action, cycles=cycles, pace=pace, factor=factor)
+        return self.ask(
+            Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
+        )
 
     def step(self, cycles: int = 1, seconds: float = 10.0) -> WorldState:
         """Step a paused world by some cycles and return its state.
@@ -162,11 +163,11 @@ class WorldClient:
             )
             for name, place in things.items()
         ]
-        return self.ask(Place, "place", entities=entities, new_episode=new_episode)
+        return self.ask(Place, names.PLACE, entities=entities, new_episode=new_episode)
 
     def snapshot(self, action: str, name: str = "") -> Any:
         """Save, restore, delete or list snapshots."""
-        return self.ask(Snapshot, "snapshot", action=action, name=name)
+        return self.ask(Snapshot, names.SNAPSHOT, action=action, name=name)
 
     def play(
         self,
@@ -182,10 +183,10 @@ class WorldClient:
             SwarmError: if no cycle is played for ``stall_seconds``.
         """
         self.link.spin_until(
-            lambda: self.link.node.count_publishers(self._name("episodes")) > 0, 5.0, 0.01
+            lambda: self.link.node.count_publishers(self._name(names.EPISODES)) > 0, 5.0, 0.01
         )
         before = len(self.episodes)
-        self.ask(Play, "play", episodes=episodes, seed=seed)
+        self.ask(Play, names.PLAY, episodes=episodes, seed=seed)
 
         def played() -> list[Episode]:
             """Return the episodes so far, each once, since a restarted world may repeat one."""

@@ -1,12 +1,17 @@
 """Names of all topics and services.
 
 An agent or a world has a namespace with its own name. All of these names are relative to it,
-except those of the swarm, which are relative to the enclosing namespace.
+except those of the swarm, which are relative to the enclosing namespace. Programs that talk to a
+swarm get full names from `of_agent`, `of_world` and `of_swarm`, whose ``prefix`` is the namespace
+of the swarm, such as ``/red``; empty by default.
 """
 
 from __future__ import annotations
 
 from rclpy.node import Node
+
+WORLD = "world"
+STATUS_TYPE = "hitab_msgs/msg/AgentStatus"
 
 # Of an agent.
 COMMAND = "command"
@@ -63,3 +68,26 @@ def swarm_namespace(node: Node) -> str:
 def in_swarm(node: Node, *parts: str) -> str:
     """Return a full name in the swarm, as in ``in_swarm(node, "world", "actions")``."""
     return "/".join((swarm_namespace(node), *parts))
+
+
+def of_agent(agent: str, name: str, prefix: str = "") -> str:
+    """Return the full name of an agent's topic or service, such as ``/keeper_1/status``."""
+    return f"{prefix}/{agent}/{name}"
+
+
+def of_world(name: str, prefix: str = "") -> str:
+    """Return the full name of the world's topic or service, such as ``/world/state``."""
+    return f"{prefix}/{WORLD}/{name}"
+
+
+def of_swarm(name: str, prefix: str = "") -> str:
+    """Return the full name of a topic of the swarm, such as ``/distribution_ack``."""
+    return f"{prefix}/{name}"
+
+
+def agent_of_status(topic: str, prefix: str = "") -> str | None:
+    """Return the agent of a status topic, or None if it is not ``<prefix>/<agent>/status``."""
+    if not topic.startswith(prefix + "/") or not topic.endswith("/status"):
+        return None
+    agent = topic[len(prefix) + 1 : -len("/status")]
+    return agent if agent and "/" not in agent else None

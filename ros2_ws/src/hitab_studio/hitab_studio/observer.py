@@ -10,9 +10,9 @@ from typing import Any, Protocol
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_client import SwarmError, names
+from hitab_client import SwarmError
 from hitab_client.identity import is_own
-from hitab_ros import qos
+from hitab_ros import names, qos
 from hitab_studio.jobs import Connected
 from hitab_studio.known import Known
 from hitab_studio.markers import Markers
@@ -139,7 +139,7 @@ class Observer:
         gone = frozenset(
             name
             for name in swarm.agents.statuses
-            if node.count_publishers(names.of_agent(name, "status")) == 0
+            if node.count_publishers(names.of_agent(name, names.STATUS)) == 0
         )
         if gone != self.known.gone:
             self._know(gone=gone)

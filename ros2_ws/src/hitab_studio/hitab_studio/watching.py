@@ -16,9 +16,9 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, TransitionEvent
 from hitab_msgs.srv import GetBehavior, GetVocabulary, ReadFeatures
 
-from hitab_client import RosLink, names
+from hitab_client import RosLink
 from hitab_core import FLAGS, START, Use
-from hitab_ros import qos
+from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import NOTHING, Effect, Learned, Vocabulary, effect, learned_of
 
@@ -90,7 +90,7 @@ class Watch:
         self._training_key: tuple[Any, ...] = ()
         self._wanted: set[str] = set()
         self._transitions = link.subscribe(
-            TransitionEvent, names.of_agent(agent, "transitions"), self._take_event, qos.EVENTS
+            TransitionEvent, names.of_agent(agent, names.TRANSITIONS), self._take_event, qos.EVENTS
         )
 
     def close(self) -> None:
