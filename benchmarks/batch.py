@@ -1,4 +1,4 @@
-"""Measures how many agents a core ticks in a second when they are ticked together.
+"""Measures how many agents one core ticks per second in a batch.
 
 The agents perform the trained four-level Keepaway automaton on percepts recorded from games.
 Reading the features from the percepts is counted, and so is drawing; what the basic behaviors
@@ -36,7 +36,7 @@ from keepaway_world.world import KeepawayWorld
 
 KEEPAWAY = Use("Keepaway")
 Cycle = tuple[Floats, dict[int, list[str]]]
-"""What all perceive in one cycle: values, shape (n, m), and what is heard, by row."""
+"""What all agents perceive in one cycle: values, shape (n, m), and messages heard, by row."""
 
 
 def record(repertoire: Repertoire, agents: int, cycles: int) -> list[Cycle]:
@@ -74,14 +74,14 @@ class Together:
         self.batch.start(self.rows)
 
     def tick(self, percepts: Cycle) -> None:
-        """Tick all on what they perceive."""
+        """Tick all agents on their percepts."""
         self.percepts.values, self.percepts.heard = percepts
         self.senses.forget()
         self.batch.tick(self.rows)
 
 
 class OneByOne:
-    """The same agents, each ticked by itself; basic behaviors are not pulsed."""
+    """The same agents, ticked one by one; basic behaviors are not pulsed."""
 
     def __init__(self, repertoire: Repertoire, agents: int) -> None:
         self.bodies = [KeeperBody(f"keeper_{i}") for i in range(agents)]
@@ -94,7 +94,7 @@ class OneByOne:
             running.start()
 
     def tick(self, percepts: Cycle) -> float:
-        """Tick all on what they perceive; return the time without taking percepts in, s."""
+        """Tick all agents on their percepts; return the time without taking percepts in, s."""
         values, heard = percepts
         for row, (body, senses) in enumerate(zip(self.bodies, self.senses, strict=True)):
             body.sense(values[row].tolist(), heard.get(row, ()))
@@ -106,7 +106,7 @@ class OneByOne:
 
 
 def check_same(together: Together, one_by_one: OneByOne) -> None:
-    """Refuse to report figures if the two have decided differently."""
+    """Refuse to report figures if the two ways decide differently."""
     for row, running in enumerate(one_by_one.running):
         if together.batch.active_path(row) != running.active_path:
             raise SystemExit(f"agent {row}: the two ways of ticking have decided differently")

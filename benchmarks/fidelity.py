@@ -32,7 +32,7 @@ POINTS = {"ball_radius": 0.001, "player_radius": 0.001, "kickable_margin": 1.083
 
 @dataclass(frozen=True)
 class Case:
-    """One row: who plays, in which game, and how it went on the real simulator.
+    """One row: the players, the game, and the result on the real simulator.
 
     Attributes:
         real: seconds, their standard error, passes, percentage that ended out; None: unknown.

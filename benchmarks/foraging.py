@@ -1,4 +1,4 @@
-"""Measures what commanders are worth: boxes that fifty foragers bring home, with and without.
+"""Measures the effect of commanders: boxes that fifty foragers bring home, with and without.
 
 scripts/python benchmarks/foraging.py --json foraging.json --plot foraging.png
 

@@ -2,7 +2,7 @@
 
 scripts/python benchmarks/foraging_cycle.py --json foraging_cycle.json
 
-A cycle is all of it: physics, everybody's percept as a list of floats, everybody's action. The
+A cycle includes the physics, and all foragers' percepts (as lists of floats) and actions. The
 field grows with the number of foragers, and so do the obstacles and boxes on it.
 """
 
@@ -25,7 +25,7 @@ SAMPLES = ([1.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.0, -0.1, 0.0], [1.0, 0.0, 1.0], 
 
 
 def field_for(foragers: int) -> ForagingParameters:
-    """Return a field with as much room and as much to do for each as fifty have by default."""
+    """Return a field with as much room and work per forager as the default has for fifty."""
     times = foragers / 50
     side = 60.0 * math.sqrt(times)
     return ForagingParameters(

@@ -1,4 +1,4 @@
-"""Measures how many cycles a second an evaluation in one process plays on one core.
+"""Measures how many cycles per second an in-process evaluation plays on one core.
 
 scripts/python benchmarks/inprocess.py --json inprocess.json
 """

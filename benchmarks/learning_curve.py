@@ -1,9 +1,9 @@
-"""Measures how long keepers keep the ball after the first n examples that they were given.
+"""Measures how long keepers keep the ball after their first n examples.
 
 For the paper's set of automata and for that of keepers that look ahead, at a quarter of the
 takers' speed and at full speed. The examples are those of the shipped libraries, in the order in
 which the lessons gave them. After each command (and the default example that comes with it) the
-automata are learned anew from what there is so far, and all keepers perform the highest one that
+automata are relearned from the examples so far, and all keepers perform the highest one that
 can be performed: one with an example that leaves Start.
 
     scripts/python benchmarks/learning_curve.py --episodes 200 --json curve.json --plot curve.png
@@ -96,7 +96,7 @@ def stages(
 def hold_times(
     repertoire: Repertoire, behavior: str, speed: float, episodes: int, seed: int, longest: float
 ) -> list[float]:
-    """Return the lengths of some episodes, s; one that lasts longer is broken off there."""
+    """Return the lengths of some episodes, s; longer ones are cut off."""
     world = KeepawayWorld(replace(PAPER, taker_speed=speed), seed)
     cycles = round(longest / world.cycle_seconds)
     players = perform(world, repertoire, behavior)
@@ -171,10 +171,10 @@ def draw(figures: dict[str, Any], path: Path) -> None:
 def main(
     episodes: Annotated[int, typer.Option(help="Episodes for each point.", min=2)] = 200,
     every: Annotated[
-        int, typer.Option(help="Below the top level, measure after every so many commands.", min=1)
+        int, typer.Option(help="Commands between two measurements below the top level.", min=1)
     ] = 1,
     seed: Annotated[int, typer.Option(help="Of the episodes.")] = 2026,
-    longest: Annotated[float, typer.Option(help="Break an episode off after so many s.")] = 3600.0,
+    longest: Annotated[float, typer.Option(help="Cut an episode off after this many s.")] = 3600.0,
     json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
     plot: Annotated[str, typer.Option(help="Draw the curves here, PNG or SVG.")] = "",
     again: Annotated[str, typer.Option(help="Draw these figures, measured before.")] = "",

@@ -1,9 +1,9 @@
-"""Measures how much of what DDS allows is left to a game of keepaway in lockstep.
+"""Compares the speed of a keepaway game in lockstep with the limit that DDS sets.
 
-Both are up for the whole time and measured in short turns, so that a machine whose speed changes
-slows both: a bare loop in which one process publishes a message and waits until three others have
-answered, and the keepaway world with three keeper processes that perform the trained Keepaway
-automaton. The ratio is the median of the turns' ratios.
+It compares a bare loop, in which one process publishes a message and waits until three others
+have answered, with the keepaway world and three keeper processes that perform the trained Keepaway
+automaton. Both run all the time and are measured in short alternating turns, so that changes of
+the machine's speed affect both. The ratio is the median of the turns' ratios.
 
     scripts/python benchmarks/lockstep.py --turns 15 --json lockstep.json
 """
@@ -28,11 +28,11 @@ KEEPERS = 3
 EPISODES = 5  # that are played at a time
 
 Measure = Callable[[float], tuple[int, float, int]]
-"""Runs for so many seconds; returns cycles, the seconds that they took, and missed deadlines."""
+"""Runs for a number of seconds; returns cycles, their duration in s, and missed deadlines."""
 
 
 def answer(name: str) -> None:
-    """Be one of the processes that answer."""
+    """Run one of the answering processes."""
     from hitab_msgs.msg import Action, Percept
 
     from hitab_ros import qos
@@ -55,7 +55,7 @@ def answer(name: str) -> None:
 
 @contextlib.contextmanager
 def bare() -> Iterator[Measure]:
-    """Give a publish-and-wait-for-all loop with three processes."""
+    """Yield a publish-and-wait-for-all loop with three processes."""
     from hitab_msgs.msg import Action, Percept
 
     from hitab_ros import qos
@@ -103,7 +103,7 @@ def bare() -> Iterator[Measure]:
 
 @contextlib.contextmanager
 def keepaway(library: Path) -> Iterator[Measure]:
-    """Give a swarm that plays keepaway in lockstep."""
+    """Yield a swarm that plays keepaway in lockstep."""
     from hitab_bringup.bringing_up import temporary_swarm
     from keepaway_world.verbs.evaluation import play_lockstep, trained_keepers
 

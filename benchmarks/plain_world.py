@@ -119,7 +119,7 @@ class PlainWorld:
         self.reset(0)
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Begin an episode: everybody somewhere else."""
+        """Begin an episode with all agents at new positions."""
         self.seed = self.seed if seed is None else seed
         self.episode = self.episode + 1 if episode is None else episode
         self.episode_cycle = 0
@@ -155,15 +155,15 @@ class PlainWorld:
         ]
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
-        """Refuse: nothing is to be arranged here."""
+        """Refuse: nothing can be placed here."""
         raise WorldError("the plain world is a benchmark's; nothing can be placed in it")
 
     def snapshot(self) -> dict[str, Any]:
-        """Return where all are."""
+        """Return all positions."""
         return {"states": self._states.tolist(), "cycle": self.cycle}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
-        """Bring all back."""
+        """Restore all positions."""
         self._states = np.array(snapshot["states"])
         self._rows = self._states.tolist()
 

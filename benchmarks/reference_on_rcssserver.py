@@ -1,8 +1,8 @@
-"""Plays UT Austin's keepaway players on a real rcssserver and sums up how long they last.
+"""Plays UT Austin's keepaway players on a real rcssserver and reports how long they last.
 
-What the pymunk world is compared with. It takes both programs, which are not part of this
-project: rcssserver 19 and the `keepaway_player` of UT Austin's keepaway 0.6 (the takers may be
-another build of it, with weaker dashes).
+The reference for the pymunk world. It needs two programs that are not part of this project:
+rcssserver 19 and the `keepaway_player` of UT Austin's keepaway 0.6 (the takers may be another
+build of it, with weaker dashes).
 
 benchmarks/reference_on_rcssserver.py --player keepaway_player --seconds 60 --json real.json
 """

@@ -1,10 +1,10 @@
-"""Measures how long a swarm takes to start whose agents are processes of their own.
+"""Measures how long a swarm takes to start if each agent is its own process.
 
     scripts/python benchmarks/startup.py --sizes 10,25,50,100 --json startup.json
 
-For each size: seconds until all agents and the world answer; CPU time that the processes have
-taken by then, in all and each, and what of it a Python process with rclpy takes that does nothing;
-and what a process that comes late hears of them, and when.
+For each size: seconds until all agents and the world answer; CPU time of the processes by then, in
+all and each, and the share of an idle Python process with rclpy; and what a process that joins
+late receives from them, and when.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def floor(turns: int = 5) -> float:
 
 
 def description(agents: int) -> str:
-    """Return the description of a swarm of so many agents, each a process."""
+    """Return the description of a swarm with this many agents, each its own process."""
     return (
         "swarm: startup\n"
         "domain: plain_world:DOMAIN\n"

@@ -1,4 +1,4 @@
-"""What the studio costs with many agents: messages per second, frames, CPU of server and browser.
+"""The cost of the studio with many agents: messages per second, frames, CPU of server and browser.
 
     scripts/python benchmarks/studio.py --agents 1000 --rate 10 --json studio.json
 
@@ -28,7 +28,7 @@ CHANGES = 0.5  # changes of state per agent and second
 
 
 def publish(agents: int, rate: float) -> None:
-    """Be the world and all agents, until told to end."""
+    """Play the world and all agents until stopped."""
     from hitab_msgs.msg import AgentStatus, Entity, WorldState, WorldStatus
 
     from hitab_client.ros_link import RosLink
@@ -88,7 +88,7 @@ def publish(agents: int, rate: float) -> None:
 
 
 def cpu_seconds(process: psutil.Process) -> float:
-    """Return the CPU time of a process and of those that it has started."""
+    """Return the CPU time of a process and its children."""
     total = 0.0
     for one in [process, *process.children(recursive=True)]:
         try:
@@ -119,7 +119,7 @@ def measure(agents: int, rate: float, browsers: int, seconds: float) -> dict[str
                 person.waits_until(
                     lambda p=person: p.page.evaluate("window.studioField.now.n") == agents, "all"
                 )
-            people[0].page.wait_for_timeout(5000)  # until everybody's status has come
+            people[0].page.wait_for_timeout(5000)  # until all statuses have arrived
             me = psutil.Process()
             studio = next(
                 p for p in me.children() if "studio" in p.cmdline() and p.pid != source.pid

@@ -15,7 +15,7 @@ ORDERS = ("Explore", "Patrol", "Wait")
 
 
 def levels(agents: int) -> Iterator[tuple[str, str, int]]:
-    """Yield the levels of commanders from below: name, name of those below, how many command."""
+    """Yield the levels of commanders from below: name, name of the level below, count."""
     below, count, level = "ant", agents, 1
     while count > 1:
         name = f"level{level}" if count > FAN_OUT else "root"
@@ -25,7 +25,7 @@ def levels(agents: int) -> Iterator[tuple[str, str, int]]:
 
 
 def commanders(agents: int) -> int:
-    """Return how many commanders a swarm of so many agents has."""
+    """Return the number of commanders of a swarm with this many agents."""
     return sum(count for _, _, count in levels(agents))
 
 
@@ -45,7 +45,7 @@ def description(agents: int, hosts: int, world: str = "plain_world") -> str:
     ]
     for name, below, count in levels(agents):
         whom = below if count == 1 else f"{{{below}: {FAN_OUT}}}"
-        # Hosts of thousands are long busy with each other's topics before they offer services.
+        # Hosts of thousands discover each other's topics for long before they offer services.
         where = ", host: headquarters" if name == "root" and agents > OWN_ROOT_ABOVE else ""
         lines.append(f"  {name}: {{kind: Leader, commands: {whom}{where}}}")
     return "\n".join(lines) + "\n"

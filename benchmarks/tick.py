@@ -1,9 +1,8 @@
 """Compares a tick of the four-level Keepaway automaton with one of a py_trees tree.
 
 Both decide for the same keeper on the same percepts, recorded from a game, by the same features
-and basic behaviors. The tree is what one would write by hand for the same job: the thresholds
-are those that were learned. Taking the percept in and giving the action out is not counted; it
-is the same for both.
+and basic behaviors. The tree is what one would write by hand for the same job, with the learned
+thresholds. Reading the percept and writing the action are not counted; they are the same for both.
 
     scripts/python benchmarks/tick.py --json tick.json
 """
@@ -63,7 +62,7 @@ class Condition(py_trees.behaviour.Behaviour):
 
 
 class Act(py_trees.behaviour.Behaviour):
-    """Pulses a basic behavior, and goes on for ever, or succeeds at once if it is one-shot."""
+    """Pulses a basic behavior; runs forever, or succeeds at once if the behavior is one-shot."""
 
     def __init__(self, name: str, body: KeeperBody) -> None:
         super().__init__(name)
