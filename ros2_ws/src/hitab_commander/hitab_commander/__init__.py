@@ -1,8 +1,8 @@
 """The commander node: an agent whose basic behaviors are orders to its subordinates.
 
-What a kind of commander can order and perceive is a `CommanderKind`, read from YAML
-(`kind_reader`). `commander_domain` makes a domain of it, whose body (`commander_body`) is a group
-of subordinates. `commander_node` puts it on topics.
+What a kind of commander can order and perceive is a `CommanderKind`, read from YAML by
+`kind_reader`. `commander_domain` turns it into a domain, whose body (`commander_body`) is a group
+of subordinates. `commander_node` connects it to topics.
 """
 
 import lazy_loader

@@ -1,6 +1,6 @@
-"""Facts about a group, from what each member reports; pure functions.
+"""Aggregates over a group, from what each member reports; pure functions.
 
-Members that have no value for a feature are left out, as silent ones are. Of nobody, no question
+Members that are silent or have no value for a feature are left out. Over no members, no question
 is true, and a mean, a minimum or a maximum has no value (NaN).
 """
 
@@ -16,14 +16,14 @@ NAN = math.nan
 
 
 def observed(report: Report, of: Observation, asked: Sequence[str], order: Number) -> float:
-    """Return what is observed in one member: a value, or 1 and 0 for true and false.
+    """Return what is observed in one member: a value, or 1 or 0 for true or false.
 
     Args:
-        report: what the member told last.
-        of: what to look at.
+        report: the member's last report.
+        of: what to observe.
         asked: names of the report's values.
         order: the order in force. Flags belong to the order under which they were raised, values
-            to the epoch in which they were asked for.
+            to the epoch in which they were requested.
 
     Returns:
         NaN if the member has no such value.
@@ -48,7 +48,7 @@ def _is_called(label: str, name: str) -> bool:
 
 
 def summed_up(values: Iterable[float], over: Over) -> float:
-    """Return a fact about a group from what was observed in its members."""
+    """Return an aggregate of what was observed in the members of a group."""
     known = [value for value in values if not math.isnan(value)]
     match over:
         case Over.ANY:
@@ -65,7 +65,7 @@ def summed_up(values: Iterable[float], over: Over) -> float:
             return min(known, default=NAN)
         case Over.MAXIMUM:
             return max(known, default=NAN)
-    raise ValueError(f"{over} is not about all members")
+    raise ValueError(f"{over} does not aggregate over all members")
 
 
 def mean_position(positions: Iterable[Sequence[float]]) -> tuple[float, float] | None:
@@ -80,7 +80,7 @@ def mean_position(positions: Iterable[Sequence[float]]) -> tuple[float, float] |
 
 
 def spread(positions: Iterable[Sequence[float]]) -> float:
-    """Return the root mean square of the distances from the mean position, m; NaN for nobody."""
+    """Return the root mean square of the distances from the mean position, m; NaN for none."""
     known = [position for position in positions if len(position) == 2]
     mean = mean_position(known)
     if mean is None:

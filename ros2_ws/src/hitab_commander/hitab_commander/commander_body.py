@@ -1,4 +1,4 @@
-"""The body of a commander: its group of subordinates, as far as it has heard of them."""
+"""The body of a commander: its group of subordinates, as known from their reports."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ class Member:
 
     Attributes:
         role: in the group; empty: none.
-        report: what the commander decides by: its last report, in lockstep its report of the
-            last round; None: nothing yet.
-        latest: its last report, for people who watch.
-        heard_at: s, when that came, or when the commander began to wait for it.
+        report: what the commander's decisions are based on: the last report, in lockstep that of
+            the last round; None: none yet.
+        latest: its last report, for observers.
+        heard_at: s, when ``latest`` arrived, or when the commander began to wait for it.
     """
 
     role: str = ""
@@ -33,16 +33,16 @@ class Member:
 
 
 class CommanderBody:
-    """Hears the subordinates' reports and gives them orders; knows no middleware.
+    """Receives the subordinates' reports and gives orders; independent of any middleware.
 
-    Times are in s on a clock of the caller's, which never goes back.
+    Times are in s on the caller's clock, which must be monotonic.
 
     Attributes:
         members: the subordinates, by name, in order.
-        order: in force; sequence 0 as long as none was given.
-        on_order: called with each new order, at once; whoever carries orders sets it.
-        now: the time, which in real time decides who is silent.
-        roll: who has reported in a round of lockstep.
+        order: the order in force; sequence 0 until one is given.
+        on_order: called at once with each new order; set by the code that sends orders.
+        now: the time; in real time it decides which members are silent.
+        roll: which members have reported in a lockstep round.
     """
 
     def __init__(self, name: str, kind: CommanderKind) -> None:
@@ -70,9 +70,9 @@ class CommanderBody:
 
         Args:
             roles: by name; an empty role is none.
-            epoch: a number larger than that of any commander of this name before.
+            epoch: a number larger than that of any earlier commander of this name.
             now: the time.
-            asks_position: have them report where they are, since a superior asks for it.
+            asks_position: have them report their positions because a superior asks for them.
         """
         self._asks_position = asks_position or self.kind.asks_position
         self.members = {name: Member(role, heard_at=now) for name, role in roles.items()}
@@ -94,7 +94,7 @@ class CommanderBody:
     # -- a body -----------------------------------------------------------------------------
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take a percept: there is none, the reports have been heard as they came."""
+        """Do nothing: reports are handled on arrival, there is no percept."""
 
     def act(self) -> tuple[Sequence[float], str]:
         """Return no action: orders are given while behaviors are performed."""
@@ -102,15 +102,15 @@ class CommanderBody:
 
     @property
     def position(self) -> tuple[float, float] | None:
-        """Where the group is on average, m; None if unknown."""
+        """The mean position of the group, m; None if unknown."""
         return mean_position(report.position for _, report in self.present())
 
     # -- hearing ----------------------------------------------------------------------------
 
     def hear(self, report: Report, now: float) -> bool:
-        """Take a report; return whether something else than a value has changed.
+        """Take a report; return whether anything but a value has changed.
 
-        A report of somebody who is not under this command is ignored.
+        A report of an agent that is not a subordinate is ignored.
         """
         self.now = now
         self._unheard.discard(report.agent)
@@ -135,20 +135,20 @@ class CommanderBody:
         )
 
     def _change_time(self, report: Report, member: Member) -> None:
-        """Go over to lockstep or to real time if a report shows that its world has."""
+        """Switch to lockstep or to real time if a report shows that its world has."""
         roll = self.roll
         if report.round and not roll.round:
             roll.begin([name for name in self.members if self.is_silent(name)])
         elif not report.round and roll.round:
-            # One that has just been started has not perceived yet in which time it lives.
+            # A member that has just started does not know yet whether its world is in lockstep.
             before = member.latest
             if before is not None and before.round and report.cycle >= before.cycle:
                 roll.end()
 
     def round_ends(self) -> bool:
-        """Whether everybody has reported since this was last so; if so, another round begins.
+        """Whether all have reported since the last round ended; if so, the next round begins.
 
-        Who has fallen silent is not waited for.
+        Silent members are not waited for.
         """
         present = {name for name, _ in self.present()}
         if not self._unheard.isdisjoint(present):
@@ -157,22 +157,22 @@ class CommanderBody:
         return True
 
     def is_silent(self, name: str) -> bool:
-        """Whether a subordinate was not heard of for longer than the deadline.
+        """Whether a subordinate has sent no report for longer than the deadline.
 
-        In lockstep, whether it did not report in the last round that it owed a report of.
+        In lockstep, whether it missed the last round in which it owed a report.
         """
         if self.roll.round:
             return name in self.roll.missing
         return self.now - self.members[name].heard_at > self.kind.deadline
 
     def knows_of(self, name: str) -> bool:
-        """Whether a subordinate has heard of this commander, and is heard."""
+        """Whether a subordinate knows this commander's epoch and is not silent."""
         latest = self.members[name].latest
         return latest is not None and latest.epoch == self.order.epoch and not self.is_silent(name)
 
     @property
     def ready(self) -> bool:
-        """Whether there is anybody to command, and nobody is still waited for."""
+        """Whether there are subordinates to command, and none is still waited for."""
         waited_for = any(
             member.report is None and not self.is_silent(name)
             for name, member in self.members.items()
@@ -180,7 +180,7 @@ class CommanderBody:
         return not waited_for and any(True for _ in self.present())
 
     def present(self, role: str = "") -> Iterator[tuple[str, Report]]:
-        """Go through those that are heard of, in order: names and last reports."""
+        """Yield the names and last reports of the members that are not silent, in order."""
         for name, member in self.members.items():
             if member.report is None or self.is_silent(name):
                 continue
@@ -189,11 +189,11 @@ class CommanderBody:
 
     @property
     def number(self) -> Number:
-        """Which order is in force."""
+        """The number of the order in force."""
         return self.order.number
 
     def obeys(self, name: str) -> bool:
-        """Whether a subordinate has said that it performs what is ordered."""
+        """Whether a subordinate has reported that it performs its order."""
         member = self.members[name]
         report = member.latest
         if report is None or (report.epoch, report.sequence) != self.number or report.waits:
@@ -204,7 +204,7 @@ class CommanderBody:
     # -- perceiving -------------------------------------------------------------------------
 
     def feature(self, feature: GroupFeature) -> float:
-        """Return a fact about the group; NaN if it has no value."""
+        """Return a feature of the group; NaN if it has no value."""
         asked, number = self._asked, self.number
         return summed_up(
             (observed(r, feature.of, asked, number) for _, r in self.present(feature.role)),
@@ -212,7 +212,7 @@ class CommanderBody:
         )
 
     def feature_of(self, feature: GroupFeature, name: str | None) -> float:
-        """Return what is observed in one subordinate; NaN if it is silent or there is none."""
+        """Return a feature of one subordinate; NaN if it is silent or unknown."""
         for present, report in self.present():
             if present == name:
                 return observed(report, feature.of, self._asked, self.number)
@@ -226,7 +226,7 @@ class CommanderBody:
         return sum(self.is_silent(name) for name in self.members) / len(self.members)
 
     def picked(self, pick: Pick) -> str | None:
-        """Return the subordinate that is picked; None if there is none now."""
+        """Return the subordinate that a target picks; None if there is none now."""
         if pick.number:
             names = [n for n, m in self.members.items() if not pick.role or m.role == pick.role]
             return names[pick.number - 1] if pick.number <= len(names) else None
@@ -248,8 +248,8 @@ class CommanderBody:
 
         Args:
             order: what to order.
-            chosen: the subordinate that it is about; None: nobody can be picked now, so that an
-                order that is about somebody is not given.
+            chosen: the subordinate that an order with a parameter is about; None: none can be
+                picked now, and the order is not given.
         """
         if order.parameter and chosen is None:
             return
@@ -261,7 +261,7 @@ class CommanderBody:
             for receiver, what in order.behaviors.items()
         }
         if ordered.get(OTHERS) is not None and None in ordered.values():
-            # A message cannot tell some to go on and all others to do something: it names these.
+            # A message cannot exempt some from an order to all others, so it names each member.
             ordered = {
                 name: next(ordered[r] for r in (name, member.role, OTHERS) if r in ordered)
                 for name, member in self.members.items()
@@ -276,19 +276,19 @@ class CommanderBody:
         self.on_order(self.order)
 
     def outbid(self, number: Number) -> None:
-        """Give the order in force again, with a newer number than one that is not its own.
+        """Repeat the order in force with a newer number than that of a foreign order.
 
-        Somebody else has ordered in this commander's name; subordinates would take all that
-        follows for older.
+        Someone else has given an order in this commander's name; without this, subordinates would
+        ignore all further orders as older.
         """
         self.order = replace(self.order, epoch=number[0] + 1)
         self.on_order(self.order)
 
     def give_again(self, label: str) -> bool:
-        """Give the order that was called so before a restart, with the meaning that it has now.
+        """Give the order that had this label before a restart, with its present meaning.
 
         Returns:
-            whether there is still such an order, and whom it is about.
+            whether the order, and the subordinate it is about, still exist.
         """
         for order in self.kind.orders:
             if not order.parameter and label == order.name:

@@ -1,8 +1,8 @@
-"""The domain of a kind of commander: orders as basic behaviors, facts about its group as features.
+"""The domain of a kind of commander: its orders are basic behaviors, its group has the features.
 
-It depends on the kind alone, not on who the subordinates are, so that all commanders of one kind
-fit the same library. Its version is a digest of what the words mean: where an order or a feature
-is described otherwise, what was trained with the earlier meaning is refused.
+It depends on the kind alone, not on the subordinates, so all commanders of one kind can use the
+same library. Its version is a digest of the definitions: if an order or a feature is redefined,
+behaviors trained with the earlier definition are refused.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def commander_domain(kind: CommanderKind) -> Domain:
     """Return the domain of all commanders of a kind.
 
     Raises:
-        VocabularyError: if a name is not well formed, or given twice.
+        VocabularyError: if a name is malformed or used twice.
     """
     return Domain.of(
         kind.name,
@@ -59,7 +59,7 @@ def _behavior(order: OrderMap) -> BasicBehavior:
 
     told = ", ".join(
         f"{receiver or 'others' if order.behaviors.keys() != {''} else 'all'}: "
-        f"{'go on' if behavior is None else behavior or 'nothing'}"
+        f"{'continue' if behavior is None else behavior or 'nothing'}"
         for receiver, behavior in order.behaviors.items()
     )
     parameters = (order.parameter,) if order.parameter else ()
@@ -116,7 +116,7 @@ _GROUP = {"x": _x, "y": _y, "spread": _spread}
 _SILENT = Feature(
     FRACTION_SILENT,
     lambda body: body.fraction_silent,
-    description="share of the subordinates that have not been heard of for too long",
+    description="share of the subordinates that are silent",
 )
 
 

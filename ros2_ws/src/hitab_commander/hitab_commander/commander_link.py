@@ -1,4 +1,4 @@
-"""How a commander is joined to its group: reports in, orders out."""
+"""The link of a commander to its group: reports in, orders out."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import order_message, time_of
 
 EPISODES_KNOWN = 8
-"""So many episodes back a late report does not pass for that of a new one."""
+"""How many past episodes are remembered, so that a late report does not look like a new one."""
 
 Episode = tuple[int, int]
 """Seed of the run, and number."""
 
 
 class CommanderLink:
-    """Has the commander decide when something has changed, and at a fixed rate besides.
+    """Has the commander decide when something has changed, and at a fixed rate.
 
-    In real time it decides at once when a subordinate does something else, when all have reported
-    anew, and when its own commander or a person has it perform something. In lockstep it decides
-    in turn; see `hitab_commander.lockstep`.
+    In real time it decides at once when a subordinate's activity changes, when all have reported
+    again, and when its own commander or a person has it perform something. In lockstep it decides
+    in its turn; see `hitab_commander.lockstep`.
     """
 
     def __init__(
@@ -48,20 +48,20 @@ class CommanderLink:
         tell: Callable[[], None],
         awaited_orders: Callable[[], Collection[str]],
     ) -> None:
-        """Hear reports and give orders from now on.
+        """Start to receive reports and give orders.
 
         Args:
             node: of the commander.
             agent: the commander, whose body is the group.
-            shared: what it has in common with the other agents of its process.
-            settings: who is in the group.
-            memory: what the process before this one had in force.
-            group: publishes what becomes of the orders.
+            shared: what the agents of its process share.
+            settings: the members of the group.
+            memory: what was in force in the previous process.
+            group: publishes how the orders are carried out.
             take_in: has the commander perceive.
             answer: has it act on what it perceived.
             tell: has it report to its own commander, if it has one.
-            awaited_orders: returns the topics of the orders that it waits for in a round of
-                lockstep.
+            awaited_orders: returns the topics of the orders that it waits for in a lockstep
+                round.
         """
         self._node = node
         self._agent = agent
@@ -98,21 +98,21 @@ class CommanderLink:
         self._ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
-        """Do nothing: subordinates go on with what they were ordered."""
+        """Do nothing: subordinates continue to follow their orders."""
 
     def _take_up(self, remembered: Remembered) -> None:
-        """Go on where the process before this one ended, or tell that nothing is ordered yet."""
+        """Resume what was in force in the previous process, or publish that there is no order."""
         agent = self._agent
         if remembered.epoch and agent.mode in (Mode.IDLE, Mode.PERFORMING):
             behavior = remembered.behavior
             try:
                 agent.perform(Use.parse(behavior) if behavior else None)
             except HitabError as error:
-                self._node.get_logger().warning(f"cannot take up what was performed: {error}")
+                self._node.get_logger().warning(f"cannot resume what was performed: {error}")
         if remembered.label and not self.body.give_again(remembered.label):
             self._node.get_logger().warning(
-                f'there is no order "{remembered.label}" any more, which was in force; '
-                "subordinates go on with it until another one is given"
+                f'the order in force, "{remembered.label}", no longer exists; '
+                "subordinates continue with it until another order is given"
             )
         if not self.body.order.sequence:
             self._on_order(self.body.order)
@@ -138,7 +138,7 @@ class CommanderLink:
         if self._lockstep.active:
             self.group.changed |= changed
             return
-        # What all of them have seen; the world's cycle, once all reports of it are here.
+        # The cycle that all have seen: the world's present one once all have reported it.
         self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
         everybody = body.round_ends()
         if everybody:
@@ -150,16 +150,16 @@ class CommanderLink:
             self._agent.sense((), (), self._percept.cycle)
 
     def _begins_episode(self, report: Report | msg.Report) -> bool:
-        """Whether a report tells that the subordinates' world has begun an episode."""
+        """Whether a report shows that the subordinates' world has begun an episode."""
         found = (report.seed, report.episode)
         if found == self._episode:
             return False
         if self._episode is not None and not (any(found) or report.cycle):
-            return False  # it has just been started, and has not perceived anything yet
+            return False  # the agent has just started, and has not perceived anything yet
         if found in self._episodes and any(
             (other.seed, other.episode) != found for _, other in self.body.present()
         ):
-            return False  # a late one; an episode that is played again is told by all of them
+            return False  # a late report; a repeated episode would be reported by all
         self._episode = found
         self._episodes = [*self._episodes[1 - EPISODES_KNOWN :], found]
         self._percept.seed, self._percept.episode = found
@@ -168,7 +168,7 @@ class CommanderLink:
     # -- deciding in lockstep ---------------------------------------------------------------
 
     def _perceive_round(self, present: Round) -> None:
-        """Perceive what all have reported, report it, and wait for the superior's order."""
+        """Perceive what was reported, report to the superior, and wait for its order."""
         percept = self._percept
         percept.sequence = present.number
         percept.cycle = present.cycle
@@ -184,7 +184,7 @@ class CommanderLink:
         )
 
     def _decide_round(self, present: Round) -> None:
-        """Decide, if it is due, and give the order of the round."""
+        """Decide, if that is due, and give the order of the round."""
         if self._lockstep.is_due(present):
             self._answer(self._percept)
         self._percept.restart = self._percept.look = self._percept.lockstep = False
@@ -202,9 +202,9 @@ class CommanderLink:
         self.group.publish_if_changed()
 
     def decide(self, *, restart: bool = False) -> None:
-        """Tick, if there is anybody to command; what is decided is ordered at once.
+        """Tick, if there are subordinates to command, and give the resulting order at once.
 
-        In lockstep that waits for the commander's turn in the next round.
+        In lockstep this waits for the commander's turn in the next round.
         """
         if self._lockstep.active:
             self._lockstep.expect()
@@ -227,19 +227,19 @@ class CommanderLink:
     # -- ordering ---------------------------------------------------------------------------
 
     def _on_order(self, order: Order) -> None:
-        # First, so that a process that is killed in between does not go back to the order before.
+        # First, so that a process killed in between does not return to the previous order.
         self.remember()
-        if not self._percept.lockstep:  # else it ends the round that is being decided
+        if not self._percept.lockstep:  # otherwise it is published at the end of the round
             self._orders.publish(order_message(self._agent.name, order))
         self.group.changed = True
 
     def remember(self) -> None:
-        """Write down what is performed and ordered, if that has changed."""
+        """Save what is performed and ordered, if that has changed."""
         body, agent = self.body, self._agent
         performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
         if (performed, body.order.number) != self._kept:
             self._kept = (performed, body.order.number)
             order = body.order
-            # It is obeyed although it cannot be written down.
+            # The order is obeyed even if it cannot be saved.
             kept = Remembered(order.epoch, performed, order.name)
             self._node.guard.run("remembering the order for a restart", self._memory.keep, kept)

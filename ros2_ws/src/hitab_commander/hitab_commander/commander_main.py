@@ -15,7 +15,7 @@ from hitab_commander.commander_node import CommanderNode
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until stopped."""
     sys.exit(run_agent(CommanderNode))
 
 

@@ -30,18 +30,18 @@ class CommanderNode(AgentNode):
         super().__init__(node_name, **options)
 
     def _first_behavior(self) -> str:
-        """Return what to perform at the first start; its link knows what was performed since."""
+        """Return what to perform at the first start; the link resumes later performances."""
         return self.settings.behavior
 
     def remember(self) -> None:
-        """Leave it to the link, which writes down the order with it."""
+        """Do nothing: the link saves what is performed together with the order."""
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain of the kind of commander in the file ``name``."""
         if not name:
             raise HitabError(
-                f"the commander {self.agent_name} was not told of what kind it is; "
-                "give it -p domain:=captain.yaml, a file that describes it"
+                f"the commander {self.agent_name} has no domain; "
+                "give it -p domain:=captain.yaml, a file that describes its kind"
             )
         domains = self.shared.domains
         if name not in domains:
@@ -49,16 +49,16 @@ class CommanderNode(AgentNode):
         return domains[name]
 
     def seconds_of(self, percept: msg.Percept) -> float:
-        """Return its subordinates' time, s: how often all have reported, times the period."""
+        """Return its subordinates' time, s: the number of complete reports times the period."""
         return 0.0 if self._link is None else self._link.seconds
 
     def ordered(self) -> None:
-        """Pass an order on at once: decide now what the subordinates are to do for it."""
+        """Pass an order on at once: decide now what the subordinates should do for it."""
         super().ordered()
         self._decide()
 
     def settle(self) -> None:
-        """Do at once what a person has had it perform, or what was waiting for him."""
+        """Decide at once after a person's request, also on an order that waited for it."""
         super().settle()
         self._decide()
 
@@ -77,9 +77,9 @@ class CommanderNode(AgentNode):
 
 
 def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
-    """Return what joins a commander to its group, where an agent has the link of its robot.
+    """Return the link of a commander to its group; it takes the place of a robot's link.
 
-    Worlds are no concern of it, and it decides itself when to perceive and when to act.
+    It ignores worlds, and decides itself when to perceive and when to act.
     """
     agent, settings = node.agent, node.settings
     return CommanderLink(

@@ -1,4 +1,4 @@
-"""The parameters of a commander's node that an agent's does not have."""
+"""The parameters of a commander's node that other agents do not have."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from hitab_ros import names
 
 @dataclass(frozen=True, slots=True)
 class GroupSettings:
-    """Whom a commander commands.
+    """The group of a commander.
 
     Attributes:
         roles: of the subordinates, by name.
-        asks_position: whether subordinates report where they are.
+        asks_position: whether subordinates report their positions.
     """
 
     roles: dict[str, str]
@@ -30,15 +30,14 @@ class GroupSettings:
         """Declare the parameters and return their values.
 
         Raises:
-            HitabError: if there are no subordinates, or not as many roles as subordinates.
+            HitabError: if there are no subordinates, or the number of roles differs from theirs.
         """
         commander = names.own_name(node)
         strings = Parameter.Type.STRING_ARRAY
-        subordinates = _parameter(node, "subordinates", strings, "names of those that it commands")
+        subordinates = _parameter(node, "subordinates", strings, "names of the subordinates")
         if not subordinates:
             raise HitabError(
-                f"the commander {commander} was given nobody to command; "
-                'give it -p subordinates:="[a, b]"'
+                f'the commander {commander} has no subordinates; give it -p subordinates:="[a, b]"'
             )
         roles = _parameter(node, "roles", [""], "roles of the subordinates, in the same order")
         if list(roles) == [""]:
@@ -48,7 +47,7 @@ class GroupSettings:
                 f"the commander {commander} was given {len(subordinates)} subordinates and "
                 f"{len(roles)} roles; it needs a role for each, and each subordinate once"
             )
-        asks = _parameter(node, "asks_position", False, "have subordinates report where they are")
+        asks = _parameter(node, "asks_position", False, "have subordinates report their positions")
         return cls(dict(zip(subordinates, roles, strict=True)), asks)
 
 

@@ -13,10 +13,10 @@ from hitab_ros import GuardedNode, names, qos
 
 
 class GroupStatus:
-    """Publishes a commander's group when something in it has changed.
+    """Publishes the status of a commander's group when it has changed.
 
     Attributes:
-        changed: whether something has, since it was published last.
+        changed: whether it has changed since it was last published.
     """
 
     def __init__(
@@ -26,13 +26,13 @@ class GroupStatus:
         settings: AgentSettings,
         faults: Callable[[], list[str]],
     ) -> None:
-        """Make ready to publish.
+        """Create the publisher.
 
         Args:
             node: to publish on.
             agent: the commander, whose body is the group.
             settings: of the commander.
-            faults: returns what is wrong with it and lasts.
+            faults: returns its lasting faults.
         """
         self.changed = True
         self._agent = agent
@@ -43,7 +43,7 @@ class GroupStatus:
         self._publisher = node.create_publisher(msg.CommanderStatus, names.GROUP, qos.LATCHED)
 
     def publish_if_changed(self) -> None:
-        """Publish it, if anything has changed."""
+        """Publish the status, if anything has changed."""
         agent, body = self._agent, self._body
         path = agent.active_path
         # A member that has not reported is not disobeying.

@@ -10,7 +10,7 @@ from hitab_core.commanding import OTHERS
 
 
 class Over(StrEnum):
-    """How a feature sums up what is observed in each subordinate."""
+    """How a feature aggregates what is observed in each subordinate."""
 
     ANY = "any"
     ALL = "all"
@@ -29,12 +29,12 @@ GROUP_PARTS = ("x", "y", "spread")
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What is looked at in one subordinate: a flag, an active state, or a feature.
+    """What is observed in one subordinate: a flag, an active state, or a feature.
 
     Attributes:
         flag, active, feature: exactly one of them is not empty. ``active`` names a state at any
             level, or the top-level behavior.
-        below, above: limits that make a question of a feature's value.
+        below, above: limits that turn a feature's value into true or false.
     """
 
     flag: str = ""
@@ -45,7 +45,7 @@ class Observation:
 
     @property
     def is_question(self) -> bool:
-        """Whether it is true or false by itself."""
+        """Whether its value is true or false."""
         return not self.feature or self.below is not None or self.above is not None
 
 
@@ -54,9 +54,9 @@ class GroupFeature:
     """A feature of a commander.
 
     Attributes:
-        over: how the subordinates are summed up.
+        over: how the subordinates are aggregated.
         of: what is observed in each; for `Over.GROUP`, ``part`` of their positions instead.
-        role: whose; empty: everybody's.
+        role: of the subordinates that count; empty: all.
         parameter: of a feature of one subordinate, `Over.VALUE`.
     """
 
@@ -70,10 +70,10 @@ class GroupFeature:
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """A target: the subordinate with the least or the greatest value, or that of a number.
+    """A target: the subordinate with the smallest or the largest value, or with a number.
 
-    Of several with the same value, the first in the commander's list is picked. ``number`` counts
-    from 1, among those with the role.
+    Among equal values, the first in the commander's list is picked. ``number`` counts from 1
+    among those with the role.
     """
 
     name: str
@@ -85,12 +85,12 @@ class Pick:
 
 @dataclass(frozen=True, slots=True)
 class OrderMap:
-    """An order, and what it has the subordinates perform.
+    """An order, and what the subordinates perform for it.
 
     Attributes:
         name: of the order: a basic behavior of the commander.
         behaviors: by receiver: a role, ``parameter`` for the subordinate that it is bound to, or
-            `OTHERS`. Empty text: perform nothing; None: go on with what is performed.
+            `OTHERS`. Empty text: perform nothing; None: continue what is performed.
         parameter: its parameter, if it is about one subordinate.
     """
 
@@ -99,23 +99,23 @@ class OrderMap:
     parameter: str = ""
 
     def for_role(self, role: str) -> str | None:
-        """Return what subordinates with a role perform; None: they go on."""
+        """Return what subordinates with a role perform; None: they continue."""
         return self.behaviors.get(role, self.behaviors.get(OTHERS))
 
     def covers(self, role: str) -> bool:
-        """Whether it says what subordinates with a role do."""
+        """Whether it defines what subordinates with a role do."""
         return role in self.behaviors or OTHERS in self.behaviors
 
 
 @dataclass(frozen=True)
 class CommanderKind:
-    """What commanders of one kind have in common; their domain is made from it.
+    """What commanders of one kind share; their domain is made from it.
 
     Attributes:
         name: of the kind, and of its domain.
-        deadline: s after which a subordinate that was not heard of is left out.
-        rate: Hz at which it decides when nothing changes in between.
-        report_period: s between two reports of values that change, in the subordinates' time.
+        deadline: s without a report after which a subordinate is left out.
+        rate: Hz at which it decides if nothing changes in between.
+        report_period: s between two reports of changing values, in the subordinates' time.
     """
 
     name: str
@@ -132,15 +132,15 @@ class CommanderKind:
 
     @property
     def asked(self) -> tuple[str, ...]:
-        """The subordinates' features that are looked at, each once."""
+        """The subordinates' features that are observed, each once."""
         return tuple(dict.fromkeys(of.feature for of in self._looked_at if of.feature))
 
     @property
     def asks_states(self) -> bool:
-        """Whether subordinates have to report what is active inside their top-level behavior."""
+        """Whether subordinates must report the active states inside their top-level behavior."""
         return any(of.active for of in self._looked_at)
 
     @property
     def asks_position(self) -> bool:
-        """Whether subordinates have to report where they are."""
+        """Whether subordinates must report their positions."""
         return any(feature.over is Over.GROUP for feature in self.features)

@@ -1,4 +1,4 @@
-"""Writes kinds of commanders as `hitab_commander.kind_reader` reads them."""
+"""Writes kinds of commanders in the format that `hitab_commander.kind_reader` reads."""
 
 from __future__ import annotations
 

@@ -1,15 +1,15 @@
-"""When a commander decides in lockstep: at most once in a round, and by no clock.
+"""When a commander decides in lockstep: at most once in a round, independent of any clock.
 
-In each round of lockstep reports pass up the tree and orders pass down it:
+In each lockstep round, reports pass up the tree and orders pass down it:
 
 1. Every agent perceives and owes its commander a report.
-2. A commander that has the reports of all who owe it one perceives, and reports to its superior.
-3. A commander that has heard its superior's order of the round takes it up, decides, and gives its
-   own order of the round; the root has nobody to wait for.
-4. An agent that has heard its commander's order of the round takes it up, and acts.
+2. A commander that has all the reports owed to it perceives, and reports to its superior.
+3. A commander that has its superior's order of the round obeys it, decides, and gives its own
+   order of the round; the root does not wait.
+4. An agent that has its commander's order of the round obeys it, and acts.
 
-So what is decided depends on what was reported and on nothing else, such as which message was
-faster. In real time, where nobody waits, commanders decide as `commander_link` says.
+So decisions depend only on the reports, not on the timing of messages. For decisions in real time
+see `commander_link`.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from hitab_commander.commander_body import CommanderBody
 from hitab_core.commanding import Report
 
 FORGIVEN = 1e-6
-"""s; times are sums of cycles."""
+"""s; the rounding error of times, which are sums of cycles."""
 
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """What all reports of a round have in common.
+    """What all reports of a round share.
 
     Attributes:
         number: of the round.
-        cycle: of the world; of several worlds the smallest.
+        cycle: of the world; of several worlds, the smallest.
         seconds: the subordinates' own time, s.
-        seed, episode: of the run, and its number.
-        look: whether nobody acts in this round.
+        seed, episode: seed of the run, and number of the episode.
+        look: whether no agent acts in this round.
         restart: whether an episode begins.
     """
 
@@ -46,7 +46,7 @@ class Round:
 
 
 class Lockstep:
-    """Hears reports, and tells when the round is complete and whether to decide in it."""
+    """Takes reports, and determines when the round is complete and whether to decide in it."""
 
     def __init__(self, body: CommanderBody) -> None:
         self._body = body
@@ -56,14 +56,14 @@ class Lockstep:
 
     @property
     def active(self) -> bool:
-        """Whether the subordinates live in lockstep."""
+        """Whether the subordinates' world is in lockstep."""
         return bool(self._body.roll.round)
 
     def hear(self, report: Report, now: float) -> tuple[bool, Round | None]:
         """Take a report.
 
         Returns:
-            Whether something else than a value has changed, and the round if it is complete now.
+            Whether anything but a value has changed, and the round if it is complete now.
         """
         body = self._body
         changed = body.hear(report, now)
@@ -87,13 +87,13 @@ class Lockstep:
         )
 
     def expect(self) -> None:
-        """Decide in the next round whatever the reports say: an order has come, or a person's."""
+        """Decide in the next round whatever the reports say, after an order or a command."""
         self._news = True
 
     def is_due(self, present: Round) -> bool:
         """Return whether to decide in a round, once.
 
-        It is when something has changed, and at the commander's rate, counted in the
+        A decision is due when something has changed, and at the commander's rate, counted in the
         subordinates' time from the beginning of the episode.
         """
         if present.look:

@@ -18,7 +18,7 @@ class Remembered:
     Attributes:
         epoch: of that process; 0: there was none.
         behavior: the top-level behavior that the commander performed; empty: none.
-        label: of the order; empty: none was given. What it means is told by the kind.
+        label: of the order; empty: none was given. The kind defines its meaning.
     """
 
     epoch: int = 0
@@ -29,8 +29,8 @@ class Remembered:
 class OrderMemory:
     """A small file in a commander's state folder; see `LineMemory`.
 
-    What cannot be read is taken for a commander that has ordered nothing yet, since its superior
-    or a person will order again.
+    If the file cannot be read, the commander starts without an order: its superior or a person
+    will give one again.
 
     Attributes:
         remembered: what was in force.
@@ -38,10 +38,10 @@ class OrderMemory:
     """
 
     def __init__(self, folder: Path) -> None:
-        """Read it.
+        """Read the file.
 
         Args:
-            folder: where the file is; it is made when there is something to remember.
+            folder: the folder of the file; it is created at the first write.
         """
         self._file = LineMemory(folder / ORDERS_FILE)
         self.damage = self._file.damage
@@ -55,11 +55,11 @@ class OrderMemory:
             return Remembered()
 
     def next_epoch(self) -> int:
-        """Return a number larger than that of any process before, by the machine's clock."""
+        """Return a number larger than that of any earlier process, by the machine's clock."""
         return max(time.time_ns(), self.remembered.epoch + 1)
 
     def keep(self, remembered: Remembered) -> None:
-        """Write down what is in force now.
+        """Save what is in force now.
 
         Raises:
             OSError: if it cannot be written.

@@ -1,22 +1,22 @@
-"""Who owes a commander a report in a round of lockstep, and whether all have given it."""
+"""Which members owe a commander a report in a lockstep round, and whether all have reported."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
 PAST = 1 << 20
-"""A report of a round that is fewer rounds back than this is late; further back, the world began
-to count anew, or somebody forged a number."""
+"""A report fewer rounds back than this is late; further back, the world has restarted its count,
+or someone has forged a number."""
 
 
 class RollCall:
-    """Keeps account of the reports of one round after the other.
+    """Records the reports of one round after the other.
 
-    A member owes a report of each round until a round passes without one; from its next report on
-    it owes them again. No clock takes part: a round has passed when a later one begins.
+    A member owes a report in each round until it misses one; from its next report on it owes them
+    again. No clock is involved: a round is over when a later one begins.
 
     Attributes:
-        round: the number of the present one; 0: real time.
+        round: the number of the present round; 0: real time.
     """
 
     def __init__(self, members: Collection[str]) -> None:
@@ -28,16 +28,16 @@ class RollCall:
 
     @property
     def missing(self) -> Collection[str]:
-        """The members that did not report in a round and have not reported since."""
+        """The members that missed a round and have not reported since."""
         return self._missing
 
     def begin(self, silent: Iterable[str]) -> None:
-        """Go over from real time to lockstep; those that are silent owe nothing for now."""
+        """Switch from real time to lockstep; silent members owe nothing for now."""
         self._owing = set()
         self._missing = set(silent)
 
     def end(self) -> None:
-        """Go over to real time."""
+        """Switch to real time."""
         self.round = 0
 
     def take(self, member: str, number: int) -> bool:

@@ -287,7 +287,7 @@ def test_an_order_that_is_described_otherwise_after_a_restart_means_what_it_does
 
 
 def test_a_commander_of_no_kind_is_refused_with_the_way_out(team):
-    with pytest.raises(HitabError, match="chief was not told of what kind it is; give it -p dom"):
+    with pytest.raises(HitabError, match="chief has no domain; give it -p dom"):
         CommanderNode(namespace="/chief", context=team.context, use_global_arguments=False)
 
 
