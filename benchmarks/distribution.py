@@ -39,7 +39,7 @@ class Figures:
         gap: the longest time between two answers of a host in a minute's part without
             distributions, and while each was under way.
         late: actions that had not come when their cycle ended, while distributing.
-        refused: who did not take it in.
+        refused: the agents that refused it.
     """
 
     libraries: str
@@ -129,7 +129,7 @@ class Meter:
         self.late = status.missed_deadlines
 
     def ready(self, timeout_s: float) -> bool:
-        """Wait until the source can be asked."""
+        """Wait for the source's services."""
         link = self._link
         return bool(
             link.spin_until(self._loader.service_is_ready, timeout_s)
@@ -137,7 +137,7 @@ class Meter:
         )
 
     def wait(self, seconds: float) -> None:
-        """Hear what comes."""
+        """Receive what arrives."""
         self._link.spin_until(lambda: False, seconds)
 
     def load(self, folder: Path) -> None:
@@ -175,7 +175,7 @@ class Meter:
 
 
 def hurry(folder: Path) -> None:
-    """Have the processes of the swarm, and this one, preferred to other work on this machine."""
+    """Give the processes of the swarm, and this one, priority over other work on this machine."""
     for process in psutil.process_iter(["cmdline"]):
         line = " ".join(process.info["cmdline"] or ())
         if str(folder) in line or "plain_world" in line or process.pid == os.getpid():

@@ -73,10 +73,10 @@ class Figures:
 
 
 class Orders:
-    """Gives orders to the root and hears who performs them.
+    """Gives orders to the root and records which agents perform them.
 
     Attributes:
-        missing: who has not reported yet to perform the last order.
+        missing: agents that have not reported yet that they perform the last order.
         seen: of the world, when its status came: time, cycle, answers that were late so far.
     """
 
@@ -115,7 +115,7 @@ class Orders:
         self.seen.append((time.perf_counter(), status.cycle, status.missed_deadlines))
 
     def ready(self, timeout_s: float) -> bool:
-        """Wait until the root can be asked."""
+        """Wait for the root's services."""
         return bool(self._link.spin_until(self._client.service_is_ready, timeout_s))
 
     def give(self, order: str) -> float:

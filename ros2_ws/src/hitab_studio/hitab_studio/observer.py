@@ -1,4 +1,4 @@
-"""Finds out what is to be known of the swarm that is connected; in the link's thread."""
+"""Observes the connected swarm; in the link's thread."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ from hitab_studio.watching import Watch
 
 
 class Complain(Protocol):
-    """Shows what failed: on a page, on those that look at an agent, or else on all."""
+    """Shows an error: on a page, on those that view an agent, or on all."""
 
     def __call__(
         self, agent: str, text: str, error: Exception | None = None, session: str = ""
     ) -> None:
-        """Show it."""
+        """Show an error."""
 
 
 class Observer:
-    """What is known of one swarm, from its being connected to its end.
+    """What is known of one swarm, from its connection to its end.
 
     Args:
-        swarm: to look at.
-        known: to begin with.
-        focus: the agents that each session looks at, as it is at any time.
-        complain: called with what goes wrong.
+        swarm: the swarm to observe.
+        known: what is known at first.
+        focus: the agents that each session views at present; kept up to date by the caller.
+        complain: called with errors.
 
     Attributes:
         known: what is known now.
-        colors: of states, in what others than pages are shown.
+        colors: of states, in the markers for other viewers.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Observer:
         self._shown: object = None
 
     def _know(self, **changes: Any) -> None:
-        """Know this, which pages show, from now on."""
+        """Update what is known and shown by pages."""
         self.known = replace(self.known, revision=self.known.revision + 1, **changes)
 
     def see(self) -> None:
@@ -84,7 +84,7 @@ class Observer:
         self._markers.show(scene, self.known.doing(), self.colors)
 
     def look(self) -> None:
-        """Find out what has changed of the agents."""
+        """Update what has changed about the agents."""
         swarm, known = self._swarm, self.known
         if swarm.world.status is not known.world:
             self._know(world=swarm.world.status)
@@ -127,12 +127,12 @@ class Observer:
                 self._know(moments=self._situations.kept)
 
     def with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:
-        """Do something with what watches an agent, if anything does."""
+        """Do something with the watcher of an agent, if there is one."""
         if (watch := self._watches.get(agent)) is not None:
             do(watch)
 
     def keep_house(self) -> None:
-        """Find who has come and who has gone."""
+        """Find agents that have joined or left."""
         swarm = self._swarm
         node = swarm.link.node
         swarm.agents.discover()
@@ -164,10 +164,10 @@ class Observer:
     # -- recording; to be called as jobs ----------------------------------------------------
 
     def start_recording(self, path: str, session: str = "") -> None:
-        """Record all that is said from now on.
+        """Record all messages from now on.
 
         Raises:
-            SwarmError: if that is done already, or the file cannot be written.
+            SwarmError: if a recording is running, or the file cannot be written.
         """
         if self._recorder is not None:
             raise SwarmError(f"already recording to {self._recorder.path}")
@@ -176,7 +176,7 @@ class Observer:
         self._know(recording=path, recorded=0)
 
     def stop_recording(self) -> str:
-        """End the recording and return where it is; "" if there was none.
+        """End the recording and return its path; "" if there was none.
 
         Raises:
             SwarmError: if its end could not be written.

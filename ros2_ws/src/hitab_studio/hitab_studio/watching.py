@@ -1,8 +1,8 @@
-"""What is known of agents that somebody looks at: what they perceive, decide and have learned.
+"""What is known of the viewed agents: what they perceive, decide and have learned.
 
-Looking costs an agent a little, so only those that are looked at are asked, and told apart by
-name. Everything here runs in the thread of the link; what pages read of it, `Watched`, is replaced
-as a whole and never changed.
+Requests cost an agent a little, so only the viewed agents are asked, each by name. Everything
+here runs in the thread of the link; what pages read of it, `Watched`, is replaced as a whole and
+never changed.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import NOTHING, Effect, Learned, Vocabulary, effect, learned_of
 
 HISTORY = 120
-"""Values of a feature that are kept for its curve."""
+"""Number of values of a feature that are kept for its curve."""
 
 EVENTS = 60
-"""Changes of state that are kept."""
+"""Number of state changes that are kept."""
 
 READ_SECONDS = 0.15
 REFRESH_SECONDS = 2.0
@@ -35,14 +35,14 @@ PATIENCE_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class Watched:
-    """One agent that is looked at.
+    """One viewed agent.
 
     Attributes:
-        vocabulary: what it can be told.
+        vocabulary: what it can be commanded.
         training: what is being trained, if anything.
         behaviors: what is in its library and was needed, by name.
         readings: automaton, feature and its last values, oldest first.
-        transitions: the last changes of state, newest last.
+        transitions: the last state changes, newest last.
         change: what the last change of examples did, and the number of examples before it.
     """
 
@@ -60,7 +60,7 @@ class Watch:
 
     Args:
         link: the node to use.
-        agent: whom.
+        agent: its name.
         status: returns its last status.
         changed: called when something new is known.
         failed: called with what went wrong with an answer.
@@ -94,7 +94,7 @@ class Watch:
         )
 
     def close(self) -> None:
-        """Stop looking."""
+        """Stop watching."""
         node = self._link.node
         node.destroy_subscription(self._transitions)
         for client in self._clients.values():
@@ -105,7 +105,7 @@ class Watch:
         self._wanted.add(name)
 
     def look(self) -> None:
-        """Ask for what may have changed."""
+        """Request what may have changed."""
         status = self._status()
         if status is None:
             return
