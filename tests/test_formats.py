@@ -4,9 +4,14 @@ import json
 import shutil
 from pathlib import Path
 
-from hitab_bringup import read_swarm
+import pytest
+from mcap.writer import Writer
+
+from hitab_bringup import parse_swarm, read_swarm
+from hitab_client import DescriptionError, LessonError, SwarmError
 from hitab_client.lessons import read_lesson
-from hitab_core import Agent, BehaviorLibrary, load_domain
+from hitab_commander import read_kind
+from hitab_core import Agent, BehaviorLibrary, VocabularyError, load_domain
 from hitab_studio.replay import Recording
 from keepaway_world.world import KeepawayWorld
 
@@ -70,3 +75,41 @@ def test_a_recording_from_before_is_replayed():
     assert recording.seconds > 0.0
     assert sorted(recording.statuses(recording.seconds)) == ["keeper_1", "keeper_2", "keeper_3"]
     assert {"ball", "keeper_1", "taker_1"} <= set(recording.scene(0.0).names)
+
+
+def test_a_swarm_description_of_a_newer_format_is_refused_before_anything_else_in_it():
+    text = "swarm: new\nformat: 2\nsomething: new\n"
+    with pytest.raises(DescriptionError) as refused:
+        parse_swarm(text, Path("new.yaml"))
+    assert str(refused.value).endswith(
+        "has format version 2, but this HiTAB reads up to 1; update HiTAB"
+    )
+    assert "new.yaml:2" in str(refused.value)
+    assert "something" not in str(refused.value)
+
+
+def test_lessons_and_kinds_of_a_newer_format_are_refused(tmp_path):
+    lesson, kind = tmp_path / "lesson.yaml", tmp_path / "commander.yaml"
+    lesson.write_text("lesson: New\nformat: 2\n")
+    kind.write_text("commander: New\nformat: 2\n")
+    with pytest.raises(LessonError, match=r"lesson.yaml:2.*has format version 2"):
+        read_lesson(lesson)
+    with pytest.raises(VocabularyError, match=r"commander.yaml:2.*has format version 2"):
+        read_kind(kind)
+
+
+def test_files_may_name_their_format(tmp_path):
+    text = (FORMATS / "lessons" / "control_ball.yaml").read_text()
+    (tmp_path / "lesson.yaml").write_text("format: 1\n" + text)
+    assert read_lesson(tmp_path / "lesson.yaml").name == "ControlBall"
+
+
+def test_a_recording_of_a_newer_format_is_refused(tmp_path):
+    path = tmp_path / "new.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2", library="hitab_studio")
+        writer.add_metadata("hitab", {"format": "2"})
+        writer.finish()
+    with pytest.raises(SwarmError, match=r"new.mcap has format version 2"):
+        Recording(path)

@@ -26,6 +26,9 @@ from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 from hitab_ros.names import WORLD
 
+FORMAT = 1
+"""The newest format version that is read."""
+
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"
 AGENT = "{agent}"
@@ -45,6 +48,7 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     """Read a swarm description from its text; relative paths start at the folder of ``path``."""
     document = read_yaml(text, str(path), error=DescriptionError)
     top = Fields(Complaints(document, DescriptionError))
+    top.check_format(FORMAT)
     name = top.text("swarm", path.stem)
     _check_name(top, name, "a swarm")
     world = _world(top) if "world" in top else None

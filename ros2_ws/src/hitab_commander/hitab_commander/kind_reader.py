@@ -45,6 +45,9 @@ from hitab_core.commanding import OTHERS
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, open_yaml
 
+FORMAT = 1
+"""The newest format version that is read."""
+
 KEEP = "keep"
 NOTHING = "nothing"
 OTHERS_WORD = "others"
@@ -66,6 +69,7 @@ def read_kind(path: Path) -> CommanderKind:
     """
     document = open_yaml(path, error=VocabularyError)
     top = Fields(Complaints(document, VocabularyError))
+    top.check_format(FORMAT)
     kind = parse_kind(top.text("commander") or "", top)
     if not kind.orders:
         top.complain("needs `orders:`, a line with a name each")

@@ -43,6 +43,12 @@ KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
 
 STATUSES = (WorldStatus, AgentStatus)
 
+METADATA = "hitab"
+"""Name of the metadata record; recordings without one have the first format."""
+
+FORMAT = 1
+"""The format version that is written."""
+
 
 def recordings_folder() -> Path:
     """Return the folder of recordings."""
@@ -84,6 +90,7 @@ class Recorder:
             raise SwarmError(f"cannot record to {self.path}: {error.strerror}") from None
         self._writer = Writer(self._file)
         self._writer.start(profile="ros2", library="hitab_studio")
+        self._writer.add_metadata(METADATA, {"format": str(FORMAT)})
         self.look()
 
     def look(self) -> None:

@@ -13,6 +13,7 @@ from mcap.reader import make_reader
 from rclpy.serialization import deserialize_message
 
 from hitab_client import SwarmError
+from hitab_studio.recording import FORMAT, METADATA
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
@@ -63,6 +64,13 @@ class Recording:
         self.seconds = self._states.times[-1] - self.start
 
     def _read(self, reader: Any) -> None:
+        for metadata in reader.iter_metadata():
+            found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
+            if not found.isdecimal() or int(found) > FORMAT:
+                raise SwarmError(
+                    f"{self.path.name} has format version {found}, but this HiTAB reads up to "
+                    f"{FORMAT}; update HiTAB"
+                )
         for schema, channel, message in reader.iter_messages():
             seconds = message.log_time / NANOSECONDS
             match schema.name:

@@ -32,6 +32,9 @@ from hitab_core import HitabError, Use, has
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 
+FORMAT = 1
+"""The newest format version that is read."""
+
 
 def read_lesson(path: Path) -> Lesson:
     """Read a lesson.
@@ -45,6 +48,7 @@ def read_lesson(path: Path) -> Lesson:
 def parse_lesson(text: str, path: Path) -> Lesson:
     """Read a lesson from its text; ``path`` is its name for errors."""
     top = Fields(Complaints(read_yaml(text, str(path), error=LessonError), LessonError))
+    top.check_format(FORMAT)
     name = top.text("lesson") or ""
     agent = top.text("agent") or ""
     budget = top.integer("budget", None, least=1)

@@ -44,6 +44,23 @@ class Fields:
         """Note a complaint about this mapping, or about an item in it."""
         self.complaints.add((*self.path, *inner), text)
 
+    def check_format(self, newest: int) -> None:
+        """Refuse a file of a newer format; a file without ``format:`` has the first.
+
+        Args:
+            newest: the newest format that the caller reads.
+
+        Raises:
+            HitabError: the document's, at once, since what else seems wrong may be new.
+        """
+        found = self.integer("format", 1, least=1)
+        if isinstance(found, int) and found > newest:
+            self.complain(
+                f"has format version {found}, but this HiTAB reads up to {newest}; update HiTAB",
+                "format",
+            )
+            self.complaints.raise_any()
+
     def names(self) -> list[str]:
         """Return the names of all fields, in order; they count as asked for."""
         self._asked.update(self._value)

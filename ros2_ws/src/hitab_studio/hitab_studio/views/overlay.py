@@ -14,7 +14,7 @@ KEYS = "1234567890qweyiopasdghjkzxcvbm"
 """Keys of behaviors; other keys have other meanings."""
 
 MODE_WORDS = {
-    "idle": ("Idle", "nobody decides"),
+    "idle": ("Idle", "no behavior runs"),
     "performing": ("Performing", "a saved behavior decides"),
     "training": ("Training", "you decide: each command teaches"),
     "testing": ("Testing", "what was learned decides"),
