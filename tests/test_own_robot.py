@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -14,6 +15,7 @@ from typing import Any
 import pytest
 from geometry_msgs.msg import Twist
 from hitab_msgs.msg import TransitionEvent
+from hitab_msgs.srv import ReadFeatures
 from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
@@ -82,6 +84,17 @@ class Desk:
 
     def until(self, condition: Callable[[], Any]) -> None:
         assert self.link.spin_until(condition, SECONDS), "it did not happen in time"
+
+    def await_value(self, feature: str) -> None:
+        """Wait until the agent has heard the sensor that a feature is read from."""
+        deadline = time.monotonic() + SECONDS
+        while math.isnan(self._value(feature)):
+            assert time.monotonic() < deadline, f"{feature} has no value"
+            self.link.spin_until(lambda: False, 0.05)
+
+    def _value(self, feature: str) -> float:
+        answer = self.agents.ask(ROBOT, ReadFeatures, "read_features", also=[feature])
+        return float(answer.values[answer.features.index(feature)])
 
     def told_to_stand_still(self) -> bool:
         """Whether the last thing that the robot was told is to stand still."""
@@ -191,6 +204,7 @@ def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(d
     with pytest.raises(SwarmError, match=r"ZeroDivisionError in broken\.py:6: division by zero"):
         desk.agents.command(ROBOT, "Forward")
     desk.agents.begin(ROBOT, "Wander", features=["Bumped"])
+    desk.await_value("Bumped")
     assert desk.agents.command(ROBOT, "Stop").examples == 2
 
 
