@@ -25,7 +25,7 @@ def imports(package: Path) -> set[str]:
 
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
 def test_a_package_declares_all_that_it_imports(package):
-    # What rosdep does not know is told in a comment.
+    # A comment names what rosdep does not know.
     declared = re.findall(r"[a-z0-9_]+", (package / "package.xml").read_text())
     assert imports(package) - {*declared} == set()
 

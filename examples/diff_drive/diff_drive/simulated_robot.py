@@ -41,7 +41,7 @@ def distance(x: float, y: float, angle: float) -> float:
 
 
 class SimulatedRobot(Node):
-    """Moves as it is told, unless something is in the way."""
+    """Moves as commanded, unless something is in the way."""
 
     def __init__(self) -> None:
         super().__init__("simulated_robot")

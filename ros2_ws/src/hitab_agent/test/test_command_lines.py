@@ -1,4 +1,4 @@
-"""What is wrong with a node's names and parameters is told in one line, without a traceback."""
+"""Wrong names and parameters of a node are reported in one line, without a traceback."""
 
 import os
 import subprocess

@@ -16,7 +16,7 @@ from hitab_ros import names, qos
 
 
 class Body:
-    """A body that perceives one number, and cannot act when it is told so."""
+    """A body that perceives one number, and cannot act on demand."""
 
     def __init__(self, name: str) -> None:
         self.values: Any = ()

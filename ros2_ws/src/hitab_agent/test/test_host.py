@@ -26,7 +26,7 @@ SIZE = WORTH_IT + 2
 
 
 class Body:
-    """A body that perceives one number, and does or says what it is told by it."""
+    """A body that perceives one number, and does or says what that number means."""
 
     def __init__(self, name: str) -> None:
         self.value = 0.0

@@ -1,4 +1,4 @@
-"""Swarm descriptions: what is wrong is told by file and line, with the way out."""
+"""Swarm descriptions: errors name the file, the line and the way out."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Lessons: how they read, and that what is wrong is told by file and line."""
+"""Lessons: how they read, and that errors name the file and line."""
 
 import math
 from pathlib import Path

@@ -4,7 +4,7 @@
     orders:                                  # name: what the subordinates perform
       Play: Keepaway                         # all of them
       Attack: {scout: Search, carrier: Follow(ball)}    # by role
-      Send(A): {A: Fetch, others: keep}      # about one of them; keep: go on with what you do
+      Send(A): {A: Fetch, others: keep}      # about one of them; keep: no change
       Rest: nothing
     features:
       AllDone: {all: Done}                   # a flag
@@ -16,7 +16,7 @@
     targets:
       closest: {minimum: DistanceTo(ball)}   # one of them
       first: {number: 1}
-    deadline: 3                              # s; who is silent for longer is left out
+    deadline: 3                              # s; a member silent for longer is left out
     rate: 10                                 # Hz
     report_period: 0.5                       # s between reports of values that change
 
@@ -52,7 +52,7 @@ KEEP = "keep"
 NOTHING = "nothing"
 OTHERS_WORD = "others"
 KIND_FILE = "commander.yaml"
-"""The file that tells, in a commander's library folder, what its kind is."""
+"""The file in a commander's library folder that describes its kind."""
 
 FASTEST = 1000.0
 """Hz; the highest rate at which a commander may be asked to decide."""

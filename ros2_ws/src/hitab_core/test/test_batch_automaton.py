@@ -44,7 +44,7 @@ class LoggingBody:
 
 
 def basic(name: str, parameters: tuple[str, ...] = (), *, one_shot: bool = False) -> BasicBehavior:
-    """Return a basic behavior that writes down what it is told."""
+    """Return a basic behavior that records its calls."""
 
     def writes(what: str) -> object:
         return lambda body, *targets: body.done.append(f"{what} {name}{targets}")

@@ -19,7 +19,7 @@ from hitab_core.use import Use
 
 
 class Recorder:
-    """A body that writes down what is done with it and sees what it is told to see."""
+    """A body that records what is done with it and sees what the test sets."""
 
     def __init__(self, name="it"):
         self.log = []

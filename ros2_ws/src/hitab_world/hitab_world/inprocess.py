@@ -1,6 +1,6 @@
 """Play episodes in one process: world and agents without ROS, as fast as they can.
 
-Each agent has a player: an object that is told when an episode begins and that makes the agent's
+Each agent has a player, which is notified when an episode begins and makes the agent's
 body act on each percept. `AutomatonPlayer` performs a behavior of a repertoire just as an agent
 node does; `PolicyPlayer` calls a function with the body. Agents perceive and act through the
 domain's body alone, so what is played here plays the same over topics.

@@ -38,7 +38,7 @@ def rounds(lines, client):
 class StandIn:
     """A server on a free port of this machine that replays the transcript to any keepers.
 
-    All keepers are told what the transcript's keeper was told, all takers what its taker was:
+    All keepers receive what the transcript's keeper received, all takers what its taker did:
     a round when everybody has answered the one before with ``(done)``.
 
     Args:

@@ -1,4 +1,4 @@
-"""From what a player sees, it is told where everything is, itself first of all."""
+"""What a player sees gives where everything is, itself first of all."""
 
 import gzip
 import json
