@@ -63,12 +63,12 @@ class AgentServices:
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
     def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:
-        curriculum = Curriculum(
+        curriculum = Curriculum.parse(
             request.automaton,
-            tuple(Use.parse(text) for text in request.features),
-            tuple(Use.parse(text) for text in request.states),
-            tuple(request.parameters),
-            tuple(request.arguments),
+            request.features,
+            request.states,
+            request.parameters,
+            request.arguments,
             request.classifier or "tree",
         )
         session = self._agent.begin(curriculum, resume=request.resume, discard=request.discard)

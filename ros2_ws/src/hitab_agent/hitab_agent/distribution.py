@@ -64,7 +64,7 @@ class Distributor:
         self,
         node: GuardedNode,
         agent: Agent,
-        desk: DistributionReceiver,
+        topics: DistributionReceiver,
         *,
         answered: Callable[[str], None],
         taken_in: Callable[[int, str, str], None],
@@ -74,7 +74,7 @@ class Distributor:
         Args:
             node: of the agent.
             agent: the agent.
-            desk: the topics.
+            topics: the topics.
             answered: called before the reply to a request to distribute, with the reason for a
                 refusal, or "".
             taken_in: called with the outcome of a distribution, see `has_taken_in`, before it is
@@ -84,9 +84,9 @@ class Distributor:
         self.agent = agent
         self._answered = answered
         self._taken_in = taken_in
-        self._outgoing = desk.outgoing
-        self._acknowledge = desk.acknowledge
-        desk.add(self)
+        self._outgoing = topics.outgoing
+        self._acknowledge = topics.acknowledge
+        topics.add(self)
 
     def offer(self) -> None:
         """Offer the service that distributes."""

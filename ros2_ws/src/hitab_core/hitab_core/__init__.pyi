@@ -22,6 +22,7 @@ from .errors import HitabError as HitabError
 from .errors import LibraryError as LibraryError
 from .errors import TrainingError as TrainingError
 from .errors import VocabularyError as VocabularyError
+from .errors import newer_format as newer_format
 from .example import Example as Example
 from .example import ExampleKind as ExampleKind
 from .learning.scikit_learn import TransitionTreeClassifier as TransitionTreeClassifier

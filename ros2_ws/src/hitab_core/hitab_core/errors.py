@@ -23,3 +23,8 @@ class LibraryError(HitabError):
 
 class FolderInUseError(LibraryError):
     """A folder that another process has locked."""
+
+
+def newer_format(found: object, newest: int) -> str:
+    """Return what is wrong with a file of a newer format than can be read."""
+    return f"has format version {found}, but this HiTAB reads up to {newest}; update HiTAB"

@@ -111,13 +111,8 @@ class LearningAgent:
                     'which to use, for example features=["DistanceTo(ball)"]'
                 )
         bound = dict(parameters or {})
-        curriculum = Curriculum(
-            behavior,
-            tuple(map(Use.parse, features)),
-            tuple(map(Use.parse, states)),
-            tuple(bound),
-            tuple(bound.values()),
-            classifier,
+        curriculum = Curriculum.parse(
+            behavior, features, states, bound, bound.values(), classifier
         )
         self.agent.begin(curriculum, discard=discard)
         return self

@@ -25,9 +25,6 @@ class Faults:
         self.changed = changed
         self.by_key: dict[str, str] = {}
 
-    def __contains__(self, key: str) -> bool:
-        return key in self.by_key
-
     def __bool__(self) -> bool:
         return bool(self.by_key)
 

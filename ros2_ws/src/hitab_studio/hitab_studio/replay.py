@@ -13,6 +13,7 @@ from mcap.reader import make_reader
 from rclpy.serialization import deserialize_message
 
 from hitab_client import SwarmError
+from hitab_core import newer_format
 from hitab_studio.recording import FORMAT, METADATA
 from hitab_studio.scene import Scene, scene_of, state_shown
 
@@ -67,10 +68,7 @@ class Recording:
         for metadata in reader.iter_metadata():
             found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
             if not found.isdecimal() or int(found) > FORMAT:
-                raise SwarmError(
-                    f"{self.path.name} has format version {found}, but this HiTAB reads up to "
-                    f"{FORMAT}; update HiTAB"
-                )
+                raise SwarmError(f"{self.path.name} {newer_format(found, FORMAT)}")
         for schema, channel, message in reader.iter_messages():
             seconds = message.log_time / NANOSECONDS
             match schema.name:

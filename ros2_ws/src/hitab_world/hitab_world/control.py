@@ -4,19 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, get_type_hints
 
 from hitab_msgs.msg import WorldStatus
 
 from hitab_world.settings import check_factor, check_pace
-
-_KINDS: dict[str, type] = {
-    "pace": str,
-    "factor": float,
-    "paused": bool,
-    "steps_left": int,
-    "episodes_left": int,
-}
 
 
 @dataclass
@@ -74,7 +66,8 @@ class Control:
         Raises:
             HitabError, LookupError, TypeError, ValueError: if a world cannot be run so.
         """
-        for name, kind in _KINDS.items():
+        kinds = get_type_hints(cls)
+        for name, kind in kinds.items():
             value = values[name]
             if type(value) is not kind:
                 raise TypeError(f"{name} is {value!r}")
@@ -82,4 +75,4 @@ class Control:
                 raise ValueError(f"{name} is {value!r}")
         check_pace(values["pace"])
         check_factor(values["factor"])
-        return cls(**{name: values[name] for name in _KINDS})
+        return cls(**{name: values[name] for name in kinds})

@@ -226,8 +226,7 @@ class WorldNode(GuardedNode):
             self.guard.failed(key, error)
             self.attendance.excuse(agent)
             return None
-        if key in self.guard.faults:
-            self.guard.faults.clear(key)
+        self.guard.faults.clear(key)
         return sensed
 
     def _advance(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from hitab_core.errors import newer_format
 from hitab_core.library.yaml_places import Complaints, Place
 from hitab_core.vocabulary import has
 
@@ -55,10 +56,7 @@ class Fields:
         """
         found = self.integer("format", 1, least=1)
         if isinstance(found, int) and found > newest:
-            self.complain(
-                f"has format version {found}, but this HiTAB reads up to {newest}; update HiTAB",
-                "format",
-            )
+            self.complain(newer_format(found, newest), "format")
             self.complaints.raise_any()
 
     def names(self) -> list[str]:

@@ -62,13 +62,37 @@ class Curriculum:
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
         """Read what `to_record` wrote."""
-        return cls(
+        return cls.parse(
             record["automaton"],
-            tuple(Use.parse(text) for text in record["features"]),
-            tuple(Use.parse(text) for text in record["states"]),
-            tuple(record["parameters"]),
-            tuple(record["arguments"]),
+            record["features"],
+            record["states"],
+            record["parameters"],
+            record["arguments"],
             record["classifier"],
+        )
+
+    @classmethod
+    def parse(
+        cls,
+        name: str,
+        features: Iterable[str],
+        states: Iterable[str],
+        parameters: Iterable[str],
+        arguments: Iterable[str],
+        classifier: str,
+    ) -> Curriculum:
+        """Return a curriculum whose features and states are given as texts.
+
+        Raises:
+            VocabularyError: if a text is not a use of a behavior or feature.
+        """
+        return cls(
+            name,
+            tuple(map(Use.parse, features)),
+            tuple(map(Use.parse, states)),
+            tuple(parameters),
+            tuple(arguments),
+            classifier,
         )
 
 
