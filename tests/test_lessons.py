@@ -56,6 +56,7 @@ def test_the_library_holds_the_four_behaviors_and_nothing_is_wrong_with_it(taugh
 def test_lessons_teach_the_same_examples_every_time(taught, teach_again):
     again = teach_again()
     assert examples_of(again.library) == examples_of(taught.library)
+    assert again.digests == taught.digests
 
 
 def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):

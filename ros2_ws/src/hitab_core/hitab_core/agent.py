@@ -101,7 +101,7 @@ class Agent:
 
     @property
     def library_digest(self) -> str:
-        """Digest of the behaviors that this agent has loaded.
+        """Digest of what this agent has learned, as far as it has loaded it.
 
         Other agents in the process may have added to a shared library since.
         """

@@ -8,6 +8,7 @@ import sys
 import textwrap
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ import pytest
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
+from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary, accept_edit
 from hitab_core.library.commit import COMMIT, commit
 from hitab_core.library.differences import difference
@@ -79,6 +81,69 @@ def test_libraries_with_the_same_behaviors_have_the_same_digest(
     assert copy.file_digest("Control") == library.file_digest("Control")
     copy.remove("Keepaway")
     assert copy.digest != library.digest
+
+
+def test_the_same_training_has_the_same_digest_whenever_and_by_whom_it_was_saved(
+    tmp_path: Path, robot: Domain, approach: Automaton, control: Automaton
+) -> None:
+    one, other = (
+        BehaviorLibrary(tmp_path / name, robot, clock=lambda time=time: time)
+        for name, time in (("one", "2012-06-18T09:30:00Z"), ("other", "2013-01-01T00:00:00Z"))
+    )
+    for library, agent in ((one, "keeper_1"), (other, "keeper_2")):
+        library.save(approach, agent=agent)
+    other.save(approach, note="once more")
+    one.save(control)
+    renumbered = [
+        replace(
+            example,
+            number=50 - i,
+            command=example.command + 3,
+            cycle=0,
+            kind=ExampleKind.DEFAULT if example.is_default else ExampleKind.CORRECTION,
+        )
+        for i, example in enumerate(reversed(control.examples))
+    ]
+    other.save(replace(control, examples=tuple(renumbered), description="said otherwise"))
+    assert one.file_digest("Approach") != other.file_digest("Approach")
+    assert one.file_digest("Control") != other.file_digest("Control")
+    assert one.digest == other.digest == again(other).digest
+
+
+@pytest.mark.parametrize(
+    ("features", "rows", "options"),
+    [
+        (["DistanceTo(ball)"], [("Start", [9], "GoFast"), ("GoFast", [2.5], "Stop")], {}),
+        (["DistanceTo(ball)"], [("Start", [8], "GoFast"), ("GoFast", [2], "Stop")], {}),
+        (["DistanceTo(goal)"], [("Start", [9], "GoFast"), ("GoFast", [2], "Stop")], {}),
+        (["DistanceTo(ball)"], [("Start", [9], "GoFast"), ("GoFast", [2], "GoSlow")], {}),
+        (
+            ["DistanceTo(ball)"],
+            [("Start", [9], "GoFast"), ("GoFast", [2], "Stop")],
+            {"defaults": False},
+        ),
+        (
+            ["DistanceTo(ball)"],
+            [("Start", [9], "GoFast"), ("GoFast", [2], "Stop")],
+            {"classifier": "tree(prune=True)"},
+        ),
+    ],
+    ids=["threshold", "example", "feature", "state", "defaults", "classifier"],
+)
+def test_what_was_learned_otherwise_has_another_digest(
+    tmp_path: Path,
+    robot: Domain,
+    teach: Teach,
+    features: list[str],
+    rows: list[tuple[str, list[float], str]],
+    options: dict[str, object],
+) -> None:
+    one, other = (BehaviorLibrary(tmp_path / name, robot) for name in ("one", "other"))
+    usual = [("Start", [9], "GoFast"), ("GoFast", [2], "Stop")]
+    one.save(teach("A", ["DistanceTo(ball)"], usual))
+    classifier = str(options.get("classifier", "tree"))
+    other.save(teach("A", features, rows, **options), classifier=classifier)
+    assert one.digest != other.digest
 
 
 def test_a_file_tells_what_it_was_made_of_and_where_it_comes_from(

@@ -35,6 +35,7 @@ class BehaviorFile:
         uses: checksum of each used behavior's file when this one was saved, or ``"basic"``, or
             ``"hand-written"``. For information only: a used behavior may be retrained.
         provenance: where it comes from.
+        learned: digest of what was learned; see `hitab_core.library.digests.learned_digest`.
         checksum: SHA-256 of the contents.
         text: of the file.
         state_lines: line of each state, in the automaton's order.
@@ -45,6 +46,7 @@ class BehaviorFile:
     trees: Mapping[str, str] = field(compare=False)
     uses: Mapping[str, str] = field(compare=False)
     provenance: Provenance = field(compare=False)
+    learned: str = field(compare=False)
     checksum: str
     text: str = field(compare=False, repr=False)
     state_lines: tuple[int, ...] = field(compare=False, repr=False)

@@ -142,16 +142,11 @@ class BehaviorLibrary:
 
     @property
     def digest(self) -> str:
-        """Digest of all behaviors in `files`."""
-        return digest_of(self.checksums)
-
-    @property
-    def checksums(self) -> dict[str, str]:
-        """Checksum of each behavior in `files`, by name."""
-        return {name: file.checksum for name, file in self.files.items()}
+        """Digest of all that was learned, of the behaviors in `files`."""
+        return digest_of({name: file.learned for name, file in self.files.items()})
 
     def file_digest(self, name: str) -> str:
-        """Return the checksum of one behavior."""
+        """Return the checksum of one behavior's file."""
         return self.file(name).checksum
 
     # -- writing ----------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import BehaviorFile, feature_record, file_name, scale_of
 from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
-from hitab_core.library.digests import checksum
+from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.example_check import wrong_with
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, read_text, read_yaml
@@ -125,6 +125,7 @@ class _Reader:
             trees,
             dict(content["uses"]),
             provenance,
+            learned_digest(content, trees),
             checksum(self._document.value),
             text,
             tuple(self._document.line(("states", i)) for i in range(len(states))),

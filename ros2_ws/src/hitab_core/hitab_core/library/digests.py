@@ -1,4 +1,8 @@
-"""Digests for comparing behaviors: SHA-256, in hexadecimal."""
+"""Digests for comparing behaviors: SHA-256, in hexadecimal.
+
+A file has a checksum, which shows damage and edits. A behavior has a digest, which shows whether
+two agents have learned the same.
+"""
 
 from __future__ import annotations
 
@@ -7,21 +11,58 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from hitab_core.example import ExampleKind
+
 
 def checksum(content: Mapping[str, Any]) -> str:
     """Return the digest of a behavior file's content, without its own checksum.
 
     Comments, spaces and the order of keys do not matter.
     """
-    said = {key: value for key, value in content.items() if key != "checksum"}
-    text = json.dumps(said, sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()
+    return _digest({key: value for key, value in content.items() if key != "checksum"})
 
 
-def digest_of(checksums: Mapping[str, str]) -> str:
-    """Return the digest of several behaviors, given the checksum of each by name.
+def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
+    """Return the digest of what was learned, given a behavior file's content.
+
+    Equal digests mean that the behavior has the same states and features and learned the same
+    decisions from the same examples. When and by whom it was saved, its name, description and
+    format version do not matter, nor do the order and numbers of examples, commands and cycles.
+
+    Args:
+        content: in the form of `hitab_core.library.behavior_schema.SCHEMA`.
+        trees: digest of each state's transition function.
+    """
+    examples = [
+        [
+            example["state"],
+            # Adding zero makes -0.0, which decides like 0.0, read like it.
+            [float(value) + 0.0 for value in example["features"]],
+            example["next_state"],
+            # All other kinds are learned from alike.
+            example["kind"] == ExampleKind.DEFAULT.value,
+        ]
+        for example in content["examples"]
+    ]
+    return _digest(
+        {
+            "domain": content["domain"]["name"],
+            **{key: content[key] for key in ("parameters", "states", "features", "classifier")},
+            "examples": sorted(examples),
+            "trees": dict(trees),
+        }
+    )
+
+
+def digest_of(digests: Mapping[str, str]) -> str:
+    """Return the digest of several behaviors, given the digest of each by name.
 
     Libraries with equal digests hold the same behaviors. An empty library has a digest too.
     """
-    lines = "".join(f"{name} {checksums[name]}\n" for name in sorted(checksums))
+    lines = "".join(f"{name} {digests[name]}\n" for name in sorted(digests))
     return hashlib.sha256(lines.encode()).hexdigest()
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()

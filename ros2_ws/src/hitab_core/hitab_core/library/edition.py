@@ -28,8 +28,8 @@ class Edition:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of all its behaviors."""
-        return digest_of({name: file.checksum for name, file in self.files.items()})
+        """Digest of all that was learned."""
+        return digest_of({name: file.learned for name, file in self.files.items()})
 
     @property
     def texts(self) -> dict[str, str]:
