@@ -20,7 +20,7 @@ from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, Fea
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.use import Use
 from hitab_ros.spinning import run
-from hitab_world.world import Action, Entity, EpisodeResult, Placement, Sensed, WorldError
+from hitab_world.world import Action, Entity, EpisodeResult, Look, Placement, Sensed, WorldError
 from hitab_world.world_node import run_world
 
 SIZE = 200.0
@@ -107,6 +107,7 @@ class PlainWorld:
 
     name = "plain"
     cycle_seconds = CYCLE_S
+    looks: Mapping[str, Look] = {}
     size = (SIZE, SIZE)
 
     def __init__(self, agents: int, seed: int = 0) -> None:

@@ -72,6 +72,7 @@ class World:
     name = "chaos"
     cycle_seconds = 0.1
     size = (10.0, 10.0)
+    looks: Mapping[str, Any] = {}
     ended = ""
     refused: Mapping[str, str] = {}
 

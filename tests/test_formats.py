@@ -74,7 +74,10 @@ def test_a_recording_from_before_is_replayed():
 
     assert recording.seconds > 0.0
     assert sorted(recording.statuses(recording.seconds)) == ["keeper_1", "keeper_2", "keeper_3"]
-    assert {"ball", "keeper_1", "taker_1"} <= set(recording.scene(0.0).names)
+    scene = recording.scene(0.0)
+    assert {"ball", "keeper_1", "taker_1"} <= set(scene.names)
+    # It is from before worlds declared looks, which changed the definition of the state.
+    assert {look.shape for look in scene.looks.values()} == {"disc"}
 
 
 def test_a_swarm_description_of_a_newer_format_is_refused_before_anything_else_in_it():
@@ -113,3 +116,26 @@ def test_a_recording_of_a_newer_format_is_refused(tmp_path):
         writer.finish()
     with pytest.raises(SwarmError, match=r"new.mcap has format version 2"):
         Recording(path)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "text", "message"),
+    [
+        ("ros2msg", b"no definition at all", "its definition of hitab_msgs/msg/WorldState is"),
+        ("ros2idl", b"", 'is "ros2idl", not "ros2msg"'),
+    ],
+)
+def test_a_recording_whose_messages_cannot_be_understood_is_refused(
+    tmp_path, encoding, text, message
+):
+    path = tmp_path / "strange.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2", library="somebody's")
+        schema = writer.register_schema("hitab_msgs/msg/WorldState", encoding, text)
+        channel = writer.register_channel("/world/state", "cdr", schema)
+        writer.add_message(channel, log_time=0, data=b"", publish_time=0)
+        writer.finish()
+    with pytest.raises(SwarmError, match=r"strange\.mcap cannot be read") as refused:
+        Recording(path)
+    assert message in str(refused.value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,26 @@ from foraging_world.field import Field, Floats
 from foraging_world.parameters import ForagingParameters
 from foraging_world.perceiving import perceive_all
 from hitab_core import world_seed
-from hitab_world import Action, Entity, EpisodeResult, Placement, Sensed, WorldError, snapshots
+from hitab_world import (
+    Action,
+    Entity,
+    EpisodeResult,
+    Look,
+    Placement,
+    Sensed,
+    WorldError,
+    snapshots,
+)
 
 SNAPSHOT_VERSION = 1
+_STILL = Look(faces=False, layer=-1)
+LOOKS: Mapping[str, Look] = {
+    "forager": Look(),
+    "small_box": replace(_STILL, color="#b98b4e", shape="square"),
+    "large_box": replace(_STILL, color="#b98b4e", shape="square"),
+    "obstacle": replace(_STILL, color="#8b939d", labelled=False),
+    "home": replace(_STILL, color="#3f8f6b", opacity=0.28, layer=-2),
+}
 TIME, CLEARED = "time", "cleared"
 
 
@@ -36,6 +54,7 @@ class ForagingWorld:
 
     name = "foraging"
     cycle_seconds = 0.1
+    looks = LOOKS
 
     def __init__(self, parameters: ForagingParameters | None = None, seed: int = 0) -> None:
         self.parameters = p = parameters or ForagingParameters()

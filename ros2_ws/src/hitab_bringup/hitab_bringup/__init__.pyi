@@ -2,7 +2,6 @@ from . import plots as plots
 from . import shipped as shipped
 from .bringing_up import RunningSwarm as RunningSwarm
 from .bringing_up import temporary_swarm as temporary_swarm
-from .field_picture import draw_field as draw_field
 from .libraries import copy_library as copy_library
 from .opened_library import open_library as open_library
 from .swarm_description import AgentDescription as AgentDescription

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from hitab_msgs import msg
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from hitab_client import RosLink
 from hitab_ros import qos
 from hitab_ros.conversions import time_of
-from hitab_studio.scene import NO_COLOR, Scene
+from hitab_studio.scene import NO_COLOR, Look, Scene
 
 TOPIC = "/studio/markers"
 FRAME = "field"
@@ -26,14 +28,11 @@ STATE_COLORS = (
 )  # fmt: skip
 """As in static/field.js."""
 
-KIND_COLORS = {
-    "ball": "#f2c94c",
-    "taker": "#c94f4f",
-    "box": "#b98b4e",
-    "obstacle": "#8b939d",
-    "home": "#3f8f6b",
+SHAPES = {
+    msg.Look.DISC: Marker.CYLINDER,
+    msg.Look.SQUARE: Marker.CUBE,
+    msg.Look.BALL: Marker.SPHERE,
 }
-OTHERS = "#5c7ea8"
 
 
 class Markers:
@@ -71,10 +70,11 @@ class Markers:
         for i, name in enumerate(scene.names):
             state = doing.get(name, ("", ""))[1]
             color = colors.get(state, NO_COLOR)
-            kind = scene.kinds[i]
-            chosen = _kind_color(kind) if color == NO_COLOR else STATE_COLORS[color]
+            look = scene.looks[scene.kinds[i]]
+            if color != NO_COLOR:
+                look = replace(look, color=STATE_COLORS[color])
             x, y, heading = scene.places[i, :3].tolist()
-            markers += _thing(header, i, name, kind, (x, y, heading), scene.radii[i], chosen)
+            markers += _thing(header, i, name, look, (x, y, heading), scene.radii[i])
         gone = [
             Marker(header=header, ns=ns, id=i, action=Marker.DELETE)
             for i in range(len(scene.names), self._count)
@@ -82,15 +82,6 @@ class Markers:
         ]
         self._count = len(scene.names)
         return MarkerArray(markers=[*markers, *gone])
-
-
-def _word(kind: str) -> str:
-    """Return the word of a kind that has a color: a large box is a box."""
-    return next((w for w in kind.replace("_", " ").split() if w in KIND_COLORS), "")
-
-
-def _kind_color(kind: str) -> str:
-    return KIND_COLORS.get(_word(kind), OTHERS)
 
 
 def _color(text: str, alpha: float = 1.0) -> ColorRGBA:
@@ -117,10 +108,9 @@ def _thing(
     header: Header,
     number: int,
     name: str,
-    kind: str,
+    look: Look,
     place: tuple[float, float, float],
     radius: float,
-    color: str,
 ) -> list[Any]:
     x, y, heading = place
     pose = Pose(
@@ -132,12 +122,12 @@ def _thing(
         header=header,
         ns="things",
         id=number,
-        type=Marker.SPHERE if kind == "ball" else Marker.CYLINDER,
+        type=SHAPES.get(look.shape, Marker.CYLINDER),
         pose=pose,
-        scale=Vector3(x=size, y=size, z=size if kind == "ball" else 0.4),
-        color=_color(color),
+        scale=Vector3(x=size, y=size, z=size if look.shape == msg.Look.BALL else 0.4),
+        color=_color(look.color, look.opacity),
     )
-    if _word(kind) in KIND_COLORS and _word(kind) != "taker":
+    if not look.faces:
         return [body]
     arrow = Marker(
         header=header,

@@ -3,40 +3,69 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
+from mcap.records import Schema
+from mcap.well_known import MessageEncoding
+from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import deserialize_message
 
 from hitab_client import SwarmError
 from hitab_core import newer_format
+from hitab_studio.message_text import definition, type_name
 from hitab_studio.recording import FORMAT, METADATA
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
-STATE, STATUS = "hitab_msgs/msg/WorldState", "hitab_msgs/msg/AgentStatus"
-TRANSITION, EPISODE = "hitab_msgs/msg/TransitionEvent", "hitab_msgs/msg/Episode"
+KINDS = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
+STATE, STATUS, TRANSITION, EPISODE = KINDS
+
+Decode = Callable[[bytes], Any]
+
+
+def decoder_for(schema: Schema) -> Decode:
+    """Return what reads messages of a schema: by their own definition if ours differs from it.
+
+    A message from before a field was added lacks that attribute.
+
+    Raises:
+        McapError: if the schema cannot be understood.
+    """
+    if schema.data == definition(schema.name).encode():
+        return partial(deserialize_message, message_type=KINDS[schema.name])
+    try:
+        decode = DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
+    except Exception as error:  # the parser raises what its parts raise
+        raise McapError(f"its definition of {schema.name} is damaged: {error}") from None
+    if decode is None:
+        raise McapError(f'its definition of {schema.name} is "{schema.encoding}", not "ros2msg"')
+    return decode
 
 
 @dataclass
 class _Line:
-    """Messages of one topic in order of arrival, deserialized on access."""
+    """Messages of one topic in order of arrival, decoded on access."""
 
     times: list[float] = field(default_factory=list)
-    data: list[bytes] = field(default_factory=list)
+    _data: list[tuple[Decode, bytes]] = field(default_factory=list)
 
-    def add(self, seconds: float, data: bytes) -> None:
+    def add(self, seconds: float, decode: Decode, data: bytes) -> None:
         self.times.append(seconds)
-        self.data.append(data)
+        self._data.append((decode, data))
 
-    def last(self, seconds: float) -> bytes | None:
-        """Return the last message until then."""
-        i = bisect_right(self.times, seconds)
-        return self.data[i - 1] if i else None
+    def until(self, seconds: float) -> Iterator[Any]:
+        """Yield the messages until then, newest first."""
+        for i in range(bisect_right(self.times, seconds) - 1, -1, -1):
+            decode, data = self._data[i]
+            yield decode(data)
 
 
 class Recording:
@@ -69,33 +98,35 @@ class Recording:
             found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
             if not found.isdecimal() or int(found) > FORMAT:
                 raise SwarmError(f"{self.path.name} {newer_format(found, FORMAT)}")
+        decoders: dict[int, Decode] = {}
         for schema, channel, message in reader.iter_messages():
+            if schema is None or schema.name not in KINDS:
+                continue
             seconds = message.log_time / NANOSECONDS
+            decode = decoders.get(schema.id)
+            if decode is None:
+                decode = decoders[schema.id] = decoder_for(schema)
             match schema.name:
                 case name if name == STATE:
-                    self._states.add(seconds, message.data)
+                    self._states.add(seconds, decode, message.data)
                 case name if name == STATUS:
                     agent = channel.topic.split("/")[-2]
-                    self._statuses.setdefault(agent, _Line()).add(seconds, message.data)
+                    self._statuses.setdefault(agent, _Line()).add(seconds, decode, message.data)
                 case name if name == TRANSITION:
-                    self._events.add(seconds, message.data)
+                    self._events.add(seconds, decode, message.data)
                 case name if name == EPISODE:
-                    episode = deserialize_message(message.data, Episode)
-                    self.episodes.append((seconds, episode.ended))
+                    self.episodes.append((seconds, decode(message.data).ended))
 
     def scene(self, seconds: float) -> Scene:
         """Return the scene this many seconds after the beginning."""
-        data = self._states.last(self.start + seconds) or self._states.data[0]
-        return scene_of(deserialize_message(data, WorldState))
+        return scene_of(next(self._states.until(max(self.start + seconds, self.start))))
 
     def statuses(self, seconds: float) -> dict[str, Any]:
         """Return the status of each agent at that time."""
-        found = {}
-        for agent, line in self._statuses.items():
-            data = line.last(self.start + seconds)
-            if data is not None:
-                found[agent] = deserialize_message(data, AgentStatus)
-        return found
+        last = {
+            a: next(line.until(self.start + seconds), None) for a, line in self._statuses.items()
+        }
+        return {agent: status for agent, status in last.items() if status is not None}
 
     def doing(self, seconds: float) -> dict[str, tuple[str, str]]:
         """Return the mode and the active state of each agent at that time."""
@@ -106,14 +137,8 @@ class Recording:
 
     def events(self, seconds: float, agent: str, count: int = 12) -> list[Any]:
         """Return an agent's last state changes until then, newest first."""
-        found: list[Any] = []
-        i = bisect_right(self._events.times, self.start + seconds)
-        while i and len(found) < count:
-            i -= 1
-            event = deserialize_message(self._events.data[i], TransitionEvent)
-            if not agent or event.agent == agent:
-                found.append(event)
-        return found
+        events = self._events.until(self.start + seconds)
+        return list(islice((e for e in events if not agent or e.agent == agent), count))
 
 
 @dataclass

@@ -14,11 +14,12 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from hitab_msgs import msg
 from numpy.typing import NDArray
 
 MODES = ("idle", "performing", "training", "testing")
@@ -26,7 +27,25 @@ NO_COLOR = 255
 COLORS = 12
 """Number of colors for states on the page; further states share them."""
 
+AGENT_COLOR = "#5c7ea8"
+"""Of an agent in no state, and of things to which their world gives no color."""
+
 KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How a kind of thing is drawn; see the message `Look`.
+
+    Kinds that their world declares no look for are drawn like agents.
+    """
+
+    color: str = AGENT_COLOR
+    shape: str = msg.Look.DISC
+    faces: bool = True
+    labelled: bool = True
+    opacity: float = 1.0
+    layer: int = 0
 
 
 @dataclass(frozen=True)
@@ -41,6 +60,7 @@ class Scene:
         radii: m, shape (n,).
         places: x, y, heading, vx, vy, shape (n, 5).
         said: what things say, by index.
+        looks: of each kind of thing in it.
     """
 
     world: str
@@ -56,6 +76,7 @@ class Scene:
     radii: tuple[float, ...]
     places: NDArray[np.float64]
     said: Mapping[int, str]
+    looks: Mapping[str, Look]
 
     def place_of(self, name: str) -> dict[str, float]:
         """Return the position and motion of a thing."""
@@ -92,7 +113,24 @@ def scene_of(state: Any) -> Scene:
         radii=tuple([e.radius for e in entities]),
         places=places,
         said=MappingProxyType({i: e.say for i, e in enumerate(entities) if e.say}),
+        looks=MappingProxyType(_looks(state, {e.kind for e in entities})),
     )
+
+
+def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
+    """Return the look of each kind; recordings from before worlds declared any have none."""
+    declared = {
+        look.kind: Look(
+            color=look.color or AGENT_COLOR,
+            shape=look.shape,
+            faces=look.faces,
+            labelled=look.labelled,
+            opacity=round(look.opacity, 3),
+            layer=look.layer,
+        )
+        for look in getattr(state, "looks", ())
+    }
+    return {kind: declared.get(kind, Look()) for kind in sorted(kinds)}
 
 
 class Palette:
@@ -126,6 +164,7 @@ def roster(scene: Scene, palette: Palette) -> str:
             "size": scene.size,
             "names": scene.names,
             "kinds": scene.kinds,
+            "looks": {kind: asdict(look) for kind, look in scene.looks.items()},
             "radii": scene.radii,
             "legend": palette.states[:COLORS],
         }

@@ -1,12 +1,13 @@
 """What the studio is made of, without a browser and without a swarm."""
 
 import asyncio
+import json
 import struct
 from typing import Any
 
 import numpy as np
 import pytest
-from hitab_msgs.msg import Entity, WorldState
+from hitab_msgs.msg import Entity, Look, WorldState
 from hypothesis import given
 from hypothesis import strategies as st
 from visualization_msgs.msg import MarkerArray
@@ -19,7 +20,7 @@ from hitab_studio.guard import Guard, is_loopback, new_token
 from hitab_studio.learned import Learned, effect, is_contradicted
 from hitab_studio.locks import Holder, Locks
 from hitab_studio.message_text import definition, type_name
-from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, scene_of
+from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, roster, scene_of
 from hitab_studio.situations import RECENT, Situations
 from hitab_studio.tree_rows import tree_rows
 
@@ -30,7 +31,8 @@ DISTANCE = "DistanceTo(ball)"
 def scene(cycle: int = 0, x: float = 0.0) -> Any:
     things = [Entity(name="keeper_1", kind="keeper", x=x, y=2.0, heading=0.5, say="hey")]
     things.append(Entity(name="ball", kind="ball", x=-1.0))
-    return scene_of(WorldState(cycle=cycle, width=20.0, height=10.0, entities=things))
+    looks = [Look(kind="ball", color="#123456", shape="ball", opacity=0.5, layer=1)]
+    return scene_of(WorldState(cycle=cycle, width=20.0, height=10.0, entities=things, looks=looks))
 
 
 def example(number: int, state: str, value: float, to: str, kind: str = "demonstrated") -> Example:
@@ -124,6 +126,20 @@ def test_an_agent_is_held_by_one_demonstrator_until_another_takes_it_or_he_leave
 
 
 # -- moments --------------------------------------------------------------------------------
+
+
+def test_things_are_drawn_as_their_world_declares_and_others_like_agents():
+    looks = json.loads(roster(scene(), Palette()))["looks"]
+    assert looks["ball"] == {
+        "color": "#123456",
+        "shape": "ball",
+        "faces": False,
+        "labelled": False,
+        "opacity": 0.5,
+        "layer": 1,
+    }
+    assert looks["keeper"]["color"].startswith("#")
+    assert (looks["keeper"]["shape"], looks["keeper"]["layer"]) == ("disc", 0)
 
 
 def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():

@@ -9,6 +9,7 @@ from .world import Action as Action
 from .world import Entity as Entity
 from .world import EpisodeResult as EpisodeResult
 from .world import LiveWorld as LiveWorld
+from .world import Look as Look
 from .world import Placement as Placement
 from .world import Sensed as Sensed
 from .world import World as World

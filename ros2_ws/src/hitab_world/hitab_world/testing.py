@@ -20,7 +20,7 @@ from random import Random
 from typing import Any
 
 from hitab_world.damage import damaged_copies
-from hitab_world.world import Action, Entity, EpisodeResult, Placement, World, WorldError
+from hitab_world.world import Action, Entity, EpisodeResult, Look, Placement, World, WorldError
 
 MakeWorld = Callable[[int], World]
 """Creates a world, given the seed of the run."""
@@ -109,6 +109,7 @@ def check_interface(world: World) -> None:
     names = [e.name for e in entities]
     assert len(set(names)) == len(names), "names of entities must differ"
     assert set(world.agents) <= set(names), "every agent is an entity, so that it can be seen"
+    assert all(isinstance(look, Look) for look in world.looks.values()), "looks are Look objects"
     refused = _refusal(lambda: world.percept(NOBODY))
     assert refused is not None, "percept() of an unknown agent raises a WorldError"
     assert NOBODY in refused, "percept() of an unknown agent names it in its error"

@@ -8,11 +8,12 @@ counter-clockwise (REP 103).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
-from hitab_core import HitabError
+from hitab_core import HitabError, unknown
 
 Action = tuple[Sequence[float], str]
 """What one agent does: values in the domain's own layout, and what it says ("" = nothing)."""
@@ -50,6 +51,44 @@ class Entity:
     vy: float = 0.0
     radius: float = 0.0
     say: str = ""
+
+
+SHAPES = ("disc", "square", "ball")
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How viewers draw one kind of thing.
+
+    Attributes:
+        color: such as ``"#f2c94c"``; "" leaves it to the viewer, which colors agents by what they
+            do.
+        shape: ``"disc"``, ``"square"``, or ``"ball"``: a disc that stays visible from far away.
+        faces: whether its heading shows.
+        labelled: whether its name shows where there is room.
+        opacity: from 0, invisible, to 1.
+        layer: things on lower layers lie behind; agents are on layer 0.
+
+    Raises:
+        WorldError: if a value is none of these.
+    """
+
+    color: str = ""
+    shape: str = "disc"
+    faces: bool = True
+    labelled: bool = True
+    opacity: float = 1.0
+    layer: int = 0
+
+    def __post_init__(self) -> None:
+        if self.color and not re.fullmatch("#[0-9a-fA-F]{6}", self.color):
+            raise WorldError(f'a color is written like "#f2c94c", not "{self.color}"')
+        if self.shape not in SHAPES:
+            raise WorldError(unknown("shape", self.shape, SHAPES))
+        if not 0.0 <= self.opacity <= 1.0:
+            raise WorldError(f"an opacity is between 0 and 1, not {self.opacity}")
+        if not -128 <= self.layer <= 127:
+            raise WorldError(f"a layer is between -128 and 127, not {self.layer}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +138,7 @@ class World(Protocol):
         name: kind of world, which is also the name of its domain.
         agents: names of the agents, in a fixed order.
         cycle_seconds: simulated duration of a cycle, s.
+        looks: how viewers draw each kind of entity; viewers choose for kinds without one.
         size: width and height of the field, m; it is centred on the origin.
         seed: of the run.
         episode: number of the present episode, from 0.
@@ -112,6 +152,7 @@ class World(Protocol):
     name: str
     agents: tuple[str, ...]
     cycle_seconds: float
+    looks: Mapping[str, Look]
     size: tuple[float, float]
     seed: int
     episode: int

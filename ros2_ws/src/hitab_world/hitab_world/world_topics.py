@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import asdict
 
 from hitab_msgs import msg
 from rosgraph_msgs.msg import Clock
@@ -32,6 +33,9 @@ class WorldTopics:
         self._note = ""
         self._error = ""
         self._next_state_ns = 0
+        self._looks = [
+            msg.Look(kind=kind, **asdict(look)) for kind, look in course.world.looks.items()
+        ]
         self._state = node.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
         self._status = node.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
         self._episodes = node.create_publisher(msg.Episode, names.EPISODES, qos.EVENTS)
@@ -134,6 +138,7 @@ class WorldTopics:
                 width=float(world.size[0]),
                 height=float(world.size[1]),
                 entities=entities,
+                looks=self._looks,
                 note=self._note,
             )
         )

@@ -7,7 +7,9 @@ import pytest
 
 from hitab_world.snapshots import finite, text, whole
 from hitab_world.testing import Wandering, check_world
-from hitab_world.world import Entity, EpisodeResult, WorldError
+from hitab_world.world import Entity, EpisodeResult, Look, WorldError
+
+LOOKS = {"bead": Look("#3f8f6b", faces=False)}
 
 
 class Line:
@@ -15,11 +17,14 @@ class Line:
 
     name = "line"
     cycle_seconds = 0.1
+    looks = LOOKS
     size = (10.0, 1.0)
     agents = ("bead_1", "bead_2")
 
     def __init__(self, seed=0, flaw=""):
         self.flaw = flaw
+        if flaw == "looks of its own":
+            self.looks = {"bead": "green"}
         self.seed, self.cycle = seed, 0
         self.random = Random()
         self.reset(0)
@@ -140,6 +145,7 @@ def test_a_world_that_keeps_its_promises_passes():
 @pytest.mark.parametrize(
     ("flaw", "message"),
     [
+        ("looks of its own", "looks are Look objects"),
         ("not seeded", "the same seed must give the same run"),
         ("episodes depend on what was before", "seed"),
         ("perceiving changes something", "looking must not change what happens"),
@@ -156,3 +162,18 @@ def test_a_world_that_keeps_its_promises_passes():
 def test_a_flaw_is_found(flaw, message):
     with pytest.raises(AssertionError, match=message):
         check_world(lambda seed: Line(seed, flaw), WANDERING)
+
+
+@pytest.mark.parametrize(
+    ("look", "message"),
+    [
+        ({"color": "yellow"}, 'a color is written like "#f2c94c", not "yellow"'),
+        ({"shape": "squre"}, 'Did you mean "square"'),
+        ({"opacity": float("nan")}, "an opacity is between 0 and 1, not nan"),
+        ({"layer": 128}, "a layer is between -128 and 127, not 128"),
+    ],
+)
+def test_a_look_that_cannot_be_drawn_is_refused(look, message):
+    with pytest.raises(WorldError) as refused:
+        Look(**look)
+    assert message in str(refused.value)

@@ -8,7 +8,16 @@ from random import Random
 from typing import Any
 
 from hitab_core import world_seed
-from hitab_world import Action, Entity, EpisodeResult, Placement, Sensed, WorldError, snapshots
+from hitab_world import (
+    Action,
+    Entity,
+    EpisodeResult,
+    Look,
+    Placement,
+    Sensed,
+    WorldError,
+    snapshots,
+)
 from hitab_world.snapshots import finite, text, texts
 from keepaway_world import action, referee
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -21,6 +30,13 @@ SNAPSHOT_VERSION = 2
 
 FARTHEST = 1000.0
 """Largest distance from the centre of the field, m, at which something can be placed."""
+
+
+LOOKS: Mapping[str, Look] = {
+    "keeper": Look(),
+    "taker": Look("#c94f4f"),
+    "ball": Look("#f2c94c", "ball", faces=False, labelled=False, layer=1),
+}
 
 
 class KeepawayWorld:
@@ -37,6 +53,7 @@ class KeepawayWorld:
 
     name = "keepaway"
     cycle_seconds = 0.1
+    looks = LOOKS
 
     def __init__(self, parameters: KeepawayParameters = PAPER, seed: int = 0) -> None:
         self.parameters = parameters

@@ -7,12 +7,6 @@ export const STATE_COLORS = [
   "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
   "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
 ];
-// By a word in a kind's name: a "large box" is a box.
-const KIND_COLORS = {
-  ball: "#f2c94c", taker: "#c94f4f", box: "#b98b4e", obstacle: "#8b939d", home: "#3f8f6b",
-};
-const STILL = ["ball", "box", "obstacle", "home"]; // they look nowhere
-const OTHERS = "#5c7ea8";
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
 const TRAIL = 90;
@@ -62,9 +56,9 @@ class Field {
       this.trails = this.trails && new Map();
     }
     this.roster = roster;
-    this.words = roster.kinds.map(
-      (kind) => kind.split(/[ _]/).find((word) => word in KIND_COLORS) || "",
-    );
+    this.looks = roster.kinds.map((kind) => roster.looks[kind]);
+    // From the lowest layer to the highest, each in the order of the roster.
+    this.order = [...roster.names.keys()].sort((a, b) => this.looks[a].layer - this.looks[b].layer);
     this.index = new Map(roster.names.map((name, i) => [name, i]));
     if (this.view.fitted || size[0] !== roster.size[0]) this.fit();
     document.getElementById("field-empty")?.setAttribute("hidden", "");
@@ -172,7 +166,7 @@ class Field {
   radius(i) {
     const real = this.roster.radii[i] * this.view.scale;
     const n = this.roster.names.length;
-    const least = n > MANY ? 2.2 : n > NAMED || this.words[i] === "ball" ? 5 : 8;
+    const least = n > MANY ? 2.2 : n > NAMED || this.looks[i].shape === "ball" ? 5 : 8;
     return Math.max(real, least);
   }
 
@@ -268,21 +262,17 @@ class Field {
   fill(i) {
     const color = this.now.colors[i];
     if (color !== 255) return STATE_COLORS[color];
-    return KIND_COLORS[this.words[i]] || OTHERS;
+    return this.looks[i].color;
   }
 
   drawThings(c, screen) {
     const { now } = this;
     const many = now.n > MANY;
-    const order = [...now.colors.keys()];
-    // What is large lies behind, the ball in front of who has it.
-    const layer = (i) => (this.words[i] === "ball" ? 2 : STILL.includes(this.words[i]) ? 0 : 1);
-    order.sort((a, b) => layer(a) - layer(b));
-    for (const i of order) {
+    for (const i of this.order) {
       const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
       if (px < -30 || py < -30 || px > this.width + 30 || py > this.height + 30) continue;
       const radius = this.radius(i);
-      const kind = this.words[i];
+      const look = this.looks[i];
       const mode = now.modes[i];
       if (mode === 3 || mode === 4) {
         c.strokeStyle = mode === 3 ? this.colors.training : this.colors.testing;
@@ -292,17 +282,18 @@ class Field {
         c.stroke();
       }
       c.fillStyle = this.fill(i);
-      c.globalAlpha = kind === "home" ? 0.28 : 1;
+      c.globalAlpha = look.opacity;
       c.beginPath();
-      if (kind === "box") c.rect(px - radius, py - radius, 2 * radius, 2 * radius);
+      if (look.shape === "square") c.rect(px - radius, py - radius, 2 * radius, 2 * radius);
       else c.arc(px, py, radius, 0, 2 * Math.PI);
       c.fill();
       c.globalAlpha = 1;
-      if (kind === "ball") {
+      if (look.shape === "ball") {
         c.strokeStyle = this.colors.ink;
         c.lineWidth = 1;
         c.stroke();
-      } else if (!STILL.includes(kind)) {
+      }
+      if (look.faces) {
         c.strokeStyle = many ? this.fill(i) : this.colors.ink;
         c.lineWidth = many ? 1.2 : 2;
         c.lineCap = "round";
@@ -323,7 +314,7 @@ class Field {
         c.stroke();
         c.setLineDash([]);
       }
-      const named = now.n <= NAMED && kind !== "ball" && kind !== "obstacle";
+      const named = now.n <= NAMED && look.labelled;
       if (named || chosen || i === this.hovered) {
         c.fillStyle = chosen ? this.colors.ink : this.colors.faint;
         c.font = `${chosen ? 600 : 400} 11px ${this.font}`;

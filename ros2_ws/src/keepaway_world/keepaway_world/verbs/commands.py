@@ -191,7 +191,8 @@ def picture(
 
       hitab keepaway picture field.png
     """
-    from hitab_bringup import connection, draw_field
+    from hitab_bringup import connection
+    from keepaway_world.verbs.field_picture import draw_field
 
     with connection(swarm) as swarm_up:
         swarm_up.world.wait()

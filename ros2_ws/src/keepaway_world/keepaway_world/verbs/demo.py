@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup import RunningSwarm, copy_library, draw_field, open_library, temporary_swarm
+from hitab_bringup import RunningSwarm, copy_library, open_library, temporary_swarm
 from hitab_bringup.shipped import find_file
 from hitab_client import console
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
@@ -21,6 +21,7 @@ from keepaway_world.verbs.evaluation import (
     play_lockstep,
     trained_keepers,
 )
+from keepaway_world.verbs.field_picture import draw_field
 from keepaway_world.verbs.figures import draw_episode_lengths
 
 LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
