@@ -1,7 +1,8 @@
-"""Refuses to talk to nodes that define the project's messages differently.
+"""Refuses to talk to nodes that define the project's messages or services differently.
 
-DDS matches endpoints by the name of their type. Two versions of a message would be matched, and
-misread. ROS 2 Jazzy announces a hash of each endpoint's definition, which is compared here.
+DDS matches endpoints by the name of their type. Two versions of a message or of a service would be
+matched, and misread. ROS 2 Jazzy announces a hash of each endpoint's definition, which is compared
+here.
 """
 
 from __future__ import annotations
@@ -18,27 +19,27 @@ from hitab_ros.spinning import FinalError
 
 
 class DefinitionsDifferError(FinalError):
-    """Another node defines a message differently; restarting does not help."""
+    """Another node defines a message or service differently; restarting does not help."""
 
 
 @functools.cache
 def own_hash(kind: str) -> str:
-    """Return the hash of a message as this process defines it.
+    """Return the hash of a definition as this process has it.
 
     Args:
-        kind: such as ``hitab_msgs/msg/Percept``.
+        kind: such as ``hitab_msgs/msg/Percept`` or ``hitab_msgs/srv/Place_Request``.
     """
     package, folder, name = kind.split("/")
-    file = Path(get_package_share_directory(package)) / folder / f"{name}.json"
+    file = Path(get_package_share_directory(package)) / folder / f"{name.split('_')[0]}.json"
     hashes = json.loads(file.read_text(encoding="utf-8"))["type_hashes"]
     return str(next(one["hash_string"] for one in hashes if one["type_name"] == kind))
 
 
 def refuse_other_definitions(node: Node) -> None:
-    """Raise if a discovered node defines one of the project's messages differently.
+    """Raise if a discovered node defines one of the project's messages or services differently.
 
-    One topic of each type is looked at: of two versions in one ROS domain, the one that starts
-    later finds the other.
+    One topic or service of each type is looked at: of two versions in one ROS domain, the one that
+    starts later finds the other.
 
     Raises:
         DefinitionsDifferError: naming the node and the message.
@@ -46,15 +47,26 @@ def refuse_other_definitions(node: Node) -> None:
     seen: set[str] = set()
     for topic, kinds in node.get_topic_names_and_types():
         for kind in kinds:
-            if kind in seen or not kind.startswith(f"{PACKAGE}/msg/"):
-                continue
-            seen.add(kind)
-            ends = node.get_publishers_info_by_topic(topic)
-            for end in [*ends, *node.get_subscriptions_info_by_topic(topic)]:
-                if str(end.topic_type_hash) != own_hash(kind):
-                    name = f"{end.node_namespace.rstrip('/')}/{end.node_name}"
-                    raise DefinitionsDifferError(
-                        f"{name} defines {kind} differently: it runs another version of HiTAB; "
-                        "install the same version everywhere and run scripts/setup, or use "
-                        "another ROS_DOMAIN_ID"
-                    )
+            if kind.startswith(f"{PACKAGE}/msg/") and kind not in seen:
+                seen.add(kind)
+                _compare(node, topic, kind, plain=False)
+    for service, kinds in node.get_service_names_and_types():
+        for kind in kinds:
+            if kind.startswith(f"{PACKAGE}/srv/") and kind not in seen:
+                seen.add(kind)
+                # DDS knows a service as two topics.
+                _compare(node, f"rq{service}Request", f"{kind}_Request", plain=True)
+                _compare(node, f"rr{service}Reply", f"{kind}_Response", plain=True)
+
+
+def _compare(node: Node, topic: str, kind: str, *, plain: bool) -> None:
+    """Compare the definitions of who uses a topic; ``plain``: it has a name of DDS, not of ROS."""
+    ends = node.get_publishers_info_by_topic(topic, plain)
+    for end in [*ends, *node.get_subscriptions_info_by_topic(topic, plain)]:
+        if str(end.topic_type_hash) != own_hash(kind):
+            name = f"{end.node_namespace.rstrip('/')}/{end.node_name}"
+            raise DefinitionsDifferError(
+                f"{name} defines {kind} differently: it runs another version of HiTAB; "
+                "install the same version everywhere and run scripts/setup, or use "
+                "another ROS_DOMAIN_ID"
+            )

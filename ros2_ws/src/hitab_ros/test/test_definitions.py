@@ -4,6 +4,7 @@ import time
 
 import pytest
 from hitab_msgs.msg import AgentStatus, Percept
+from hitab_msgs.srv import SetMode
 
 from hitab_core import HitabError
 from hitab_ros import definitions, qos
@@ -48,3 +49,21 @@ def test_the_own_hash_is_what_ros_announces(two):
     (end,) = second.get_publishers_info_by_topic("lone/status")
     assert str(end.topic_type_hash) == definitions.own_hash(STATUS)
     assert definitions.own_hash("hitab_msgs/msg/Percept") != definitions.own_hash(STATUS)
+
+
+@pytest.mark.parametrize("part", ["Request", "Response"])
+def test_a_node_that_defines_a_service_differently_is_named(two, monkeypatch, part):
+    first, second = two
+    first.create_service(SetMode, "lone/set_mode", lambda request, response: response)
+    deadline = time.monotonic() + 60.0
+    while "/lone/set_mode" not in dict(second.get_service_names_and_types()):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    definitions.refuse_other_definitions(second)
+
+    own, other = definitions.own_hash, "RIHS01_" + "0" * 64
+    changed = f"hitab_msgs/srv/SetMode_{part}"
+    monkeypatch.setattr(definitions, "own_hash", lambda k: other if k == changed else own(k))
+    with pytest.raises(HitabError) as refused:
+        definitions.refuse_other_definitions(second)
+    assert str(refused.value).startswith(f"/first defines {changed} differently")
