@@ -19,14 +19,25 @@ from __future__ import annotations
 import gc
 import sys
 import uuid
+from collections.abc import Sequence
 
-from hitab_msgs.msg import AgentStatus
+from hitab_msgs.msg import AgentStatus, HostRoster
 from rclpy.parameter import Parameter
 
+from hitab_agent.agent_node import AgentNode
 from hitab_agent.host.host_shared import shared_on_host
 from hitab_agent.host.roster import read_roster
 from hitab_core import HitabError
-from hitab_ros import Spinner, make_node, refuse_second_of_name, run
+from hitab_ros import (
+    GuardedNode,
+    Spinner,
+    give_signs_of_life,
+    make_node,
+    names,
+    qos,
+    refuse_second_of_name,
+    run,
+)
 
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
 """Turns off a service that every node has and nothing uses."""
@@ -40,8 +51,8 @@ def start(spinning: Spinner) -> None:
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
-    names = [entry.name for entry in entries]
-    doubles = sorted({name for name in names if names.count(name) > 1})
+    asked = [entry.name for entry in entries]
+    doubles = sorted({name for name in asked if asked.count(name) > 1})
     if doubles:
         raise HitabError(f"the host was given {', '.join(doubles)} twice; name each agent once")
     namespace = host.get_namespace().rstrip("/")
@@ -69,12 +80,24 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
+    _announce_others(desk, nodes, swarm)
+    give_signs_of_life(desk, swarm)
     # The objects made so far stay: a collection over them would take longer than a cycle. What a
     # cycle leaves behind is freed by reference counting; only errors leave garbage cycles, and
     # collecting those is not urgent.
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GARBAGE)
+
+
+def _announce_others(desk: GuardedNode, nodes: Sequence[AgentNode], swarm: str) -> None:
+    """Announce the agents that a world does not know, such as commanders, for those who watch."""
+    others = [node.agent_name for node in nodes if node.agent.domain.link]
+    if not others:
+        return
+    rosters = desk.create_publisher(HostRoster, names.in_swarm(desk, names.HOSTS), qos.LATCHED)
+    # The lowest number: a world that reads it nevertheless takes the host's other roster instead.
+    rosters.publish(HostRoster(host=names.own_name(desk), number=1, agents=others, swarm=swarm))
 
 
 def main() -> None:

@@ -15,6 +15,7 @@ from .path_tracker import PathTracker as PathTracker
 from .ros_link import RosLink as RosLink
 from .run_folder import RunFolder as RunFolder
 from .run_folder import RunRecord as RunRecord
+from .signs_of_life import SignsOfLife as SignsOfLife
 from .swarm_client import DistributionReport as DistributionReport
 from .swarm_client import SwarmClient as SwarmClient
 from .world_client import WorldClient as WorldClient

@@ -6,6 +6,7 @@ from . import names as names
 from . import plain_text as plain_text
 from . import qos as qos
 from . import testing as testing
+from .alive import give_signs_of_life as give_signs_of_life
 from .definitions import refuse_other_definitions as refuse_other_definitions
 from .guard import Guard as Guard
 from .guarded_node import GuardedNode as GuardedNode

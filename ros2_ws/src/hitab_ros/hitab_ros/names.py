@@ -50,6 +50,7 @@ SNAPSHOT = "snapshot"
 CLOCK = "/clock"  # absolute, as required by ROS
 
 # Of the swarm.
+ALIVE = "alive"
 HOSTS = "hosts"
 DISTRIBUTION = "distribution"
 DISTRIBUTION_ACK = "distribution_ack"

@@ -29,3 +29,8 @@ STREAM = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.BEST_EFFORT
 )
 """Data for viewers; the next message replaces a lost one."""
+
+SIGNS_OF_LIFE = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+"""Signs of life, which all processes of a swarm may give at once; another one follows soon."""

@@ -10,7 +10,7 @@ from hitab_msgs import msg
 from rclpy.node import Node
 
 from hitab_core import HitabError
-from hitab_ros import GuardedNode, Loop, Spinner, names, refuse_second_of_name
+from hitab_ros import GuardedNode, Loop, Spinner, give_signs_of_life, names, refuse_second_of_name
 from hitab_ros.conversions import time_of
 from hitab_world.attendance import Attendance
 from hitab_world.audience import Audience
@@ -280,4 +280,5 @@ def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Lo
     node.join()
     if not node.world.agents:
         raise HitabError("the world has no agents; set its parameters so that it has some")
+    give_signs_of_life(node, node.settings.swarm)
     return node.run

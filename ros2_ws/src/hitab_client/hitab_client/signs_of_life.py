@@ -1,0 +1,92 @@
+"""Listens to the signs of life of a swarm's processes: who has fallen silent."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection
+
+from hitab_msgs.msg import Alive, HostRoster
+from rclpy.qos import QoSProfile
+
+from hitab_client.identity import is_own
+from hitab_client.ros_link import RosLink
+from hitab_ros import names, qos
+
+SILENT_SECONDS = 1.5
+"""A process that gave no sign for this long is silent; they come twice a second."""
+
+GAP_SECONDS = 0.25
+"""A longer time between two looks does not count: then it was this process that was held up."""
+
+PROCESSES_MAX = 5000
+
+ROSTERS = QoSProfile(
+    depth=PROCESSES_MAX, reliability=qos.LATCHED.reliability, durability=qos.LATCHED.durability
+)
+
+
+class SignsOfLife:
+    """Which agents of a swarm are silent, and whether its world is.
+
+    An agent is silent if all processes that run it are. One whose process never gave a sign, such
+    as one written in another language, is never silent.
+
+    Args:
+        link: the node to use.
+        expected: names of the agents that the swarm has started, and `names.WORLD` if it has
+            started a world.
+        prefix: namespace of the swarm.
+        identity: of the swarm in question; empty: any.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        expected: Collection[str] = (),
+        *,
+        prefix: str = "",
+        identity: str = "",
+    ) -> None:
+        self._expected = frozenset(expected)
+        self._identity = identity
+        self._heard: dict[str, float] = {}  # when each process was heard last
+        self._members: dict[str, frozenset[str]] = {}  # of each host
+        self._listened = 0.0
+        self._last_look = time.monotonic()
+        link.subscribe(HostRoster, names.of_swarm(names.HOSTS, prefix), self._take_roster, ROSTERS)
+        link.subscribe(
+            Alive, names.of_swarm(names.ALIVE, prefix), self._take_sign, qos.SIGNS_OF_LIFE
+        )
+
+    def _is_own(self, name: str, swarm: str) -> bool:
+        return is_own(swarm, self._identity, started_by_it=name in self._expected)
+
+    def _take_roster(self, roster: HostRoster) -> None:
+        known = self._members.get(roster.host, frozenset())
+        if (known or len(self._members) < PROCESSES_MAX) and self._is_own("", roster.swarm):
+            self._members[roster.host] = known | frozenset(roster.agents)
+
+    def _take_sign(self, sign: Alive) -> None:
+        name = sign.process
+        known = name in self._heard or len(self._heard) < PROCESSES_MAX
+        if known and self._is_own(name, sign.swarm):
+            self._heard[name] = self._time()
+
+    def _time(self) -> float:
+        """Return for how long this process has listened, s."""
+        now = time.monotonic()
+        self._listened += min(now - self._last_look, GAP_SECONDS)
+        self._last_look = now
+        return self._listened
+
+    def silent(self) -> dict[str, float]:
+        """Return for how long each silent agent, and the world, has given no sign, s.
+
+        Call it several times a second, with the link spun in between.
+        """
+        now = self._time()
+        heard: dict[str, float] = {}
+        for process, moment in self._heard.items():
+            for name in self._members.get(process, (process,)):
+                heard[name] = max(heard.get(name, moment), moment)
+        return {name: now - at for name, at in heard.items() if now - at > SILENT_SECONDS}

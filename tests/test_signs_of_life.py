@@ -1,0 +1,96 @@
+"""Each process gives signs of life, so that others notice within two seconds when it hangs."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from hitab_msgs.msg import Alive
+
+from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.supervision import process_states
+from hitab_bringup.swarm_file import parse_swarm
+from hitab_client.signs_of_life import SignsOfLife
+from hitab_ros import qos
+
+SECONDS = 30.0
+SWARM = """\
+swarm: signs
+domain: keepaway
+world: {kind: keepaway, pace: realtime, paused: true}
+agents:
+  keeper_1: {}
+  keeper_2: {host: both}
+  keeper_3: {host: both}
+kinds:
+  Pair:
+    orders: {Halt: Stop}
+    features: {BallDistance: {minimum: DistanceTo(ball)}}
+commanders:
+  captain: {kind: Pair, commands: [keeper_2, keeper_3], host: both}
+  major: {kind: Pair, commands: [keeper_1]}
+"""
+ALL = {"keeper_1", "keeper_2", "keeper_3", "captain", "major", "world"}
+
+
+@pytest.fixture(scope="module")
+def swarm(home: Path, tmp_path_factory) -> Iterator[RunningSwarm]:
+    """Agents and commanders, alone and on a host, and a paused world."""
+    folder = tmp_path_factory.mktemp("signs")
+    with temporary_swarm(parse_swarm(SWARM, folder / "signs.yaml"), folder / "run") as running:
+        yield running
+
+
+@contextmanager
+def stopped(swarm: RunningSwarm, name: str) -> Iterator[None]:
+    """Have a process hang."""
+    pid = next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(pid, signal.SIGCONT)
+
+
+def listening(swarm: RunningSwarm) -> SignsOfLife:
+    """Listen until every process was heard."""
+    signs = SignsOfLife(swarm.link, identity=swarm.record.identity)
+    heard: dict[str, str] = {}
+    swarm.link.subscribe(
+        Alive, "/alive", lambda sign: heard.update({sign.process: sign.swarm}), qos.SIGNS_OF_LIFE
+    )
+    assert swarm.link.spin_until(
+        lambda: len(heard) == 4 and {"keeper_1", "major", "world"} < heard.keys(), SECONDS
+    ), heard
+    assert set(heard.values()) == {swarm.record.identity}
+    assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS)
+    return signs
+
+
+@pytest.mark.parametrize(
+    ("process", "silent"),
+    [
+        ("keeper_1", {"keeper_1"}),
+        ("both", {"keeper_2", "keeper_3", "captain"}),
+        ("major", {"major"}),
+        ("world", {"world"}),
+    ],
+)
+def test_a_process_that_hangs_is_noticed_with_all_whom_it_runs(swarm, process, silent):
+    signs = listening(swarm)
+    with stopped(swarm, process):
+        # On a busy machine another one may be late, but not for long.
+        assert swarm.link.spin_until(lambda: signs.silent().keys() == silent, SECONDS)
+    assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS), "it is heard again"
+
+
+def test_signs_of_another_swarm_are_not_heard(swarm):
+    other = SignsOfLife(swarm.link, expected=sorted(ALL), identity="other-00000000")
+    own = listening(swarm)
+    with stopped(swarm, "world"):
+        assert swarm.link.spin_until(lambda: "world" in own.silent(), SECONDS)
+        assert not other.silent()
