@@ -20,7 +20,7 @@ def training(keepers):
 
 
 COMMANDS = [
-    (("GoFats", []), 'unknown behavior "GoFats" (has: GetOpen, GoFast'),
+    (("GoFats", []), 'unknown behavior "GoFats" (has: GoFast, '),
     (("GoFast", ["ball"]), 'behavior "GoFast" takes 0 target(s) (none), not 1'),
     (("Start", []), "Start cannot be commanded"),
     (("Near", []), "recursive automaton"),

@@ -129,7 +129,7 @@ def test_a_run_folder_tells_each_host_whom_to_run_and_each_library_its_kind(tmp_
         (
             "  a: {kind: Squad, commands: [scuot]}\n",
             12,
-            'there is no agent or commander "scuot" (has: a, carrier, carrier_1,',
+            'there is no agent or commander "scuot" (has: scout',
         ),
         ("  a: {kind: Squad, commands: [scuot]}\n", 12, 'Did you mean "scout"?'),
         ("  a: {kind: Sqad, commands: scout}\n", 12, 'there is no kind "Sqad" under `kinds:`'),

@@ -90,7 +90,7 @@ def test_the_shipped_lessons_keep_to_the_papers_budgets(name):
     [
         ("agent: a\nsteps: [{say: hi}]\n", "lessons/dance.yaml:1: `lesson:` is missing here"),
         ("lesson: D\nagent: a\n", "1: a lesson needs `steps:`"),
-        (HEAD + "  - comand: Stop\n", "4: a step has no known kind (has: begin"),
+        (HEAD + "  - comand: Stop\n", "4: a step has no known kind (has: command"),
         (HEAD + "  - comand: Stop\n", 'Did you mean "command"?'),
         (HEAD + "  - command: Stop\n    say: hi\n", "4: a step needs exactly one kind"),
         (HEAD + "  - say: hi\n  - command: Go(to\n", '5: "Go(to" is not a use of a behavior'),

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Collection, Iterable
 
 from hitab_core.errors import VocabularyError
+
+LISTED = 10
+"""Maximum number of known names in an error."""
 
 
 def did_you_mean(wrong: str, names: Iterable[object]) -> str:
@@ -16,12 +20,36 @@ def did_you_mean(wrong: str, names: Iterable[object]) -> str:
 
 
 def has(names: Iterable[object], *wrong: object) -> str:
-    """Return ``(has: a, b, c. Did you mean "a"?)``, the tail of an error about unknown names."""
-    known = sorted(str(name) for name in names)
+    """Return ``(has: a, b, c. Did you mean "a"?)``, the tail of an error about unknown names.
+
+    Of more than `LISTED` names it lists those closest to the wrong one, the closest first, and
+    counts the others: ``(has: a, b, ... and 990 more)``.
+    """
+    known = sorted({str(name) for name in names}, key=_in_natural_order)
     if not known:
         return "(has none)"
     hint = next(filter(None, (did_you_mean(str(name), known) for name in wrong)), "")
-    return f"(has: {', '.join(known)}{hint and '.'}{hint})"
+    more = len(known) - LISTED
+    if more > 0:
+        known = _closest(str(wrong[0]), known) if wrong else known[:LISTED]
+    rest = f", ... and {more} more" if more > 0 else ""
+    return f"(has: {', '.join(known)}{rest}{hint and '.'}{hint})"
+
+
+def _in_natural_order(name: str) -> list[tuple[bool, int, str]]:
+    """Sort ``robot_2`` before ``robot_10``."""
+    parts = re.split(r"([0-9]+)", name)
+    return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
+
+
+def _closest(wrong: str, names: Iterable[str]) -> list[str]:
+    compare = difflib.SequenceMatcher(b=wrong.lower())
+
+    def distance(name: str) -> float:
+        compare.set_seq1(name.lower())
+        return -compare.ratio()
+
+    return sorted(names, key=distance)[:LISTED]
 
 
 def unknown(what: str, name: str, names: Iterable[object], where: str = "") -> str:

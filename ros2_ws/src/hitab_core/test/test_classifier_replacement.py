@@ -86,7 +86,7 @@ def test_any_other_text_is_refused_and_never_run(text, capsys):
     ],
 )
 def test_only_what_scikit_learn_lists_as_a_classifier_is_made(name):
-    with pytest.raises(VocabularyError, match=rf'"{name}" is not a classifier.*has: .*tree'):
+    with pytest.raises(VocabularyError, match=rf'"{name}" is not a classifier.*has: .*Classifier'):
         learn_transition(name, [METERS], *TWO)
 
 
