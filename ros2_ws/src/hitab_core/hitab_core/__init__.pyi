@@ -39,3 +39,4 @@ from .use import Use as Use
 from .vocabulary import did_you_mean as did_you_mean
 from .vocabulary import has as has
 from .vocabulary import unknown as unknown
+from .wording import quantity as quantity

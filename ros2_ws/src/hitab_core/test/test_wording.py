@@ -1,0 +1,48 @@
+"""Texts that hold numbers say them in plain English."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from hitab_core.wording import quantity
+
+SOURCES = Path(__file__).parents[2]
+PLURAL = re.compile(r" ([a-z]+ )?[a-z]+s\b")
+OTHERS = re.compile(r" (is|has|was|does|needs|bytes|characters|items|snapshots)\b")
+"""Verbs, and what is counted only where it is too much."""
+
+
+def test_one_thing_is_in_the_singular():
+    assert quantity(1, "example") == "1 example"
+    assert quantity(0, "example") == "0 examples"
+    assert quantity(2, "process", "processes") == "2 processes"
+    assert quantity(1, "process", "processes") == "1 process"
+
+
+def modules() -> list[Path]:
+    return sorted(p for p in SOURCES.glob("*/*/**/*.py") if "test" not in p.parts)
+
+
+@pytest.mark.parametrize("package", sorted({p.relative_to(SOURCES).parts[0] for p in modules()}))
+def test_a_length_that_may_be_one_never_stands_before_a_plural(package):
+    """Else it says "1 examples"; `quantity` knows the singular."""
+    wrong = []
+    for path in modules():
+        if path.relative_to(SOURCES).parts[0] != package:
+            continue
+        for text in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(text, ast.JoinedStr):
+                continue
+            for value, behind in zip(text.values, text.values[1:], strict=False):
+                if (
+                    isinstance(value, ast.FormattedValue)
+                    and isinstance(value.value, ast.Call)
+                    and getattr(value.value.func, "id", "") == "len"
+                    and isinstance(behind, ast.Constant)
+                    and PLURAL.match(str(behind.value))
+                    and not OTHERS.match(str(behind.value))
+                ):
+                    wrong.append(f"{path}:{text.lineno}: {behind.value}")
+    assert wrong == []
