@@ -18,7 +18,7 @@ FLOORS = (
 )
 
 CORE_FLOORS = (
-    ("arrays", "errors", "example", "hierarchy", "seeding"),
+    ("arrays", "errors", "example", "hierarchy", "seeding", "wording"),
     ("example_codec", "transition_function", "use", "vocabulary"),
     ("automaton",),
     ("domain",),

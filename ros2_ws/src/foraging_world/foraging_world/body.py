@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from foraging_world import percept
 from foraging_world.action import RELEASE
 from foraging_world.percept import FAR, LENGTH
+from hitab_core import quantity
 
 
 class ForagerBody:
@@ -35,8 +36,8 @@ class ForagerBody:
         """
         if len(values) != LENGTH:
             raise ValueError(
-                f"{self.name}: a percept of {len(values)} values is not from foraging, which has "
-                f"{LENGTH}; link the agent to a foraging world"
+                f"{self.name}: a percept of {quantity(len(values), 'value')} is not from "
+                f"foraging, which has {LENGTH}; link the agent to a foraging world"
             )
         self.values = values
         self._action = [0.0, 0.0, 0.0]

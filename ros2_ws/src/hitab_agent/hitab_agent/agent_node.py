@@ -21,7 +21,7 @@ from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
-from hitab_core import RESERVED, Agent, Domain, HitabError, Mode
+from hitab_core import RESERVED, Agent, Domain, HitabError, Mode, quantity
 from hitab_core.commanding import Subordinate
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import use_of
@@ -172,7 +172,7 @@ class AgentNode(GuardedNode):
             training = self.agent.session
             self.status.report_error(
                 f'resumed the interrupted training of "{training.curriculum.name}" '
-                f"with {len(training.log)} examples"
+                f"with {quantity(len(training.log), 'example')}"
             )
         else:
             self.status.report_error(self._start_error)

@@ -14,7 +14,7 @@ from hitab_msgs import msg, srv
 
 from hitab_agent.intake import Intake
 from hitab_agent.slices import Slices
-from hitab_core import Agent, Use, VocabularyError
+from hitab_core import Agent, Use, VocabularyError, quantity
 from hitab_core.library import Bundle, make_bundle
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import answering
@@ -123,7 +123,7 @@ class Distributor:
         )
         response.sequence = sequence
         response.digest = bundle.digest
-        return f"sent {len(bundle.files)} behaviors"
+        return f"sent {quantity(len(bundle.files), 'behavior')}"
 
     def has_taken_in(self, sequence: int, digest: str, error: str) -> None:
         """Publish the outcome of a distribution; see `hitab_agent.intake.Receiver`.

@@ -9,7 +9,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from hitab_core import HitabError
+from hitab_core import HitabError, quantity
 from hitab_ros import names
 
 
@@ -44,8 +44,10 @@ class GroupSettings:
             roles = [""] * len(subordinates)
         if len(roles) != len(subordinates) or len(set(subordinates)) != len(subordinates):
             raise HitabError(
-                f"the commander {commander} was given {len(subordinates)} subordinates and "
-                f"{len(roles)} roles; it needs a role for each, and each subordinate once"
+                f"the commander {commander} was given "
+                f"{quantity(len(subordinates), 'subordinate')} and "
+                f"{quantity(len(roles), 'role')}; it needs a role for each, "
+                "and each subordinate once"
             )
         asks = _parameter(node, "asks_position", False, "have subordinates report their positions")
         return cls(dict(zip(subordinates, roles, strict=True)), asks)

@@ -389,7 +389,7 @@ def test_a_hand_written_automaton_cannot_be_stored(robot: Domain) -> None:
 def test_an_example_with_the_wrong_number_of_values_cannot_be_stored(robot: Domain) -> None:
     example = Example("Start", (1.0,), "Stop", ExampleKind.DEMONSTRATED, 1)
     automaton = Automaton("Odd", (), (), {}, (), (example,))
-    with pytest.raises(LibraryError, match="example 1 has 1 values for 0 features; delete it"):
+    with pytest.raises(LibraryError, match="example 1 has 1 value for 0 features; delete it"):
         text_of(automaton, robot, classifier="tree", uses={}, provenance=Provenance())
 
 

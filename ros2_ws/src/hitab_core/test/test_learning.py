@@ -126,7 +126,7 @@ def test_a_missing_value_is_refused_by_feature_example_and_state(classifier):
 
 
 def test_an_example_of_other_features_is_refused_by_number():
-    with pytest.raises(TrainingError, match='example 8 of state "Stop" has 1 values for 2'):
+    with pytest.raises(TrainingError, match='example 8 of state "Stop" has 1 value for 2'):
         learn_transitions([Example("Stop", (1.0,), "Stop", number=8)], SCALES)
 
 

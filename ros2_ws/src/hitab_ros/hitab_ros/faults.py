@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from hitab_core import quantity
 from hitab_ros.plain_text import plain
 
 FAULTS_MAX = 50
@@ -59,4 +60,4 @@ class Faults:
         """Return the faults as a status shows them."""
         texts = list(self.by_key.values())
         more = len(texts) - SHOWN_MAX
-        return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {more} more faults"]
+        return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {quantity(more, 'more fault')}"]

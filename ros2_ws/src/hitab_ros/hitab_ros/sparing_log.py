@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Hashable
 
+from hitab_core import quantity
 from hitab_ros.plain_text import plain
 
 AT_ONCE = 20
@@ -54,6 +55,6 @@ class SparingLog:
         self._seen[cause] = None
         text = plain(text, limit)
         if self._left_out:
-            text += f" ({self._left_out} other messages were dropped before this one)"
+            text += f" ({quantity(self._left_out, 'other message')} dropped before this one)"
             self._left_out = 0
         self._write(text)

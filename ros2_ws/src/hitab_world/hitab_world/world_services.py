@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core import HitabError, has, unknown
+from hitab_core import HitabError, has, quantity, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
@@ -77,7 +77,7 @@ class WorldServices:
                     raise HitabError("step needs a number of cycles greater than 0")
                 self._need_agents()
                 control.step(request.cycles)
-                return f"stepping {request.cycles} cycle{'s' if request.cycles > 1 else ''}"
+                return f"stepping {quantity(request.cycles, 'cycle')}"
             case actions.RESET:
                 course.begin_episode()
                 return f"episode {course.world.episode}"
@@ -110,8 +110,8 @@ class WorldServices:
         course.control.resume()
         self._topics.report_error("")
         self._topics.publish_status()
-        episodes = "1 episode" if request.episodes == 1 else f"{request.episodes} episodes"
-        return f"playing {episodes if request.episodes else 'endlessly'}, seed {request.seed}"
+        count = quantity(request.episodes, "episode") if request.episodes else "endlessly"
+        return f"playing {count}, seed {request.seed}"
 
     def _place(self, request: srv.Place.Request, response: srv.Place.Response) -> str:
         course = self._course
@@ -146,7 +146,7 @@ class WorldServices:
                 keeper.delete(name)
                 done = f'deleted "{name}"'
             case actions.LIST:
-                done = f"{len(kept)} snapshot{'' if len(kept) == 1 else 's'}"
+                done = quantity(len(kept), "snapshot")
             case action:
                 known = (actions.SAVE, actions.RESTORE, actions.DELETE, actions.LIST)
                 raise HitabError(unknown("action", action, known))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from hitab_core import FeatureValueError
+from hitab_core import FeatureValueError, quantity
 from keepaway_world import percept
 from keepaway_world.action import DASH, KICK, TURN
 from keepaway_world.angles import PI, wrapped
@@ -86,7 +86,7 @@ class KeeperBody:
                 self._first_taker = OTHERS + 2 * (keepers - 1)
                 return
         raise FeatureValueError(
-            f"{self.name}: a percept of {len(values)} values is not one of keepaway; "
+            f"{self.name}: a percept of {quantity(len(values), 'value')} is not one of keepaway; "
             "is the agent linked to another world?"
         )
 

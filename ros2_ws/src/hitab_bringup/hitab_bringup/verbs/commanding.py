@@ -9,6 +9,7 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_core import quantity
 
 Behavior = Annotated[str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")]
 Targets = Annotated[
@@ -48,8 +49,8 @@ def demonstrate(
         status = swarm_up.agents.command(agent, use.name, [*use.arguments, *(targets or [])])
     path = " > ".join(status.active_path) or use.name
     console.say(
-        f"{agent} performs {path}; {status.behavior} has {status.examples} examples "
-        f"({status.default_examples} default)"
+        f"{agent} performs {path}; {status.behavior} has "
+        f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
     )
 
 

@@ -10,6 +10,7 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
+from hitab_core import quantity
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -146,7 +147,10 @@ def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
     for leaf in leaves:
         alike.setdefault((leaf.behavior or "nothing", _why_not(leaf)), []).append(leaf)
     return [
-        Text(f"{len(same)} agents, {same[0].name} ...: {doing}{why}", style=_style(same[0]))
+        Text(
+            f"{quantity(len(same), 'agent')}, {same[0].name} ...: {doing}{why}",
+            style=_style(same[0]),
+        )
         for (doing, why), same in alike.items()
     ]
 

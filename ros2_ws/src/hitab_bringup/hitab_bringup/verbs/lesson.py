@@ -11,6 +11,7 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
+from hitab_core import quantity
 
 app = typer.Typer(
     help="Play lessons: files that teach like a person, over the same topics.",
@@ -56,7 +57,7 @@ def run(
             budget = f" of {report.budget}" if report.budget else ""
             console.say(
                 f"{report.lesson}: {report.examples}{budget} examples "
-                f"({report.default_examples} default), {report.commands} commands, "
+                f"({report.default_examples} default), {quantity(report.commands, 'command')}, "
                 f"{report.simulated_s:.1f} s of training in {report.wall_s:.1f} s"
             )
     console.write_json(json, [asdict(report) for report in reports])
@@ -73,7 +74,7 @@ def list_lessons() -> None:
     ]
     for path, folder in sorted(found):
         lesson = read_lesson(path)
-        budget = f", at most {lesson.budget} examples" if lesson.budget else ""
+        budget = f", at most {quantity(lesson.budget, 'example')}" if lesson.budget else ""
         first = lesson.description.strip().splitlines()[:1]
         name = path.relative_to(folder).with_suffix("").as_posix()
         console.say(f"{name}: teaches {lesson.name} to {lesson.agent}{budget}")
@@ -96,6 +97,6 @@ def check(lessons: Files) -> None:
         except LessonError as error:
             wrong.append(str(error))
         else:
-            console.say(f"{path}: {len(lesson.steps)} steps, nothing is wrong")
+            console.say(f"{path}: {quantity(len(lesson.steps), 'step')}, nothing is wrong")
     if wrong:
         raise LessonError("\n".join(wrong))

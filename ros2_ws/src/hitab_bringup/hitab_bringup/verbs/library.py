@@ -9,6 +9,7 @@ import typer
 
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
+from hitab_core import quantity
 
 app = typer.Typer(help="Inspect libraries of trained behaviors.", no_args_is_help=True)
 
@@ -168,7 +169,7 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
     """
     opened = _open(library, agent, swarm)
     loaded = opened.load()
-    console.say(f"{opened.folder}: {len(loaded)} behaviors, nothing is wrong")
+    console.say(f"{opened.folder}: {quantity(len(loaded), 'behavior')}, nothing is wrong")
 
 
 @app.command()

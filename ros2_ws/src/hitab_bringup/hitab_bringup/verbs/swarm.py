@@ -11,6 +11,7 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
+from hitab_core import quantity
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -67,7 +68,7 @@ def up(
     with console.progress(f"starting {description.name}") as advance:
         record = bring_up(description, folder, advance)
     console.say(
-        f"{record.swarm} is up: {len(record.agents)} agents"
+        f"{record.swarm} is up: {quantity(len(record.agents), 'agent')}"
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
@@ -109,7 +110,7 @@ def down(
         killed = stop(folder)
     console.say(f"{record.swarm if record else folder.path.name} is down")
     if killed:
-        console.note(f"{len(killed)} processes did not stop and were killed")
+        console.note(f"killed {quantity(len(killed), 'process', 'processes')} that did not stop")
 
 
 def status(

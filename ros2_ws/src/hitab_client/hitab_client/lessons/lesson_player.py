@@ -39,7 +39,7 @@ from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
 from hitab_client.world_view import WorldView, speakers
-from hitab_core import HitabError
+from hitab_core import HitabError, quantity
 
 
 @dataclass
@@ -286,8 +286,8 @@ class LessonPlayer:
         budget, examples = self.lesson.budget, self.report.examples
         if budget is not None and examples > budget:
             raise LessonError(
-                f"{self.lesson.file}: took {examples} examples, including default ones, but its "
-                f"budget is {budget}"
+                f"{self.lesson.file}: took {quantity(examples, 'example')}, including "
+                f"default ones, but its budget is {budget}"
             )
 
 

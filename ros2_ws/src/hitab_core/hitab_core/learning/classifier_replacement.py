@@ -29,6 +29,7 @@ from hitab_core.learning.feature_encoding import FeatureEncoding
 from hitab_core.learning.feature_values import check_scales, feature_values
 from hitab_core.transition_function import Decide, Explanation, Values
 from hitab_core.vocabulary import has
+from hitab_core.wording import quantity
 
 _REMEMBERED = 64
 """How many recent predictions a function keeps, so that explaining one needs no prediction."""
@@ -258,7 +259,7 @@ def learn_replacement(
             function.predict_proba(values)  # some fail only here, e.g. with too few neighbors
         except Exception as error:  # whatever it raises, the user has to fix it
             raise TrainingError(
-                f'"{spec}" cannot learn from these {len(values)} examples: {error}; '
+                f'"{spec}" cannot learn from {quantity(len(values), "example")}: {error}; '
                 "give more examples, other parameters, or use the tree"
             ) from error
     return function

@@ -19,6 +19,7 @@ from hitab_core.learning.memo import LearningMemo
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.vocabulary import has
+from hitab_core.wording import quantity
 
 TREE = "tree"
 
@@ -114,6 +115,12 @@ def learn_transitions(
         VocabularyError: if there is no such classifier.
         TrainingError: if an example does not have one value per feature, or, naming the state, if
             the classifier cannot learn from its examples.
+
+    Example:
+        >>> examples = [Example("Start", (9.0,), "GoFast"), Example("GoFast", (1.0,), "Stop")]
+        >>> functions = learn_transitions(examples, [Scale()])
+        >>> {state: function.labels for state, function in functions.items()}
+        {'Start': ['GoFast'], 'GoFast': ['Stop']}
     """
     learn = learner(classifier, scales, names)
     by_state: dict[str, list[Example]] = {}
@@ -121,7 +128,8 @@ def learn_transitions(
         if len(example.features) != len(scales):
             raise TrainingError(
                 f'example {example.number} of state "{example.state}" has '
-                f"{len(example.features)} values for {len(scales)} features; delete it"
+                f"{quantity(len(example.features), 'value')} for "
+                f"{quantity(len(scales), 'feature')}; delete it"
             )
         by_state.setdefault(example.state, []).append(example)
     functions: dict[str, LearnedTransition] = {}

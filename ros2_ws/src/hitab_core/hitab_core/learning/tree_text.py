@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode
+from hitab_core.wording import quantity
 
 Step = tuple[ThresholdNode | ArcNode | CategoryNode, int | None]
 """A node on a path and the branch taken there; None for a category that was not seen."""
@@ -38,8 +39,7 @@ class Rule:
     def __str__(self) -> str:
         """Return ``if A and B: Stop 0.75, GoFast 0.25 (4 examples)``."""
         given = f"if {' and '.join(self.conditions)}" if self.conditions else "always"
-        noun = "example" if self.examples == 1 else "examples"
-        return f"{given}: {as_odds(self.distribution)} ({self.examples} {noun})"
+        return f"{given}: {as_odds(self.distribution)} ({quantity(self.examples, 'example')})"
 
 
 def as_odds(distribution: Mapping[str, float]) -> str:

@@ -16,6 +16,7 @@ from hitab_core.library.behavior_text import behavior_text
 from hitab_core.library.digests import checksum
 from hitab_core.library.provenance import Provenance
 from hitab_core.use import Use
+from hitab_core.wording import quantity
 
 BASIC = "basic"
 """Marks a used behavior that is hard-coded in the robot."""
@@ -144,7 +145,8 @@ def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:
         if len(example.features) != len(kinds):
             raise LibraryError(
                 f'"{automaton.name}" cannot be saved: example {example.number} has '
-                f"{len(example.features)} values for {len(kinds)} features; delete it"
+                f"{quantity(len(example.features), 'value')} for "
+                f"{quantity(len(kinds), 'feature')}; delete it"
             )
     counted = [kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL) for kind in kinds]
     return [file_record(example, counted) for example in automaton.examples]

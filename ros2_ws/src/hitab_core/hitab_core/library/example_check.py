@@ -9,6 +9,7 @@ from hitab_core.automaton import START
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example
 from hitab_core.vocabulary import has
+from hitab_core.wording import quantity
 
 
 def wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale]) -> Iterable[str]:
@@ -27,7 +28,11 @@ def wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale])
     if example.is_default and to != state:
         yield "is a default example, but leaves its state; make it a demonstrated one"
     if len(example.features) != len(scales):
-        yield f"has {len(example.features)} values for {len(scales)} features; give one for each"
+        values, features = (
+            quantity(len(example.features), "value"),
+            quantity(len(scales), "feature"),
+        )
+        yield f"has {values} for {features}; give one for each"
         return
     for i, (value, scale) in enumerate(zip(example.features, scales, strict=True), 1):
         if not math.isfinite(value):

@@ -7,6 +7,7 @@ from typing import Any
 from hitab_msgs.srv import GetBehavior
 
 from hitab_client import DistributionReport, SwarmError
+from hitab_core import quantity
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.learned import learned_of
@@ -183,7 +184,8 @@ async def bootstrap(session: Session, data: Data) -> None:
             agent, name, arguments=list(arguments.values()), receivers=receivers, start=True
         )
     )
-    say(f"{len(report.accepted)} of {len(receivers)} team mates have it and perform it")
+    mates = quantity(len(receivers), "team mate")
+    say(f"{len(report.accepted)} of {mates} took it in and perform it")
     if not report.complete:
         lacking = ", ".join([*report.refused, *report.silent])
         raise SwarmError(f"The round stops here, since {lacking} did not take {name} in.")

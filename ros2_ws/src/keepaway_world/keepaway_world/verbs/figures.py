@@ -6,6 +6,7 @@ from pathlib import Path
 from statistics import fmean
 
 from hitab_bringup.plots import figure, save
+from hitab_core import quantity
 from keepaway_world.verbs import paper
 from keepaway_world.verbs.evaluation import Evaluation
 
@@ -36,7 +37,7 @@ def draw_episode_lengths(evaluation: Evaluation, path: Path) -> None:
     axes.set_xlabel("length of the episode, s")
     axes.set_ylabel("episodes")
     axes.set_title(
-        f"{evaluation.behavior}: {len(seconds)} episodes, seed {evaluation.seed}, "
+        f"{evaluation.behavior}: {quantity(len(seconds), 'episode')}, seed {evaluation.seed}, "
         f"takers at {evaluation.parameters.get('taker_speed', 0.25):g} of full speed",
         fontsize=10,
     )
