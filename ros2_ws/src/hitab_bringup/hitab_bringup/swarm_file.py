@@ -45,7 +45,16 @@ def read_swarm(path: Path) -> SwarmDescription:
 
 
 def parse_swarm(text: str, path: Path) -> SwarmDescription:
-    """Read a swarm description from its text; relative paths start at the folder of ``path``."""
+    r"""Read a swarm description from its text; relative paths start at the folder of ``path``.
+
+    Raises:
+        DescriptionError: naming each line that is wrong.
+
+    Example:
+        >>> text = "swarm: pair\ndomain: keepaway\nagents:\n  keeper: {count: 2}\n"
+        >>> [agent.name for agent in parse_swarm(text, Path("pair.yaml")).agents]
+        ['keeper_1', 'keeper_2']
+    """
     document = read_yaml(text, str(path), error=DescriptionError)
     top = Fields(Complaints(document, DescriptionError))
     top.check_format(FORMAT)

@@ -36,6 +36,23 @@ class Automaton:
             included. In a state without one the automaton stays.
         parameters: G, the free variables, bound by the user of the automaton.
         examples: what the transition functions were learned from; none for a hand-written one.
+
+    Raises:
+        VocabularyError: if it has a state twice or a transition function for none of its states.
+
+    Example:
+        >>> from hitab_core import HandWritten
+        >>> patrol = Automaton(
+        ...     "Patrol",
+        ...     states=(Use("GoFast"), Use("Turn")),
+        ...     features=(Use("RangeAhead"),),
+        ...     transitions={
+        ...         "Start": HandWritten(lambda: "GoFast"),
+        ...         "GoFast": HandWritten(lambda ahead: "Turn" if ahead < 1.0 else "GoFast", (0,)),
+        ...     },
+        ... )
+        >>> patrol.labels
+        ('GoFast', 'Turn')
     """
 
     name: str

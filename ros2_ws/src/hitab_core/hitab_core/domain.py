@@ -183,7 +183,34 @@ class Domain:
         automata: Iterable[Automaton] = (),
         link: str = "",
     ) -> Domain:
-        """Make a domain from lists; names must be well formed and unique within a list."""
+        """Make a domain from lists.
+
+        Raises:
+            VocabularyError: if a name is malformed, or there twice in one list.
+
+        Example:
+            >>> class Cart:
+            ...     def __init__(self, name):
+            ...         self.position = self.speed = 0.0
+            ...     def sense(self, values, heard):
+            ...         (self.position,) = values
+            ...     def act(self):
+            ...         return [self.speed], ""
+            ...     def drive(self, speed):
+            ...         self.speed = speed
+            >>> cart = Domain.of(
+            ...     "cart",
+            ...     "1",
+            ...     Cart,
+            ...     behaviors=[
+            ...         BasicBehavior("Left", lambda body: body.drive(-1.0)),
+            ...         BasicBehavior("Right", lambda body: body.drive(1.0)),
+            ...     ],
+            ...     features=[Feature("Position", lambda body: body.position, unit="m")],
+            ... )
+            >>> sorted(cart.behaviors)
+            ['Left', 'Right']
+        """
         groups: list[list[Any]] = [list(g) for g in (behaviors, features, targets, automata)]
         for group in groups:
             names = [thing.name for thing in group]

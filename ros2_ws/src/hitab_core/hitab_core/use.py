@@ -32,6 +32,10 @@ class Use:
 
         Raises:
             VocabularyError: if the text has another form.
+
+        Example:
+            >>> Use.parse("PassTo( mate )")
+            Use(name='PassTo', arguments=('mate',))
         """
         match = _USE.match(text)
         if match is None:
@@ -46,7 +50,12 @@ class Use:
         return cls(match.group(1), arguments)
 
     def bound(self, parameters: Mapping[str, str]) -> Use:
-        """Return this use with each automaton parameter replaced by its binding."""
+        """Return this use with each automaton parameter replaced by its binding.
+
+        Example:
+            >>> str(Use("GoTo", ("A",)).bound({"A": "ball"}))
+            'GoTo(ball)'
+        """
         if not self.arguments:
             return self
         return Use(self.name, tuple(parameters.get(a, a) for a in self.arguments))

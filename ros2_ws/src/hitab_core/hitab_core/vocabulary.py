@@ -13,7 +13,12 @@ LISTED = 10
 
 
 def did_you_mean(wrong: str, names: Iterable[object]) -> str:
-    """Return `` Did you mean "x"?`` with a leading space, or nothing if no name is close."""
+    """Return `` Did you mean "x"?`` with a leading space, or nothing if no name is close.
+
+    Example:
+        >>> did_you_mean("gofst", ["GoFast", "Stop"])
+        ' Did you mean "GoFast"?'
+    """
     by_lower = {str(name).lower(): str(name) for name in names}
     near = difflib.get_close_matches(wrong.lower(), by_lower, n=1, cutoff=0.6)
     return f' Did you mean "{by_lower[near[0]]}"?' if near else ""
@@ -60,6 +65,10 @@ def unknown(what: str, name: str, names: Iterable[object], where: str = "") -> s
         name: that is unknown.
         names: the known ones.
         where: it is, such as `` in state "X"``, with a leading space.
+
+    Example:
+        >>> print(unknown("behavior", "gofst", ["Stop", "GoFast"]))
+        unknown behavior "gofst" (has: GoFast, Stop. Did you mean "GoFast"?)
     """
     return f'unknown {what} "{name}"{where} {has(names, name)}'
 

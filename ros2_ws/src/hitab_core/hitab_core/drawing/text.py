@@ -15,6 +15,26 @@ def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:
     Args:
         automaton: to show.
         trees: also draw the tree of each state, with the number of examples at each leaf.
+
+    Example:
+        >>> from hitab_core import LearningAgent, plain_domain
+        >>> cart = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
+        >>> agent = LearningAgent(cart).train("Shuttle")
+        >>> _ = agent.step([0.0], command="Right"), agent.step([5.0], command="Left")
+        >>> print(automaton_as_text(agent.learn(), trees=False))
+        Shuttle
+          features: Position
+          examples: 4
+        <BLANKLINE>
+          Start
+            -> Right always
+        <BLANKLINE>
+          Right
+            stays: Position < 5
+            -> Left: Position >= 5
+        <BLANKLINE>
+          Left
+            stays always
     """
     lines = [_title(automaton)]
     if automaton.description:

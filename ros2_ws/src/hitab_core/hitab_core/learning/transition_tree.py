@@ -64,6 +64,13 @@ class TransitionTree:
         scales_: how the values of each feature compare.
         root_: the tree, see `hitab_core.learning.tree_nodes`.
 
+    Example:
+        >>> tree = TransitionTree(feature_names=["DistanceTo(ball)"])
+        >>> tree.fit([[9.0], [1.0], [4.0]], ["GoFast", "Stop", "GoFast"])
+        TransitionTree(feature_names=['DistanceTo(ball)'])
+        >>> tree.predict([[2.4], [2.6]]).tolist()
+        ['Stop', 'GoFast']
+
     References:
         Paper, section 3. J. R. Quinlan, C4.5: Programs for Machine Learning, 1993.
     """

@@ -85,6 +85,11 @@ class Curriculum:
 
         Raises:
             VocabularyError: if a text is not a use of a behavior or feature.
+
+        Example:
+            >>> wanted = Curriculum.parse("GoTo", ["DistanceTo(A)"], [], ["A"], ["ball"], "tree")
+            >>> wanted.features
+            (Use(name='DistanceTo', arguments=('A',)),)
         """
         return cls(
             name,
