@@ -409,10 +409,34 @@ def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: l
             assert told == model.examples
             assert trained.active == model.active
             log = trained.session.log
-            assert (log.can_undo, log.can_redo) == (bool(model.past), bool(model.future))
+            assert (len(log.done), len(log.undone)) == (len(model.past), len(model.future))
             assert log.defaults == sum(e[4] == "default" for e in model.examples)
             assert (trained.agent.mode is Mode.PERFORMING) == model.away
         trained.agent.journal.close()
+
+
+def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> None:
+    for label in ("Left", "Right", "Beep"):
+        trained.command(label)
+    trained.session.delete([2])
+    trained.session.relabel([1, 3], Use("Stay"))
+    trained.session.undo()
+    trained.session.undo()
+    trained.session.undo()
+    log = trained.session.log
+    assert log.done == ["Start → Left, 2 examples", "Left → Right, 2 examples"]
+    assert log.undone == [
+        "Right → Beep, 1 example",
+        "deleted example 2",
+        "changed examples 1, 3 to Stay",
+    ]
+    trained.crash()
+    log = trained.session.log
+    assert (len(log.done), len(log.undone)) == (2, 3), "the journal keeps it"
+    trained.session.redo()
+    assert trained.session.log.done[-1] == "Right → Beep, 1 example"
+    trained.command("Left")
+    assert trained.session.log.undone == []
 
 
 # What it costs ----------------------------------------------------------------------------------

@@ -9,9 +9,13 @@ from enum import Enum, auto
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.vocabulary import has
+from hitab_core.wording import quantity
 
 Placed = tuple[int, Example]
 """An example and its index in the list."""
+
+NUMBERS_MAX = 6
+"""The description of an edit with more examples gives their number instead of listing them."""
 
 
 class Direction(Enum):
@@ -44,6 +48,20 @@ class Edit:
     def undone(self) -> Edit:
         """The edit that undoes this one."""
         return Edit(self.came, self.gone, self.entered, self.left, Direction.UNDO)
+
+    def __str__(self) -> str:
+        """Describe it for people, as in ``Start → GoFast, 2 examples``."""
+        if self.entered is not None:
+            return f"{self.left} → {self.entered}, {quantity(len(self.came), 'example')}"
+        verb = "changed" if self.came else "deleted"
+        place = f" to {self.came[0][1].next_state}" if self.came else ""
+        numbers = [example.number for _, example in self.gone]
+        if not numbers:
+            return "nothing"
+        if len(numbers) > NUMBERS_MAX:
+            return f"{verb} {quantity(len(numbers), 'example')}{place}"
+        noun = "example" if len(numbers) == 1 else "examples"
+        return f"{verb} {noun} {', '.join(map(str, numbers))}{place}"
 
     def apply(self, examples: list[Example]) -> None:
         """Apply it to a list."""
@@ -86,14 +104,14 @@ class ExampleLog:
         return self._defaults
 
     @property
-    def can_undo(self) -> bool:
-        """Whether there is something to undo."""
-        return bool(self._done)
+    def done(self) -> list[str]:
+        """Descriptions of what can be undone, oldest first."""
+        return [str(edit) for edit in self._done]
 
     @property
-    def can_redo(self) -> bool:
-        """Whether there is something to redo."""
-        return bool(self._undone)
+    def undone(self) -> list[str]:
+        """Descriptions of what can be redone, oldest first; redo begins with the first."""
+        return [str(edit) for edit in reversed(self._undone)]
 
     def preview(
         self,
