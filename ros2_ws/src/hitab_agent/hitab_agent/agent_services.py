@@ -117,6 +117,7 @@ class AgentServices:
         elif session is not None:
             name, features = session.curriculum.name, session.curriculum.features
             examples = session.examples
+            response.done, response.undone = session.log.done, session.log.undone
         else:
             raise TrainingError(f"{self._agent.name} is not training anything; name an automaton")
         response.automaton = name
@@ -179,6 +180,7 @@ class AgentServices:
         response.domain = domain.name
         response.signature = domain.signature
         response.behaviors = [str(Use(b.name, b.parameters)) for b in behaviors]
+        response.behavior_descriptions = [b.description for b in behaviors]
         response.trained = sorted(agent.edition.files)
         response.one_shot = [
             b.name for b in behaviors if isinstance(b, BasicBehavior) and b.one_shot
@@ -186,5 +188,6 @@ class AgentServices:
         response.features = [str(Use(f.name, f.parameters)) for f in features]
         response.feature_kinds = [f.kind.value for f in features]
         response.feature_units = [f.unit for f in features]
+        response.feature_descriptions = [f.description for f in features]
         response.targets = sorted(domain.targets)
         return response

@@ -142,33 +142,45 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
     trained, one_shot = set(words.trained), set(words.one_shot)
+    behaviors = list(zip(words.behaviors, words.behavior_descriptions, strict=True))
+    features = list(
+        zip(
+            words.features,
+            words.feature_kinds,
+            words.feature_units,
+            words.feature_descriptions,
+            strict=True,
+        )
+    )
     if json != "-":
         console.say(f"domain    {words.domain}")
-        for name in words.behaviors:
+        for name, description in behaviors:
             bare = name.split("(")[0]
             kinds = [
                 k for k, there in (("trained", trained), ("one-shot", one_shot)) if bare in there
             ]
-            console.say(f"behavior  {name}{'  ' + ', '.join(kinds) if kinds else ''}")
-        for name, kind, unit in zip(
-            words.features, words.feature_kinds, words.feature_units, strict=True
-        ):
-            console.say(f"feature   {name}  {kind}{f', {unit}' if unit else ''}")
+            console.say(f"behavior  {_with_description(name, kinds, description)}")
+        for name, kind, unit, description in features:
+            kinds = [kind, unit] if unit else [kind]
+            console.say(f"feature   {_with_description(name, kinds, description)}")
         for name in words.targets:
             console.say(f"target    {name}")
     console.write_json(
         json,
         {
             "domain": words.domain,
-            "behaviors": list(words.behaviors),
+            "behaviors": [{"name": n, "description": d} for n, d in behaviors],
             "trained": list(words.trained),
             "one_shot": list(words.one_shot),
             "features": [
-                {"name": n, "kind": k, "unit": u}
-                for n, k, u in zip(
-                    words.features, words.feature_kinds, words.feature_units, strict=True
-                )
+                {"name": n, "kind": k, "unit": u, "description": d} for n, k, u, d in features
             ],
             "targets": list(words.targets),
         },
     )
+
+
+def _with_description(name: str, kinds: list[str], description: str) -> str:
+    """Return a line such as ``Pass  one-shot: kick the ball to a team mate``."""
+    said = ": ".join(filter(None, (", ".join(kinds), description)))
+    return f"{name}  {said}" if said else name
