@@ -19,6 +19,7 @@ from hitab_core import (
     TrainingError,
     Use,
     has,
+    quantity,
     unknown,
 )
 from hitab_core.library import SUFFIX
@@ -71,11 +72,23 @@ class AgentServices:
             request.arguments,
             request.classifier or "tree",
         )
+        given_up = self._under_way()
         session = self._agent.begin(curriculum, resume=request.resume, discard=request.discard)
-        with_examples = f" with {len(session.log)} examples" if len(session.log) else ""
-        return f'training "{session.curriculum.name}"{with_examples}'
+        done = f'training "{session.curriculum.name}"'
+        if len(session.log):
+            done += f" with {quantity(len(session.log), 'example')}"
+        return f"{done}; discarded {given_up}" if given_up else done
+
+    def _under_way(self) -> str:
+        """Describe the training under way; empty if it has no examples."""
+        agent = self._agent
+        if not agent.unsaved:
+            return ""
+        return f'"{agent.training}" with {quantity(agent.unsaved, "unsaved example")}'
 
     def _set_mode(self, request: srv.SetMode.Request, response: Any) -> str:
+        if request.discard:
+            return self._discard(request.mode)
         match request.mode:
             case Mode.TESTING:
                 self._agent.test(restart=request.restart)
@@ -86,7 +99,20 @@ class AgentServices:
             case mode:
                 known = (Mode.TESTING, Mode.TRAINING, Mode.IDLE)
                 raise TrainingError(unknown("mode", mode, known))
-        return f"{self._agent.name} is {self._agent.mode}"
+        trained = f' "{self._agent.training}"' if request.mode != Mode.IDLE else ""
+        return f"{self._agent.name} is {self._agent.mode}{trained}"
+
+    def _discard(self, mode: str) -> str:
+        if mode != Mode.IDLE:
+            raise TrainingError(
+                f'a training can be discarded only on going idle; set mode "{Mode.IDLE}", '
+                f'not "{mode}"'
+            )
+        training = self._agent.training
+        empty = f'"{training}", which had no examples' if training else "the interrupted training"
+        given_up = self._under_way() or empty
+        self._agent.discard()
+        return f"{self._agent.name} is {self._agent.mode}; discarded {given_up}"
 
     def _edit_examples(self, request: srv.EditExamples.Request, response: Any) -> str:
         session = self._agent.session
@@ -105,7 +131,7 @@ class AgentServices:
             case action:
                 known = (edits.UNDO, edits.REDO, edits.DELETE, edits.RELABEL)
                 raise TrainingError(unknown("action", action, known))
-        return f"{len(session.log)} examples"
+        return f'"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
 
     def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:
         session = self._agent.session
@@ -123,12 +149,13 @@ class AgentServices:
         response.automaton = name
         response.features = [str(feature) for feature in features]
         response.examples = [example_message(example) for example in examples]
-        return f"{len(examples)} examples"
+        return quantity(len(examples), "example")
 
     def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:
         if len(request.bind_from) != len(request.bind_to):
             raise TrainingError(
-                f"bind_from has {len(request.bind_from)} names, bind_to {len(request.bind_to)}"
+                f"bind_from has {quantity(len(request.bind_from), 'name')}, "
+                f"bind_to {len(request.bind_to)}"
             )
         bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
         performed = self._agent.behavior if self._agent.mode is Mode.PERFORMING else ""
@@ -139,7 +166,7 @@ class AgentServices:
         response.digest = self._agent.edition.files[automaton.name].checksum
         response.trimmed = trimmed
         saved = Use(automaton.name, automaton.parameters)
-        done = f'saved "{saved}" with {len(automaton.examples)} examples'
+        done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done
@@ -168,7 +195,7 @@ class AgentServices:
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.library_digest
-        return f"{len(response.behaviors)} trained behaviors"
+        return quantity(len(response.behaviors), "trained behavior")
 
     def _get_vocabulary(
         self, request: srv.GetVocabulary.Request, response: srv.GetVocabulary.Response

@@ -306,6 +306,10 @@ class SwarmClient:
         """Switch between training and testing."""
         return self.ask(agent, SetMode, names.SET_MODE, mode=mode, restart=restart)
 
+    def discard(self, agent: str) -> Any:
+        """Give up an agent's training with its unsaved examples; the agent is idle then."""
+        return self.ask(agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True)
+
     def edit_examples(
         self, agent: str, action: str, numbers: Sequence[int] = (), next_state: str = ""
     ) -> Any:

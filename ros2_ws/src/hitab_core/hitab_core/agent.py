@@ -33,6 +33,7 @@ from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
+from hitab_core.wording import quantity
 
 
 class Mode(StrEnum):
@@ -119,6 +120,16 @@ class Agent:
         if self.mode in (Mode.TRAINING, Mode.TESTING) and self.session is not None:
             return self.session.curriculum.name
         return "" if self.mode is Mode.IDLE or self.top is None else str(self.top)
+
+    @property
+    def training(self) -> str:
+        """The automaton of the training under way, whatever it does meanwhile; empty if none."""
+        return "" if self.session is None else self.session.curriculum.name
+
+    @property
+    def unsaved(self) -> int:
+        """The number of examples of the training under way."""
+        return 0 if self.session is None else len(self.session.log)
 
     @property
     def raised(self) -> frozenset[str]:
@@ -240,10 +251,10 @@ class Agent:
             TrainingError: if there is an unsaved training, or ``resume`` has no examples.
             VocabularyError: if the curriculum names what does not exist.
         """
-        if self.session is not None and len(self.session.log) and not discard:
+        if self.unsaved and not discard:
             raise TrainingError(
-                f'"{self.session.curriculum.name}" has {len(self.session.log)} unsaved examples; '
-                "save it first, or discard it"
+                f'"{self.training}" has {quantity(self.unsaved, "unsaved example")}; save it first '
+                f"(`hitab save {self.name}`), or discard it (`hitab discard {self.name}`)"
             )
         examples: tuple[Example, ...] = ()
         if resume:
@@ -393,15 +404,17 @@ class Agent:
         return trim(learned, self.repertoire, classifier=classifier)
 
     def discard(self) -> None:
-        """Give up the training under way.
+        """Give up the training under way and perform nothing.
 
         Raises:
             TrainingError: if there is none.
+            LibraryError: if its journal cannot be archived; nothing has changed.
         """
-        self._session()
+        if self.session is None:
+            raise TrainingError(f"{self.name} is not training anything that could be discarded")
         self.journal.discard()
         self._stop()
-        self.session = None
+        self.session = self.top = self._performance = None
         self.mode = Mode.IDLE
 
     def _session(self) -> TrainingSession:
