@@ -50,7 +50,7 @@ BEGINNINGS = [
     ({"automaton": "A", "states": ["GoFats"]}, 'unknown behavior "GoFats"'),
     ({"automaton": "A", "parameters": ["B"]}, "1 parameter(s) but 0 target(s)"),
     ({"automaton": "A", "resume": "Nothing"}, 'unknown behavior "Nothing"'),
-    ({"automaton": "A", "discard": False}, "unsaved examples; save it first, or discard it"),
+    ({"automaton": "A", "discard": False}, "2 unsaved examples; save it first (`hitab save "),
 ]
 
 

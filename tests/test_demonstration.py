@@ -5,6 +5,7 @@ import signal
 
 import pytest
 from hitab_msgs.msg import Example
+from hitab_msgs.srv import SetMode
 
 from hitab_bringup.supervision import process_states
 from hitab_client.errors import SwarmError
@@ -201,6 +202,38 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
     assert "2 examples" in listed.stdout
     shown = hitab("library", "show", "ByHand", "-l", str(keepers.folder.path / f"libraries/{ONE}"))
     assert "Stop" in shown.stdout
+
+
+def test_a_training_that_was_not_meant_is_named_and_discarded(begun, hitab):
+    shown = hitab("demonstrate", ONE, "Stop")
+    assert shown.stdout == "keeper_1 performs Stop; Near has 2 examples (1 default)\n"
+    refused = hitab("train", ONE, "Other", "-f", "DistanceTo(ball)")
+    assert refused.returncode == 1
+    assert '"Near" has 2 unsaved examples' in refused.stderr
+    assert "`hitab discard keeper_1`" in refused.stderr
+    assert hitab("test", ONE).stdout == 'keeper_1 is testing "Near"\n'
+    assert hitab("train", ONE).stdout == 'keeper_1 is training "Near"\n'
+    assert hitab("undo", ONE).stdout == '"Near" has 0 examples\n'
+    assert hitab("redo", ONE).stdout == '"Near" has 2 examples\n'
+    discarded = hitab("discard", ONE)
+    assert discarded.stdout == 'keeper_1 is idle; discarded "Near" with 2 unsaved examples\n'
+    assert begun.link.spin_until(lambda: begun.agents.statuses[ONE].mode == "idle", 5)
+    again = hitab("discard", ONE)
+    assert again.returncode == 1
+    assert "keeper_1 is not training anything that could be discarded" in again.stderr
+    assert hitab("train", ONE, "Other", "-f", "Done").stdout == 'training "Other"\n'
+    assert begun.agents.discard(ONE).message.endswith('"Other", which had no examples')
+
+
+def test_beginning_another_training_says_what_it_discards(begun, hitab):
+    begun.agents.command(ONE, "GoFast")
+    done = hitab("train", ONE, "Other", "-f", "DistanceTo(ball)", "--discard")
+    assert done.stdout == 'training "Other"; discarded "Near" with 2 unsaved examples\n'
+
+
+def test_a_training_is_discarded_on_going_idle_only(begun):
+    with pytest.raises(SwarmError, match='only on going idle; set mode "idle", not "testing"'):
+        begun.agents.ask(ONE, SetMode, "set_mode", mode="testing", discard=True)
 
 
 def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab):

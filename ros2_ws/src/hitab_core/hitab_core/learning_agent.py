@@ -15,6 +15,7 @@ from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
+from hitab_core.wording import quantity
 
 
 class LearningAgent:
@@ -114,6 +115,11 @@ class LearningAgent:
         curriculum = Curriculum.parse(
             behavior, features, states, bound, bound.values(), classifier
         )
+        if self.agent.unsaved and not discard:
+            raise TrainingError(
+                f'"{self.agent.training}" has {quantity(self.agent.unsaved, "unsaved example")}; '
+                "call save() first, or train with discard=True"
+            )
         self.agent.begin(curriculum, discard=discard)
         return self
 

@@ -121,10 +121,27 @@ def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
 def test_an_unsaved_training_is_not_thrown_away_by_another_one(make):
     agent = make()
     teach_home(agent)
-    with pytest.raises(TrainingError, match='"Home" has 4 unsaved examples; save it'):
+    expected = r'"Home" has 4 unsaved examples; save it .*, or discard it \(`hitab discard ann`'
+    with pytest.raises(TrainingError, match=expected):
         agent.begin(Curriculum("Other", (Use("x"),)))
     agent.begin(Curriculum("Other", (Use("x"),)), discard=True)
     assert agent.behavior == "Other"
+
+
+def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
+    agent = make()
+    teach_home(agent)
+    assert (agent.training, agent.unsaved) == ("Home", 4)
+    agent.perform(Use("Right"))
+    agent.discard()
+    assert (agent.mode, agent.training, agent.unsaved) == (Mode.IDLE, "", 0)
+    assert agent.active_path == []
+    with pytest.raises(TrainingError, match="ann is not training anything that could be disc"):
+        agent.discard()
+    again = make()
+    assert (again.mode, again.training) == (Mode.IDLE, "")
+    assert list(tmp_path.rglob("training.1.jsonl"))
+    again.begin(HOME)
 
 
 def test_a_training_that_is_refused_leaves_the_earlier_one_as_it_was(make):

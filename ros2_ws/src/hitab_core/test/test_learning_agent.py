@@ -46,6 +46,14 @@ def test_what_it_decides_is_the_name_of_a_state():
     assert [agent.decide([x]) for x in (1.0, 4.0, 6.0, 3.0)] == ["Right", "Right", "Left", "Left"]
 
 
+def test_an_unsaved_training_is_not_thrown_away_and_the_error_says_what_to_call():
+    agent = shuttle(LearningAgent(cart()))
+    with pytest.raises(TrainingError, match=r'"Shuttle" has 6 unsaved .* call save\(\)'):
+        agent.train("Other")
+    agent.train("Other", discard=True)
+    assert agent.agent.training == "Other"
+
+
 def test_a_command_after_learning_is_a_correction():
     agent = shuttle(LearningAgent(cart()))
     agent.learn()

@@ -1,4 +1,4 @@
-"""Verbs that train: train, test, undo, redo, examples, save."""
+"""Verbs that train: train, test, undo, redo, examples, save, discard."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import did_you_mean
+from hitab_core import did_you_mean, quantity
 
 PANEL = "Train"
 
@@ -42,6 +42,7 @@ def register(app: typer.Typer) -> None:
     app.command(rich_help_panel=PANEL)(redo)
     app.add_typer(examples_app, name="examples", rich_help_panel=PANEL)
     app.command(rich_help_panel=PANEL)(save)
+    app.command(rich_help_panel=PANEL)(discard)
 
 
 def train(
@@ -79,7 +80,7 @@ def train(
         str, typer.Option(help="A scikit-learn classifier in place of the tree.")
     ] = "",
     discard: Annotated[
-        bool, typer.Option("--discard", help="Discard an unsaved training.")
+        bool, typer.Option("--discard", help="First discard the unsaved training, if any.")
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
@@ -223,6 +224,21 @@ def save(
         console.say(f"trimmed because unused: {', '.join(answer.trimmed)}")
 
 
+def discard(agent: AgentName, swarm: SwarmName = None) -> None:
+    """Give up a training and its unsaved examples; the agent is idle then.
+
+    What was saved before stays. The examples are kept in the folder of the agent's journals, beside
+    those of earlier trainings.
+
+    Example:
+
+      hitab discard keeper_1
+    """
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.discard(agent)
+    console.say(answer.message)
+
+
 @examples_app.command("list")
 def examples_list(
     agent: AgentName,
@@ -245,7 +261,9 @@ def examples_list(
     if json != "-":
         from rich.table import Table
 
-        table = Table(title=f"{answer.automaton}: {len(answer.examples)} examples", box=None)
+        table = Table(
+            title=f"{answer.automaton}: {quantity(len(answer.examples), 'example')}", box=None
+        )
         for column in ("number", "in", *answer.features, "go to", "kind", "command", "cycle"):
             table.add_column(column)
         for e in answer.examples:
