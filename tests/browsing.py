@@ -15,6 +15,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from hitab_client.world_client import by_name
+
+ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 QUIET = (
     "--no-sandbox",
@@ -30,6 +35,28 @@ QUIET = (
 def chromium() -> str | None:
     """Return the browser that this machine has, if it has one."""
     return next((path for name in CHROMIUM_NAMES if (path := shutil.which(name))), None)
+
+
+needs_browser = pytest.mark.skipif(
+    chromium() is None, reason="there is no Chromium here: apt-get install chromium"
+)
+
+
+def away_from_everybody(swarm: Any, distance: float) -> None:
+    """Put a keeper on the left of the ball, m, and all others out of the way."""
+    keeper = {"x": -distance, "y": 0.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}
+    ball = {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}
+    others = {
+        name: {"x": 8.0, "y": y, "vx": 0.0, "vy": 0.0}
+        for name, y in ((TWO, 8.0), (THREE, -8.0), ("taker_1", 9.0), ("taker_2", -9.0))
+    }
+    swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": ball, **others}))
+
+
+def entity(swarm: Any, name: str) -> Any:
+    """Return a thing as the world shows it now."""
+    swarm.link.spin(0.02)
+    return by_name(swarm.world.state.entities)[name]
 
 
 def free_port() -> int:

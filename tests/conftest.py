@@ -6,8 +6,10 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
+from browsing import Person, browser, studio
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.libraries import copy_library
@@ -59,6 +61,42 @@ def keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ru
     with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
         running.folder.write(running.record, register=True)
         yield running
+
+
+@pytest.fixture(scope="module")
+def swarm(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
+    """Three keepers for the studio, with empty libraries of their own, in a paused world."""
+    folder = tmp_path_factory.mktemp("studio_swarm")
+    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
+        running.folder.write(running.record, register=True)
+        running.world.control("pace", pace="realtime", factor=1.0)
+        running.world.control("pause")
+        yield running
+
+
+@pytest.fixture(scope="module")
+def url(swarm: RunningSwarm, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of the studio that shows the swarm."""
+    with studio(tmp_path_factory.mktemp("studio") / "log") as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def chrome() -> Iterator[Any]:
+    """Return a browser."""
+    with browser() as started:
+        yield started
+
+
+@pytest.fixture
+def person(chrome: Any, url: str) -> Iterator[Person]:
+    """Return somebody at the page; the console stays without errors, whatever they do."""
+    page = chrome.new_page(viewport={"width": 1280, "height": 720})
+    someone = Person(page, url)
+    someone.sees_field()
+    yield someone
+    page.close()
+    assert someone.complaints == []
 
 
 @dataclass

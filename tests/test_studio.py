@@ -5,71 +5,14 @@ from __future__ import annotations
 import json
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import pytest
-from browsing import Person, browser, chromium, studio
+from browsing import ONE, THREE, TWO, Person, away_from_everybody, entity, needs_browser, studio
 
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_client.world_client import by_name
 from keepaway_world.verbs.evaluation import trained_keepers
-
-ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
-
-needs_browser = pytest.mark.skipif(
-    chromium() is None, reason="there is no Chromium here: apt-get install chromium"
-)
-
-
-@pytest.fixture(scope="module")
-def swarm(home, tmp_path_factory) -> Iterator[Any]:
-    """Three keepers with empty libraries of their own, in a paused world."""
-    folder = tmp_path_factory.mktemp("studio_swarm")
-    with temporary_swarm(trained_keepers(None, "", {"taker_speed": 0.25}), folder) as running:
-        running.folder.write(running.record, register=True)
-        running.world.control("pace", pace="realtime", factor=1.0)
-        running.world.control("pause")
-        yield running
-
-
-@pytest.fixture(scope="module")
-def url(swarm, tmp_path_factory) -> Iterator[str]:
-    with studio(tmp_path_factory.mktemp("studio") / "log") as address:
-        yield address
-
-
-@pytest.fixture(scope="module")
-def chrome() -> Iterator[Any]:
-    with browser() as started:
-        yield started
-
-
-@pytest.fixture
-def person(chrome, url) -> Iterator[Person]:
-    """Somebody at the page; the console stays without errors, whatever they do."""
-    page = chrome.new_page(viewport={"width": 1280, "height": 720})
-    someone = Person(page, url)
-    someone.sees_field()
-    yield someone
-    page.close()
-    assert someone.complaints == []
-
-
-def away_from_everybody(swarm, distance: float) -> None:
-    keeper = {"x": -distance, "y": 0.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}
-    ball = {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}
-    others = {
-        name: {"x": 8.0, "y": y, "vx": 0.0, "vy": 0.0}
-        for name, y in ((TWO, 8.0), (THREE, -8.0), ("taker_1", 9.0), ("taker_2", -9.0))
-    }
-    swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": ball, **others}))
-
-
-def entity(swarm, name: str) -> Any:
-    swarm.link.spin(0.02)
-    return by_name(swarm.world.state.entities)[name]
 
 
 @needs_browser
@@ -214,7 +157,7 @@ def test_a_placement_that_the_world_refuses_is_taken_back_on_the_page(swarm, per
         "() => { const f = window.studioField; f.now.places.set([5, 5], 3 * f.index.get('ball'));"
         " window.studioTell('place', { things: { nobody: { x: 5, y: 5 } } }); }"
     )
-    person.sees("toast", "nobody")
+    person.sees("message", "nobody")
     person.waits_until(lambda: abs(person.place_of("ball")[0]) < 0.1, "it is where it was")
 
 
@@ -317,7 +260,7 @@ def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, perso
     other.click("take")
     other.click("do-GoSlow")
     other.sees("recorded", "GoSlow")
-    person.sees("toast", f"has taken {TWO}")
+    person.sees("message", f"has taken {TWO}")
     person.sees("banner", "held by demonstrator")
     assert other.complaints == []
     page.close()

@@ -18,7 +18,9 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
     ],
     install_requires=["setuptools", "nicegui", "jinja2", "mcap", "numpy"],
-    extras_require={"test": ["pytest", "playwright", "axe-playwright-python", "mcap-ros2-support"]},
+    extras_require={
+        "test": ["pytest", "playwright", "axe-playwright-python", "mcap-ros2-support"],
+    },
     entry_points={"hitab.verbs": ["studio = hitab_studio.command"]},
     python_requires=">=3.11",
     zip_safe=False,

@@ -79,7 +79,7 @@ class Page:
 
     def _refresh(self) -> None:
         session = self._session
-        session.drop_old_toasts()
+        session.drop_old_messages()
         self._count += 1
         seen = (self._studio.store.version, session.version)
         if seen == self._seen and self._count % ALSO_EVERY:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -18,6 +17,7 @@ from hitab_studio.jobs import Connected
 from hitab_studio.known import natural
 from hitab_studio.learned import Learned
 from hitab_studio.locks import Holder, Locks
+from hitab_studio.messages import Messages, sentence
 from hitab_studio.present import Present
 from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
@@ -27,19 +27,8 @@ from hitab_studio.watching import Watched
 
 T = TypeVar("T")
 
-TOAST_SECONDS = {"good": 4.0, "bad": 9.0}
 TABS = ("teach", "learned", "examples", "library", "swarm", "record")
 NOTHING = Watched()
-
-
-@dataclass
-class Toast:
-    """A short message that disappears by itself."""
-
-    number: int
-    kind: str
-    text: str
-    until: float
 
 
 @dataclass
@@ -96,6 +85,7 @@ class Session:
         state: the state whose tree is viewed, if not the active one.
         dialog: the open dialog, with all that is needed to show it.
         player: the open recording, if there is one.
+        messages: what was done, and what went wrong.
         connected: whether the browser is connected.
         sent: the frame that the browser has.
     """
@@ -118,12 +108,11 @@ class Session:
         self.player: Player | None = None
         self.connected = False
         self.sent = b""
-        self.toasts: list[Toast] = []
+        self.messages = Messages()
         self.version = 0
         self.busy = 0
         self.outgoing: deque[str] = deque(maxlen=50)
         self.news = asyncio.Event()
-        self._toasts = 0
 
     # -- what it looks at -------------------------------------------------------------------
 
@@ -254,11 +243,9 @@ class Session:
 
     def tell(self, text: str, kind: str = "good") -> None:
         """Show a short message."""
-        self._toasts += 1
-        text = text[:1].upper() + text[1:]
-        self.toasts = [t for t in self.toasts if t.text != text][-3:]
-        until = time.monotonic() + TOAST_SECONDS[kind]
-        self.toasts.append(Toast(self._toasts, kind, text, until))
+        known = self.shared.store.known
+        things = known.scene.names if known.scene is not None else ()
+        self.messages.say(sentence(text, {*known.agents, *known.groups, *things}), kind)
         self.touch()
 
     def tell_other(self, session: str, text: str) -> None:
@@ -266,11 +253,9 @@ class Session:
         if (other := self.shared.sessions.get(session)) is not None:
             other.tell(text, "bad")
 
-    def drop_old_toasts(self) -> None:
+    def drop_old_messages(self) -> None:
         """Remove expired messages."""
-        now = time.monotonic()
-        if any(toast.until < now for toast in self.toasts):
-            self.toasts = [toast for toast in self.toasts if toast.until >= now]
+        if self.messages.drop_old():
             self.touch()
 
     def send(self, message: dict[str, Any]) -> None:

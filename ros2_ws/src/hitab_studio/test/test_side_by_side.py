@@ -150,7 +150,7 @@ def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
     async def use(studio: Studio) -> None:
         page = studio.open()
         failing.set()
-        await until(lambda: any("run folder" in toast.text for toast in page.toasts), "not told")
+        await until(lambda: any("run folder" in m.text for m in page.messages.shown), "not told")
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
 
@@ -167,9 +167,12 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         other.look_at("keeper_1")
         looks.look_at("keeper_2")
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
-        await until(lambda: looks.toasts, "it was not told")
-        assert "The answer of keeper_2 to get_vocabulary cannot be read" in looks.toasts[0].text
-        assert not other.toasts
+        await until(lambda: looks.messages.shown, "it was not told")
+        assert (
+            "The answer of keeper_2 to get_vocabulary cannot be read"
+            in looks.messages.shown[0].text
+        )
+        assert not other.messages.shown
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
 
@@ -192,10 +195,10 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
         path = str(tmp_path / "run.mcap")
         await page.ask(lambda _: studio.link.start_recording(path, page.id))
         assert studio.store.known.recording == path
-        await until(lambda: page.toasts, "it was not told")
-        assert "run.mcap ends here: No space left" in page.toasts[0].text
+        await until(lambda: page.messages.shown, "it was not told")
+        assert "run.mcap ends here: No space left" in page.messages.shown[0].text
         await until(lambda: not studio.store.known.recording, "it has ended")
-        assert not other.toasts
+        assert not other.messages.shown
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
 

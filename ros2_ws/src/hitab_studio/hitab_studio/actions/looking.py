@@ -93,6 +93,12 @@ async def close(session: Session, data: Data) -> None:
     session.dialog = {}
 
 
+@action("message-close", repeats=True)
+async def message_close(session: Session, data: Data) -> None:
+    """Close a message."""
+    session.messages.close(int(data["number"]))
+
+
 @action("escape", repeats=True)
 async def escape(session: Session, data: Data) -> None:
     """Close whatever is in front."""

@@ -40,7 +40,8 @@ document.addEventListener("click", (event) => {
     shift: event.shiftKey || undefined,
     again: again || undefined,
   });
-  element.blur?.();
+  // A key that is pressed next is meant for the page, unless this was reached with the keyboard.
+  if (event.detail) element.blur?.();
 });
 
 document.addEventListener("change", (event) => {
@@ -67,13 +68,36 @@ document.addEventListener("submit", (event) => {
   told(form.dataset.submit, { ...dataOf(form), values: valuesOf(form), again: again || undefined });
 });
 
+// The browser only says that a format is wanted; the page says which.
+document.addEventListener("invalid", ({ target }) => {
+  const wrong = target.validity.patternMismatch && target.dataset.format;
+  target.setCustomValidity(wrong || "");
+}, true);
+document.addEventListener("input", ({ target }) => target.setCustomValidity?.(""), true);
+
+// What has the focus because a person went there with the keyboard, if it is to be pressed.
+function reached() {
+  const element = document.activeElement;
+  return element?.matches("button, summary, a, input, [role=button]") && element.matches(":focus-visible")
+    ? element
+    : null;
+}
+
 const TEXT = new Set(["INPUT", "SELECT", "TEXTAREA"]);
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") {
     if (window.studioField?.cancelDrag()) return; // that was in front
-    document.activeElement?.blur?.();
+    if (TEXT.has(document.activeElement?.tagName)) document.activeElement.blur();
     told("escape");
     return;
+  }
+  if (event.key === "Enter" || event.key === " ") {
+    const element = reached();
+    if (element?.matches("[role=button]")) {
+      event.preventDefault();
+      element.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true }));
+    }
+    if (element) return; // the browser presses it
   }
   const typed = TEXT.has(document.activeElement?.tagName) && document.activeElement.type !== "range";
   if (typed || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
@@ -111,3 +135,19 @@ applyTheme(kept);
 document.addEventListener("click", (event) => {
   if (event.target.closest("[data-theme-toggle]")) window.studioTheme();
 });
+
+// While a dialog is open, the keyboard stays in it; afterwards the focus is where it was.
+let dialog = null;
+let before = null;
+new MutationObserver(() => {
+  const modal = document.querySelector("[data-modal]")?.firstElementChild ?? null;
+  if (modal === dialog) return;
+  if (!dialog) before = document.activeElement;
+  dialog = modal;
+  for (const part of document.querySelectorAll("#studio > :not(#panel-dialog, #panel-messages)")) {
+    part.inert = !!modal;
+  }
+  const first = modal?.querySelector("[autofocus]") ?? modal?.querySelector("input, select, button");
+  if (first) first.focus();
+  else if (before?.isConnected) before.focus();
+}).observe(document.body, { childList: true, subtree: true });

@@ -8,6 +8,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from hitab_core import quantity
 from hitab_studio.session import Session
 from hitab_studio.views import agents, dialog, overlay, side, top
 
@@ -18,7 +19,7 @@ PANELS: dict[str, Callable[[Session], Context]] = {
     "overlay": overlay.context,
     "side": side.context,
     "dialog": dialog.context,
-    "toasts": lambda session: {"toasts": session.toasts},
+    "messages": lambda session: {"messages": session.messages.shown},
 }
 
 
@@ -58,7 +59,7 @@ _environment = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-_environment.filters |= {"number": number, "curve": curve, "clock": clock}
+_environment.filters |= {"number": number, "curve": curve, "clock": clock, "quantity": quantity}
 
 
 def render(panel: str, session: Session) -> str:

@@ -7,12 +7,29 @@ from typing import Any
 from hitab_core import FLAGS, Use
 from hitab_studio.session import Session
 
+NAME_FORMAT = "A name is made of letters, digits and _, and begins with a letter, as ApproachBall."
+"""Of behaviors and parameters, as their fields in the dialogs check it."""
+
+TITLES = {
+    "help": "Keys",
+    "new": "Train a behavior",
+    "save": "Save a behavior",
+    "distribute": "Distribute a behavior",
+    "round": "Next round",
+    "snapshots": "Snapshots",
+}
+
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the dialog shows."""
     dialog = session.dialog
     kind = dialog.get("kind", "")
-    found: dict[str, Any] = {"dialog": dialog, "kind": kind}
+    found: dict[str, Any] = {
+        "dialog": dialog,
+        "kind": kind,
+        "title": TITLES.get(kind, ""),
+        "name_format": NAME_FORMAT,
+    }
     if kind == "new":
         vocabulary = session.watched.vocabulary
         parameter = dialog["parameter"]

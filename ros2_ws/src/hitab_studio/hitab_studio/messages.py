@@ -1,0 +1,81 @@
+"""The short messages of a page: what was done, and what went wrong."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+SECONDS = {"good": 5.0, "bad": 30.0}
+"""How long a message stays if nobody closes it."""
+
+MOST = 3
+"""Messages that are shown at once; an older one makes room."""
+
+_WORD = re.compile(r"[a-z]+(?=[\s,;:.']|$)")
+
+
+@dataclass
+class Message:
+    """A short message.
+
+    Attributes:
+        number: its own, for the page.
+        kind: good or bad.
+        times: how often it was said since it was first shown.
+        until: when it goes, on the monotonic clock, s.
+    """
+
+    number: int
+    kind: str
+    text: str
+    times: int
+    until: float
+
+
+class Messages:
+    """What a page shows at present, oldest first; the same text is there once.
+
+    Args:
+        clock: the time, s.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self.shown: list[Message] = []
+        self._clock = clock
+        self._numbers = 0
+
+    def say(self, text: str, kind: str = "good") -> None:
+        """Show a message, or count it if it is shown already."""
+        until = self._clock() + SECONDS[kind]
+        for message in self.shown:
+            if message.text == text and message.kind == kind:
+                message.times += 1
+                message.until = until
+                return
+        self._numbers += 1
+        self.shown = [*self.shown[1 - MOST :], Message(self._numbers, kind, text, 1, until)]
+
+    def close(self, number: int) -> None:
+        """Remove a message."""
+        self.shown = [message for message in self.shown if message.number != number]
+
+    def drop_old(self) -> bool:
+        """Remove what was shown long enough; return whether there was such."""
+        now, before = self._clock(), len(self.shown)
+        self.shown = [message for message in self.shown if message.until >= now]
+        return len(self.shown) < before
+
+
+def sentence(text: str, names: Collection[str]) -> str:
+    """Return a text that begins with a capital letter, unless it begins with a name.
+
+    Args:
+        text: such as ``the world is paused`` or ``keeper_1 performs Chase``.
+        names: of agents and things; they are written as they are.
+    """
+    word = _WORD.match(text)
+    if word is None or word[0] in names:
+        return text
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,55 @@
+"""What the studio says is seen, covers nothing, and can be closed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from browsing import ONE, Person, needs_browser
+
+
+def box_of(person: Person, selector: str) -> Any:
+    return person.page.locator(selector).first.bounding_box()
+
+
+def overlap(a: Any, b: Any) -> bool:
+    return (
+        a["x"] < b["x"] + b["width"]
+        and b["x"] < a["x"] + a["width"]
+        and a["y"] < b["y"] + b["height"]
+        and b["y"] < a["y"] + a["height"]
+    )
+
+
+@needs_browser
+def test_a_message_is_beside_the_field_counted_and_closed(swarm, person):
+    before = box_of(person, "#studio main")
+    for _ in range(2):
+        person.page.evaluate("window.studioTell('replay-play')")
+    message = person.sees("message", "No recording is open")
+    person.waits_until(
+        lambda: message.query_selector(".times").inner_text().startswith("2"), "it is counted"
+    )
+    assert person.page.locator('[data-test="message"]').count() == 1
+    assert not overlap(box_of(person, '[data-test="message"]'), box_of(person, "#studio main"))
+    assert box_of(person, "#studio main") == before
+    person.click("message-close")
+    person.does_not_see("message")
+
+
+@needs_browser
+def test_a_name_that_cannot_be_is_answered_with_the_format_of_names(swarm, person):
+    person.click(f"agent-{ONE}")
+    person.click("new")
+    person.type("new-name", "approach ball")
+    person.click("begin")
+    said = person.page.eval_on_selector('[data-test="new-name"]', "e => e.validationMessage")
+    assert "letters, digits and _" in said
+    person.type("new-name", "ApproachBall")
+    assert person.page.eval_on_selector('[data-test="new-name"]', "e => e.checkValidity()")
+
+
+@needs_browser
+def test_messages_name_agents_as_they_are_called(swarm, person):
+    person.click(f"agent-{ONE}")
+    person.click("do-Stop")
+    assert person.sees("message").inner_text().startswith(f"{ONE} performs Stop")
