@@ -1,5 +1,9 @@
 """The lessons, played through the public topics, teach within the paper's budgets, every time."""
 
+import signal
+import subprocess
+import sys
+
 import pytest
 
 from hitab_client.errors import LessonError
@@ -57,6 +61,60 @@ def test_lessons_teach_the_same_examples_every_time(taught, teach_again):
     again = teach_again()
     assert examples_of(again.library) == examples_of(taught.library)
     assert again.digests == taught.digests
+
+
+def lesson_file(folder, steps: str) -> str:
+    path = folder / "stand.yaml"
+    path.write_text(STOP + steps)
+    return str(path)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path, number, code):
+    keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
+    keepers.agents.discard("keeper_1")
+    long = lesson_file(tmp_path, "  - wait: 600\n")
+    command = subprocess.Popen(
+        [sys.executable, "-m", "hitab_bringup.main", "lesson", "run", long, "--factor", "1"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    agents = keepers.agents
+    taught = keepers.link.spin_until(lambda: agents.statuses["keeper_1"].examples == 2, 30)
+    command.send_signal(number)
+    _, told = command.communicate(timeout=30)
+    assert taught, told
+    assert command.returncode == code
+    assert 'keeper_1 is idle; discarded "Stand" with 2 unsaved examples' in told
+    assert "Traceback" not in told
+    assert keepers.link.spin_until(lambda: keepers.world.status.mode == "paused", 5)
+    again = hitab("lesson", "run", lesson_file(tmp_path, "  - save: true\n"))
+    assert again.returncode == 0, again.stderr
+
+
+def test_a_lesson_that_fails_says_what_it_leaves_and_discards_it_when_asked_to(
+    keepers, hitab, tmp_path
+):
+    keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
+    failed = hitab("lesson", "run", lesson_file(tmp_path, "  - never: {seconds: 0.2}\n"))
+    assert failed.returncode == 1
+    assert "but should not" in failed.stderr
+    assert 'keeper_1 is still training "Stand"; go on by hand' in failed.stderr
+    lesson = lesson_file(tmp_path, "  - save: true\n")
+    refused = hitab("lesson", "run", lesson)
+    assert refused.returncode == 1
+    assert "or discard it (`hitab discard keeper_1`)" in refused.stderr
+    assert "still training" not in refused.stderr  # it is not this lesson's
+    done = hitab("lesson", "run", lesson, "--discard")
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_lesson_that_saves_nothing_says_so(keepers, hitab, tmp_path):
+    done = hitab("lesson", "run", lesson_file(tmp_path, ""), "--discard")
+    assert done.returncode == 0, done.stderr
+    assert 'keeper_1 is still training "Stand"' in done.stderr
+    keepers.agents.discard("keeper_1")
 
 
 def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-import signal
-import threading
 from collections.abc import Callable, Iterator
-from types import FrameType
 from typing import Any
 
 from hitab_msgs.msg import WorldState, WorldStatus
 from hitab_msgs.srv import Control
 
 from hitab_client.errors import SwarmError
+from hitab_client.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
 
 
@@ -50,33 +48,10 @@ def _restore(world: WorldClient, before: WorldStatus) -> Exception | None:
     if not world.is_there():
         return SwarmError("it is gone")
     problems: list[Exception] = []
-    with _not_interrupted():
+    with not_interrupted():
         for step in steps:
             try:
                 step()
             except Exception as error:
                 problems.append(error)
     return problems[0] if problems else None
-
-
-@contextlib.contextmanager
-def _not_interrupted() -> Iterator[None]:
-    """Defer one Ctrl-C; do nothing outside the main thread."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    came: list[int] = []
-
-    def put_off(number: int, frame: FrameType | None) -> None:
-        if came:
-            raise KeyboardInterrupt
-        came.append(number)
-
-    before = {number: signal.signal(number, put_off) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for which, handler in before.items():
-            signal.signal(which, handler)
-        if came:
-            signal.raise_signal(came[0])

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import quantity
+from hitab_core import HitabError, quantity
+
+if TYPE_CHECKING:
+    from hitab_client.lessons import LessonPlayer, LessonReport
 
 app = typer.Typer(
     help="Play lessons: files that teach like a person, over the same topics.",
@@ -29,10 +32,17 @@ def run(
         float,
         typer.Option(help="Multiple of real time, for watching; 0: as fast as possible."),
     ] = 0.0,
+    discard: Annotated[
+        bool,
+        typer.Option("--discard", help="First discard what the agents have not saved."),
+    ] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """Play lessons on the swarm that is up.
+
+    Ctrl-C ends it and discards the training that the lesson has begun. If a step fails, the
+    training stays, so that you can see what was learned and correct it.
 
     Examples:
 
@@ -48,11 +58,10 @@ def run(
     with connection(swarm) as swarm_up:
         swarm_up.agents.await_agents()
         for lesson in read:
-            with console.progress(lesson.name, "steps") as advance:
-                player = LessonPlayer(
-                    lesson, swarm_up.agents, swarm_up.world, progress=advance, factor=factor
-                )
-                report = player.play()
+            player = LessonPlayer(
+                lesson, swarm_up.agents, swarm_up.world, factor=factor, discard=discard
+            )
+            report = _played(player)
             reports.append(report)
             budget = f" of {report.budget}" if report.budget else ""
             console.say(
@@ -61,6 +70,32 @@ def run(
                 f"{report.simulated_s:.1f} s of training in {report.wall_s:.1f} s"
             )
     console.write_json(json, [asdict(report) for report in reports])
+
+
+def _played(player: LessonPlayer) -> LessonReport:
+    """Play a lesson; say what it leaves in training, or on Ctrl-C take that back."""
+    from hitab_client import LessonError
+
+    try:
+        with console.progress(player.lesson.name, "steps") as advance:
+            report = player.play(advance)
+    except HitabError as error:
+        raise LessonError("\n".join([str(error), *_left(player)])) from None
+    except (KeyboardInterrupt, SystemExit):
+        for done in player.take_back():
+            console.note(done)
+        raise
+    for left in _left(player):
+        console.note(left)
+    return report
+
+
+def _left(player: LessonPlayer) -> list[str]:
+    return [
+        f'{agent} is still training "{automaton}"; go on by hand and save it, or discard it with '
+        f"`hitab discard {agent}`"
+        for agent, automaton in player.begun.items()
+    ]
 
 
 @app.command("list")

@@ -14,7 +14,8 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control, EditExamples
 
-from hitab_client.errors import LessonError
+from hitab_client.errors import LessonError, SwarmError
+from hitab_client.interruptions import not_interrupted
 from hitab_client.lessons.conditions import Condition
 from hitab_client.lessons.lesson import (
     Begin,
@@ -78,8 +79,12 @@ class LessonPlayer:
         lesson: the lesson.
         swarm: the agents.
         world: the world, which the lesson drives.
-        progress: called before every step.
         factor: multiple of real time, for watching; 0: as fast as possible.
+        discard: whether to give up an unsaved training that an agent has before the lesson.
+
+    Attributes:
+        report: the cost and outcome so far.
+        begun: what the lesson has begun to train and not saved yet, by agent.
     """
 
     def __init__(
@@ -88,24 +93,27 @@ class LessonPlayer:
         swarm: SwarmClient,
         world: WorldClient,
         *,
-        progress: Progress | None = None,
         factor: float = 0.0,
+        discard: bool = False,
     ) -> None:
         self.lesson = lesson
         self.swarm = swarm
         self.world = world
         self.report = LessonReport(lesson.name, lesson.budget)
-        self._progress = progress
+        self.begun: dict[str, str] = {}
         self._factor = factor
-        self._saved = ""
+        self._discard = discard
         self._begun_at = 0.0
         self._said: frozenset[str] = frozenset()
         self._ended: tuple[str, ...] = ()
         self._entered: dict[str, list[str]] = {}
         self._due = 0.0
 
-    def play(self) -> LessonReport:
+    def play(self, progress: Progress | None = None) -> LessonReport:
         """Play all steps, then restore the world's pace and mode.
+
+        Args:
+            progress: called before every step.
 
         Raises:
             LessonError: naming the lesson's file and line, if a step is refused or fails, or if it
@@ -120,13 +128,28 @@ class LessonPlayer:
             agents = self.swarm.agents()
             with PathTracker(self.swarm.link, agents, prefix=self.swarm.prefix) as self._tracker:
                 for index, step in enumerate(self.lesson.steps):
-                    if self._progress is not None:
-                        self._progress(index, len(self.lesson.steps), _told(step))
+                    if progress is not None:
+                        progress(index, len(self.lesson.steps), _told(step))
                     self._play(step)
             self.report.simulated_s = round(self._seconds(self._state()) - start, 3)
         self.report.wall_s = round(time.monotonic() - began, 3)
         self._check_budget()
         return self.report
+
+    def take_back(self) -> list[str]:
+        """Discard what the lesson has begun and not saved; return what was done, in sentences."""
+        told = []
+        with not_interrupted():
+            for agent, automaton in self.begun.items():
+                try:
+                    told.append(self.swarm.discard(agent).message)
+                except SwarmError as error:
+                    told.append(
+                        f'{agent} may still be training "{automaton}"; discard that with '
+                        f"`hitab discard {agent}`: {error}"
+                    )
+            self.begun.clear()
+        return told
 
     def _play(self, step: Step) -> None:
         self._said, self._ended, self._entered = frozenset(), (), {}
@@ -194,16 +217,20 @@ class LessonPlayer:
         self.world.changed(lambda: self.world.control(Control.Request.RESET))
 
     def _begin(self, step: Begin) -> None:
-        self.swarm.begin(
-            step.agent,
-            step.automaton,
-            features=list(step.features),
-            states=list(step.states),
-            parameters=list(step.parameters),
-            arguments=list(step.parameters.values()),
-            resume=step.resume,
-            classifier=step.classifier,
-        )
+        # Whoever interrupts this must know whether it has begun.
+        with not_interrupted():
+            self.swarm.begin(
+                step.agent,
+                step.automaton,
+                features=list(step.features),
+                states=list(step.states),
+                parameters=list(step.parameters),
+                arguments=list(step.parameters.values()),
+                resume=step.resume,
+                classifier=step.classifier,
+                discard=self._discard and step.agent not in self.begun,
+            )
+            self.begun[step.agent] = step.automaton
 
     def _command(self, step: Command) -> None:
         self.swarm.command(step.agent, step.use.name, step.use.arguments)
@@ -243,14 +270,16 @@ class LessonPlayer:
         self.swarm.edit_examples(step.agent, EditExamples.Request.UNDO)
 
     def _save(self, step: Save) -> None:
-        answer = self.swarm.save(
-            step.agent,
-            name=step.name,
-            bind_from=list(step.bind),
-            bind_to=list(step.bind.values()),
-            description=step.description,
-            keep_unused=step.keep_unused,
-        )
+        with not_interrupted():
+            answer = self.swarm.save(
+                step.agent,
+                name=step.name,
+                bind_from=list(step.bind),
+                bind_to=list(step.bind.values()),
+                description=step.description,
+                keep_unused=step.keep_unused,
+            )
+            self.begun.pop(step.agent, None)
         name = step.name or self.lesson.name
         examples = self.swarm.list_examples(step.agent, name).examples
         self.report.examples = len(examples)

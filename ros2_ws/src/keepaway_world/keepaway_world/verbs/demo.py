@@ -111,8 +111,7 @@ def _train(running: RunningSwarm) -> list[LessonReport]:
     for name in LESSONS:
         lesson = read_lesson(find_file(name, "lessons", "lesson"))
         with console.progress(f"teaching {lesson.name}", "steps") as advance:
-            player = LessonPlayer(lesson, running.agents, running.world, progress=advance)
-            report = player.play()
+            report = LessonPlayer(lesson, running.agents, running.world).play(advance)
         reports.append(report)
         console.say(
             f"Taught {report.lesson}: {report.examples} examples, "
