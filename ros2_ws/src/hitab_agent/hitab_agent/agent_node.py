@@ -21,7 +21,7 @@ from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
-from hitab_core import RESERVED, Agent, Domain, HitabError, Mode, quantity
+from hitab_core import RESERVED, Agent, Domain, HitabError, LostBehaviorError, Mode, quantity
 from hitab_core.commanding import Subordinate
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import use_of
@@ -95,7 +95,7 @@ class AgentNode(GuardedNode):
     def remember(self) -> None:
         """Save what is performed, if that has changed, so that a restart can resume it."""
         agent = self.agent
-        performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
+        performed = str(agent.top) if agent.mode is Mode.PERFORMING else str(agent.awaited or "")
         try:
             self._memory.keep(performed)
         except OSError as error:
@@ -108,9 +108,13 @@ class AgentNode(GuardedNode):
         """
         if not behavior:
             return
+        use = None
         try:
-            self.agent.perform(use_of(behavior, ()))
+            use = use_of(behavior, ())
+            self.agent.perform(use)
         except HitabError as error:
+            if isinstance(error, LostBehaviorError):
+                self.agent.awaited = use
             self._start_error = (
                 f'{self.agent_name} is idle: it cannot perform its start behavior "{behavior}": '
                 f"{error}; have it perform something else, or give it the behavior"

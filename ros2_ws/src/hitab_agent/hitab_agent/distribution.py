@@ -101,6 +101,7 @@ class Distributor:
         use = use_of(request.behavior, request.arguments)
         if request.start:
             agent.repertoire.check_state(use)
+        agent.repertoire.get(use.name)  # unless it is unknown or lost
         if use.name not in agent.edition.files:
             raise VocabularyError(
                 f'"{use.name}" is not in the library of {agent.name}; save it first'

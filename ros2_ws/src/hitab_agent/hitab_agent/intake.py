@@ -67,7 +67,8 @@ class _Shelf:
     def current(self) -> Edition:
         """Return what the library holds now, even if it was changed after the plan."""
         if self.edition is None or self.generation != self.library.generation:
-            self.edition, self.generation = self.library.edition(), self.library.generation
+            self.edition = self.library.edition(strict=False)
+            self.generation = self.library.generation
         return self.edition
 
 
@@ -142,7 +143,7 @@ class Intake:
     def _announce(self, shelf: _Shelf) -> None:
         library = shelf.library
         with library.change(patience=0.0, sync=False) as change:
-            edition = plan_bundle(change, self._bundle, library.editions)
+            edition = plan_bundle(change, self._bundle)
             for receiver in shelf.receivers:
                 try:
                     receiver.agent.check_fit(edition, self._start)

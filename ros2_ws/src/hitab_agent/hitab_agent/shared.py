@@ -47,6 +47,7 @@ class Shared:
         libraries: the open libraries, by folder and domain.
         members: of a host, called when the faults of the host change.
         editions: read and cache the contents of libraries, by domain.
+        told: faults of libraries that are in the log.
     """
 
     ticker: Ticker
@@ -62,6 +63,7 @@ class Shared:
     libraries: dict[tuple[Path, int], BehaviorLibrary] = field(default_factory=dict)
     editions: dict[int, Editions] = field(default_factory=dict)
     members: list[Callable[[], None]] = field(default_factory=list)
+    told: set[str] = field(default_factory=set)
 
     @classmethod
     def on(cls, node: GuardedNode) -> Shared:

@@ -11,6 +11,7 @@ from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_core import Agent
 from hitab_ros import GuardedNode, names, qos
+from hitab_ros.faults import shown
 
 
 class StatusPublisher:
@@ -62,8 +63,9 @@ class StatusPublisher:
     def faults(self) -> list[str]:
         """The lasting faults, each shown until its cause is gone."""
         refusal = self.refusal
-        waits = [refusal] if refusal else []
-        return [*waits, *self._guard.faults.texts(), *self._shared.faults]
+        waits = shown([refusal] if refusal else [])
+        lost = shown(self._agent.faults)
+        return [*waits, *self._guard.faults.texts(), *self._shared.faults, *lost]
 
     def report_error(self, text: str) -> None:
         """Publish the reason for a refusal or, without one, the lasting faults."""
@@ -77,6 +79,7 @@ class StatusPublisher:
         self._prepare()
         agent, status = self._agent, self.message
         session = agent.session
+        self._log_losses()
         self.path = agent.active_path
         status.stamp = self._transitions.stamp
         status.mode = agent.mode.value
@@ -95,6 +98,13 @@ class StatusPublisher:
             status.ordered = subordinate.ordered or ""
             status.order_waits = subordinate.waits
         self._publisher.publish(status)
+
+    def _log_losses(self) -> None:
+        """Log what the agent has lost, once for all agents of the process."""
+        for fault in self._agent.faults:
+            if fault not in self._shared.told:
+                self._shared.told.add(fault)
+                self._guard.log(fault)
 
     def publish_soon(self) -> None:
         """Publish the status a little later, once for all changes until then."""

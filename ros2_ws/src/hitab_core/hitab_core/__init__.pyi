@@ -20,6 +20,7 @@ from .errors import FeatureValueError as FeatureValueError
 from .errors import FolderInUseError as FolderInUseError
 from .errors import HitabError as HitabError
 from .errors import LibraryError as LibraryError
+from .errors import LostBehaviorError as LostBehaviorError
 from .errors import TrainingError as TrainingError
 from .errors import VocabularyError as VocabularyError
 from .errors import newer_format as newer_format

@@ -8,22 +8,30 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import TrainingError, VocabularyError
+from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
+from hitab_core.library.change import LibraryChange, refused_name
 from hitab_core.library.edition import Edition
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.trimming import check_bound, rebind, trim
 from hitab_core.repertoire import Repertoire
-from hitab_core.repertoire_change import Prepared, check_change, check_performable, prepare
+from hitab_core.repertoire_change import (
+    Prepared,
+    check_change,
+    check_nothing_lost,
+    check_performable,
+    prepare,
+)
 from hitab_core.running.live_features import Reading, live_features
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
@@ -50,6 +58,10 @@ class Agent:
 
     A training and its examples are kept while the agent performs something else and, given a
     journal folder, across restarts of the process.
+
+    Attributes:
+        awaited: what it begins to perform once that is no longer lost, unless it is told otherwise
+            before; None: nothing.
     """
 
     def __init__(
@@ -65,9 +77,11 @@ class Agent:
     ) -> None:
         """Load the library and resume an interrupted training from the journal.
 
+        Behaviors that cannot be used, and a training that cannot be resumed, are `faults`.
+
         Raises:
-            LibraryError: if the library or the journal cannot be read.
-            VocabularyError: if a behavior in the library uses something that does not exist.
+            LibraryError: if the library's folder cannot be read, or the journal is in use by
+                another process.
         """
         self.name = name
         self.domain = domain
@@ -76,10 +90,11 @@ class Agent:
         self.cycle = 0
         self.mode = Mode.IDLE
         self.top: Use | None = None
+        self.awaited: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
-        self.edition = library.edition()
+        self.edition = library.edition(strict=False)
         self._context = RunContext(
             self.edition.repertoire,
             self.body,
@@ -107,6 +122,12 @@ class Agent:
         Other agents in the process may have added to a shared library since.
         """
         return self.edition.digest
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What it has lost, each with the way out: behaviors, and an interrupted training."""
+        damage = self.journal.damage
+        return (*self.edition.losses.faults, *([damage] if damage else ()))
 
     @property
     def active_path(self) -> list[str]:
@@ -213,6 +234,7 @@ class Agent:
             VocabularyError: if there is no such behavior or target.
         """
         performance = None if use is None else self._prepared(use)
+        self.awaited = None
         self._stop()
         if self.session is not None:
             self.session.leave()
@@ -253,9 +275,16 @@ class Agent:
         """
         if self.unsaved and not discard:
             raise TrainingError(
-                f'"{self.training}" has {quantity(self.unsaved, "unsaved example")}; save it first '
-                f"(`hitab save {self.name}`), or discard it (`hitab discard {self.name}`)"
+                f'"{self.training}" has {quantity(self.unsaved, "unsaved example")}; save it '
+                f"first (`hitab save {self.name}`), or discard it (`hitab discard {self.name}`)"
             )
+        if self.journal.damage and not discard:
+            raise TrainingError(
+                f"{self.journal.damage}; or discard that training (`hitab discard {self.name}`)"
+            )
+        name = curriculum.name or resume
+        if name in self.edition.losses.reasons:
+            raise LostBehaviorError(refused_name(name, "trained", self.edition.losses))
         examples: tuple[Example, ...] = ()
         if resume:
             earlier = self.repertoire.get(resume)
@@ -276,6 +305,7 @@ class Agent:
         self._stop()
         self.session = session
         self.mode = Mode.TRAINING
+        self.awaited = None
         return session
 
     def command(self, use: Use) -> list[Example]:
@@ -354,8 +384,7 @@ class Agent:
             then = Use(automaton.name, curriculum.arguments)
         with self.library.change() as change:
             saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
-            # Other agents' additions to a shared library are picked up on reload.
-            edition = self._edition_with(saved)
+            edition = self._edition_with(saved, change)
             try:
                 state = prepare(self._context, edition, then, None)
             except VocabularyError as error:
@@ -368,9 +397,13 @@ class Agent:
         notes += self._swap(state, self.library, ends_training=True)
         return saved.automaton, self.library.path(saved.name), notes
 
-    def _edition_with(self, saved: BehaviorFile) -> Edition:
+    def _edition_with(self, saved: BehaviorFile, change: LibraryChange) -> Edition:
+        losses = self.edition.losses
         try:
-            return self.library.editions.of({**self.edition.files, saved.name: saved})
+            if losses and change.problems.keys() <= losses.reasons.keys():
+                return change.edition()  # what was lost may be usable again
+            # Other agents' additions to a shared library are picked up on reload.
+            return self.library.editions.of({**self.edition.files, saved.name: saved}, losses)
         except VocabularyError as error:
             raise VocabularyError(
                 f'"{saved.name}" cannot be saved: {error}; save it under another name, or '
@@ -410,7 +443,7 @@ class Agent:
             TrainingError: if there is none.
             LibraryError: if its journal cannot be archived; nothing has changed.
         """
-        if self.session is None:
+        if self.session is None and not self.journal.damage:
             raise TrainingError(f"{self.name} is not training anything that could be discarded")
         self.journal.discard()
         self._stop()
@@ -431,11 +464,16 @@ class Agent:
             The names of the trained behaviors.
 
         Raises:
-            LibraryError, VocabularyError: if a file is bad, or the active behavior or training
-                does not fit; nothing has changed.
+            LibraryError, VocabularyError: if something is lost there that was not lost before, or
+                the active behavior or training does not fit; nothing has changed.
         """
         library = library or self.library
-        self.take_up(library.edition(), library=library)
+        edition = library.edition(strict=False)
+        if edition.losses.reasons.keys() - self.edition.losses.reasons.keys():
+            raise LibraryError(
+                f"{self.name} keeps what it knew: {'; '.join(edition.losses.faults)}"
+            )
+        self.take_up(edition, library=library)
         return sorted(self.edition.files)
 
     def take_in(self, bundle: Bundle, start: Use | None = None) -> str:
@@ -454,7 +492,7 @@ class Agent:
         """
         files = read_bundle(bundle, self.library.editions)
         with self.library.change() as change:
-            edition = plan_bundle(change, bundle, self.library.editions)
+            edition = plan_bundle(change, bundle)
             state = self._prepared_for(edition, start)
             change.commit()
         self._swap(state, self.library)
@@ -489,7 +527,12 @@ class Agent:
     def _checked(self, edition: Edition, start: Use | None) -> Use | None:
         """Return what to perform after a change, after checking it and the training."""
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
+        if use is None and self.mode is Mode.IDLE and self.awaited is not None:
+            with suppress(VocabularyError):
+                check_performable(edition.repertoire, self.awaited)
+                use = self.awaited
         try:
+            check_nothing_lost(self.edition, edition)
             check_change(self._context, edition, use, self.session)
         except VocabularyError as error:
             raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
@@ -515,8 +558,12 @@ class Agent:
             self.session = None
         if self.session is not None:
             self.session.rebuild(self._context)
+        elif self.journal.damage:
+            with suppress(LibraryError):  # it may fit again
+                self.session = self.journal.resume(self._context, library.has_saved)
         if state.performance is not None:
             assert state.use is not None
+            self.awaited = None
             self._performances[state.use] = state.performance
             self.mode = Mode.PERFORMING
             try:

@@ -9,6 +9,10 @@ class VocabularyError(HitabError):
     """A behavior, feature, target or parameter that does not exist or is used wrongly."""
 
 
+class LostBehaviorError(VocabularyError):
+    """A behavior that the library has but cannot be used, since a file of it is damaged."""
+
+
 class TrainingError(HitabError):
     """A demonstrator's command or edit that is not possible now."""
 

@@ -7,7 +7,7 @@ from typing import NoReturn
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, BasicBehavior, Domain, Scale
-from hitab_core.errors import VocabularyError
+from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
@@ -17,18 +17,32 @@ class Repertoire:
     """The behaviors of a domain plus the trained ones.
 
     A trained automaton replaces a hand-written one of the same name, but not a basic behavior.
+    Nothing replaces a lost behavior, see `hitab_core.library.contents.Losses`.
+
+    Attributes:
+        domain: of the robot.
+        lost: why behaviors cannot be used, by name.
     """
 
-    def __init__(self, domain: Domain, trained: Mapping[str, Automaton] | None = None) -> None:
+    def __init__(
+        self,
+        domain: Domain,
+        trained: Mapping[str, Automaton] | None = None,
+        lost: Mapping[str, str] | None = None,
+    ) -> None:
         self.domain = domain
+        self.lost = dict(lost or {})
         self._automata: dict[str, Automaton] = {}
         # Kept up to date so that checking a use is cheap.
-        self._parameters = {name: b.parameters for name, b in domain.behaviors.items()}
+        self._parameters = {
+            name: b.parameters for name, b in domain.behaviors.items() if name not in self.lost
+        }
         self._feature_parameters = {name: f.parameters for name, f in domain.features.items()}
         self._feature_parameters |= dict.fromkeys(FLAGS, ())
         self._users: dict[str, set[str]] = {}
         for automaton in domain.automata.values():
-            self._put(automaton)
+            if automaton.name not in self.lost:
+                self._put(automaton)
         for automaton in (trained or {}).values():
             self._refuse_name(automaton.name)
             self._put(automaton)
@@ -44,18 +58,20 @@ class Repertoire:
         return self._automata
 
     def __contains__(self, name: object) -> bool:
-        return name in self._automata or name in self.domain.behaviors
+        return name in self._parameters
 
     def names(self) -> list[str]:
         """Return the names of all behaviors, sorted."""
-        return sorted({*self._automata, *self.domain.behaviors})
+        return sorted(self._parameters)
 
     def get(self, name: str) -> BasicBehavior | Automaton:
         """Return the behavior called ``name``.
 
         Raises:
+            LostBehaviorError: if it is lost.
             VocabularyError: if there is none.
         """
+        self._refuse_lost(name)
         found = self._automata.get(name) or self.domain.behaviors.get(name)
         if found is None:
             raise VocabularyError(unknown("behavior", name, self.names()))
@@ -87,6 +103,10 @@ class Repertoire:
             self._remove(name)
         if name in self.domain.automata:
             self._put(self.domain.automata[name])
+
+    def _refuse_lost(self, name: str) -> None:
+        if name in self.lost:
+            raise LostBehaviorError(self.lost[name])
 
     def _put(self, automaton: Automaton) -> None:
         before = self._automata.get(automaton.name)
@@ -135,6 +155,7 @@ class Repertoire:
             if use.arguments:
                 raise VocabularyError(f'flag state "{use.name}" takes no targets')
             return
+        self._refuse_lost(use.name)
         self.domain.check_use(use, self._parameters, parameters, what="behavior")
 
     def check_feature(self, use: Use, parameters: tuple[str, ...] = ()) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from hitab_core.errors import VocabularyError
+from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.library.edition import Edition
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, Running
@@ -41,6 +41,18 @@ def check_performable(repertoire: Repertoire, use: Use) -> None:
     """
     repertoire.get(use.name)
     repertoire.check_state(use)
+
+
+def check_nothing_lost(before: Edition, after: Edition) -> None:
+    """Check that no behavior of an edition would be lost with another one.
+
+    Raises:
+        LostBehaviorError: naming the ones that would be lost, and the way out.
+    """
+    reasons, faults = after.losses.reasons, after.losses.faults
+    gone = sorted(reasons.keys() & before.files.keys())
+    if gone:
+        raise LostBehaviorError(f"{', '.join(gone)} would be lost: {'; '.join(faults)}")
 
 
 def check_change(

@@ -213,7 +213,8 @@ def test_the_difference_between_versions_names_examples_rules_states_and_feature
 
 
 def test_a_behavior_that_others_use_cannot_be_removed(library: BehaviorLibrary) -> None:
-    with pytest.raises(LibraryError, match='"Control" cannot be removed: it is used by Keepaway'):
+    refusal = '"Control" cannot be removed: Keepaway could no longer be used'
+    with pytest.raises(LibraryError, match=refusal):
         library.remove("Control")
     library.remove("Keepaway")
     library.remove("Control")
@@ -237,8 +238,8 @@ def test_a_missing_behavior_is_named_with_the_line_of_the_state(
         'the library (has: Control, Keepaway) nor a behavior of domain "small_robot" (has: '
         "GoFast, GoSlow, GoTo, Kick, Patrol, Stop); put Approach.hfa.yaml into the folder, or "
         "take the state out",
-        'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which is faulty '
-        "itself; fix that first",
+        'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which cannot be used '
+        "itself; bring that back first",
     ]
 
 
@@ -359,7 +360,9 @@ def test_a_file_changed_by_other_means_is_kept_before_it_is_replaced(
 ) -> None:
     path = library.folder / "Approach.hfa.yaml"
     path.write_bytes(b"\xff something of value")
-    again(library).save(approach)
+    with pytest.raises(LibraryError, match="it would take the place of a lost behavior"):
+        again(library).save(approach)
+    again(library).restore("Approach", 1)
     assert library.versions("Approach") == [1, 2, 3]
     kept = library.folder / ".versions/Approach/0002.hfa.yaml"
     assert kept.read_bytes() == b"\xff something of value"

@@ -2,6 +2,7 @@ from . import answering as answering
 from . import checks as checks
 from . import conversions as conversions
 from . import exit_codes as exit_codes
+from . import faults as faults
 from . import names as names
 from . import plain_text as plain_text
 from . import qos as qos

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from hitab_core import quantity
 from hitab_ros.plain_text import plain
@@ -58,6 +58,11 @@ class Faults:
 
     def texts(self) -> list[str]:
         """Return the faults as a status shows them."""
-        texts = list(self.by_key.values())
-        more = len(texts) - SHOWN_MAX
-        return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {quantity(more, 'more fault')}"]
+        return shown(self.by_key.values())
+
+
+def shown(faults: Iterable[str]) -> list[str]:
+    """Return faults as a status shows them: not too many, each of bounded length."""
+    texts = [plain(text) for text in faults]
+    more = len(texts) - SHOWN_MAX
+    return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {quantity(more, 'more fault')}"]

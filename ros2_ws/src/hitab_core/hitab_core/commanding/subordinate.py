@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.commanding.order import Order, Report
-from hitab_core.errors import HitabError
+from hitab_core.errors import HitabError, LostBehaviorError
 from hitab_core.running.senses import resolved, value_or_nan
 from hitab_core.use import Use
 
@@ -96,8 +96,10 @@ class Subordinate:
             why = str(error)
             if not isinstance(error, HitabError):
                 why = f'"{self.ordered}" could not be started: {error!r}'
+            if not isinstance(error, HitabError) or isinstance(error, LostBehaviorError):
                 with suppress(Exception):
-                    agent.perform(None)  # rather than a half-started behavior
+                    # Neither a half-started behavior nor what was ordered before.
+                    agent.perform(None)
             self.refusal = f'cannot obey the order "{name}": {why}'
             return False
         self.waits, self.refusal = False, ""

@@ -21,8 +21,8 @@ from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.behavior_schema import SUFFIX
-from hitab_core.library.change import LibraryChange, read_version
-from hitab_core.library.check import misfits
+from hitab_core.library.change import LibraryChange, read_version, sound_version
+from hitab_core.library.contents import Contents
 from hitab_core.library.digests import digest_of
 from hitab_core.library.durable_files import PATIENCE
 from hitab_core.library.edition import Edition, Editions
@@ -80,8 +80,8 @@ class BehaviorLibrary:
         """Read all behaviors.
 
         Args:
-            strict: raise if anything is wrong. Otherwise leave out faulty behaviors and those that
-                use them, and list the faults in `problems`.
+            strict: raise if anything is wrong. Otherwise leave out the behaviors that cannot be
+                used and list what is wrong with them in `problems`.
 
         Returns:
             The automata, by name.
@@ -90,22 +90,31 @@ class BehaviorLibrary:
             LibraryError: if the folder cannot be read; if strict, naming every fault in every
                 file.
         """
+        return {name: file.automaton for name, file in self._load(strict).usable.items()}
+
+    def _load(self, strict: bool) -> Contents:
         with self._folder.held(alone=False):
-            loaded, problems = self._read()
+            contents = self._read()
+        problems = contents.problems
         if strict and problems:
             raise LibraryError("\n".join(problems[name] for name in sorted(problems)))
-        self._loaded, self.problems = loaded, problems
-        return {name: file.automaton for name, file in loaded.items()}
+        self._loaded, self.problems = contents.usable, problems
+        return contents
 
-    def edition(self) -> Edition:
+    def edition(self, *, strict: bool = True) -> Edition:
         """Read all behaviors, and return them with those of the domain.
 
+        Args:
+            strict: raise if anything is wrong. Otherwise the edition says what is lost.
+
         Raises:
-            LibraryError: naming every fault in every file.
+            LibraryError: if the folder cannot be read; if strict, naming every fault in every
+                file.
             VocabularyError: if they do not fit the domain.
         """
-        self.load()
-        return self.editions.of(self.files)
+        contents = self._load(strict)
+        losses = contents.losses(self.folder, self.domain, self._sound_version)
+        return self.editions.of(contents.usable, losses)
 
     def path(self, name: str) -> Path:
         """Return where the file of a behavior is, or would be.
@@ -163,9 +172,8 @@ class BehaviorLibrary:
             LibraryError: if it cannot be read, or another process keeps it locked.
         """
         with self._folder.held(alone=True, patience=patience, sync=sync):
-            there, problems = self._read()
             yield LibraryChange(
-                self._folder, self.editions, there, problems, self._clock, self._changed
+                self._folder, self.editions, self._read(), self._clock, self._changed
             )
 
     def save(
@@ -286,7 +294,7 @@ class BehaviorLibrary:
         with self.change() as change:
             earlier = change.version(name, number)
             provenance = replace(earlier.provenance, note=f"version {number} restored")
-            change.save(earlier.automaton, earlier.classifier, provenance)
+            change.save(earlier.automaton, earlier.classifier, provenance, restored=True)
             change.commit()
         return self.path(name)
 
@@ -296,23 +304,25 @@ class BehaviorLibrary:
         self.generation += 1
         if self._loaded is None:
             return
-        for name, file in change.changed.items():
-            if file is None:
-                self._loaded.pop(name, None)
+        before, after = change.before.usable, change.after
+        for name in {*change.changed, *(before.keys() ^ after.keys())}:
+            if name in after:
+                self._loaded[name] = after[name]
             else:
-                self._loaded[name] = file
+                self._loaded.pop(name, None)
+        self.problems = change.problems
 
-    def _read(self) -> tuple[dict[str, BehaviorFile], dict[str, str]]:
+    def _read(self) -> Contents:
         """Read all files, reusing unchanged ones; the folder must be locked."""
-        files: dict[str, BehaviorFile] = {}
-        problems: dict[str, str] = {}
+        readable: dict[str, BehaviorFile] = {}
+        unreadable: dict[str, str] = {}
         for name in self._folder.names():
             try:
                 path = self._folder.file(name)
-                files[name] = self.editions.read(self._folder.text(path), path.name)
+                readable[name] = self.editions.read(self._folder.text(path), path.name)
             except LibraryError as error:
-                problems[name] = str(error)
-        if not problems and self.editions.knows(files):
-            return files, {}
-        problems |= misfits(files, self.domain, problems)
-        return {name: file for name, file in files.items() if name not in problems}, problems
+                unreadable[name] = str(error)
+        return Contents.of(readable, unreadable, self.domain, fit=self.editions.knows(readable))
+
+    def _sound_version(self, name: str) -> int | None:
+        return sound_version(self._folder, self.editions, name)

@@ -102,20 +102,20 @@ def install(bundle: Bundle, library: BehaviorLibrary) -> list[str]:
     return library.install(dict(bundle.files))
 
 
-def plan_bundle(change: LibraryChange, bundle: Bundle, editions: Editions) -> Edition:
+def plan_bundle(change: LibraryChange, bundle: Bundle) -> Edition:
     """Plan to add the behaviors of a bundle to a library: all or none.
+
+    A sound copy of a lost behavior brings it back, and all that is made of it.
 
     Returns:
         The library's edition after the change.
 
     Raises:
-        LibraryError: naming everything wrong with it or with other files in the library.
+        LibraryError: naming everything wrong with it, or what else could no longer be used.
         VocabularyError: if they do not fit the domain.
     """
     change.install(dict(bundle.files))
-    if change.problems:
-        raise LibraryError("\n".join(change.problems[name] for name in sorted(change.problems)))
-    return editions.of(change.after)
+    return change.edition()
 
 
 def digest_in(edition: Edition, names: Iterable[str]) -> str:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.check import misfits
-from hitab_core.library.edition import Editions
+from hitab_core.library.contents import Contents, Losses
+from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import Changes, LibraryFolder
 from hitab_core.library.provenance import Provenance, tool_name
 from hitab_core.vocabulary import has
@@ -23,16 +24,16 @@ class LibraryChange:
     `after`, then `commit` or drop it. Nothing is written before the commit.
 
     Attributes:
-        after: the usable files after the change, by name.
-        problems: with other files, by name.
+        before: the contents of the library before the change.
+        changed: the planned files, by name; None: to be removed.
+        note: identifies the change once it is announced.
     """
 
     def __init__(
         self,
         folder: LibraryFolder,
         editions: Editions,
-        there: Mapping[str, BehaviorFile],
-        problems: Mapping[str, str],
+        there: Contents,
         clock: Callable[[], str],
         done: Callable[[LibraryChange], None],
     ) -> None:
@@ -41,13 +42,11 @@ class LibraryChange:
         Args:
             folder: locked exclusively as long as this is used.
             editions: reads behavior files, of one domain.
-            there: the usable files, by name.
-            problems: with the other files.
+            there: what the folder holds.
             clock: returns the time, ISO 8601, to record in saved files.
             done: called once the change is made.
         """
-        self.after = dict(there)
-        self.problems = dict(problems)
+        self.before = self._contents = there
         self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
         self._folder = folder
@@ -56,6 +55,33 @@ class LibraryChange:
         self._clock = clock
         self._done = done
         self._changes: dict[str, bytes | None] = {}
+
+    @property
+    def after(self) -> dict[str, BehaviorFile]:
+        """The usable files after the change, by name."""
+        return self._contents.usable
+
+    @property
+    def problems(self) -> Mapping[str, str]:
+        """What is wrong with the other files after the change, by name."""
+        return self._contents.problems
+
+    @property
+    def losses(self) -> Losses:
+        """The behaviors that cannot be used after the change."""
+        return self._contents.losses(
+            self._folder.path,
+            self._domain,
+            lambda name: sound_version(self._folder, self._editions, name),
+        )
+
+    def edition(self) -> Edition:
+        """Return the library's edition after the change.
+
+        Raises:
+            VocabularyError: if its behaviors do not fit the domain.
+        """
+        return self._editions.of(self.after, self.losses)
 
     # -- planning ---------------------------------------------------------------------------
 
@@ -66,14 +92,25 @@ class LibraryChange:
         provenance: Provenance,
         *,
         edited: bool = False,
+        restored: bool = False,
     ) -> BehaviorFile:
         """Plan to add a behavior, or a new version of it; return its file.
 
+        Args:
+            automaton: to save.
+            classifier: that learned it.
+            provenance: where it comes from.
+            edited: whether a person has made its file, and accepts it now.
+            restored: whether a person brings an earlier version back.
+
         Raises:
-            LibraryError: if it does not fit the library.
+            LibraryError: if it does not fit the library, or the behavior of its name is lost: only
+                a person replaces that.
         """
         name = automaton.name
         path = self._folder.file(name)
+        if not (edited or restored) and name in self.problems:
+            raise LibraryError(refused_name(name, "saved", self.losses))
         # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
         number = self._folder.next_number(name, kept)
@@ -114,11 +151,8 @@ class LibraryChange:
         }
         self._check_fit(new)
         # Compare texts, comments included, as senders and receivers do.
-        changed = sorted(
-            name
-            for name in new
-            if name not in self.after or self.after[name].text != new[name].text
-        )
+        there = self._contents.readable
+        changed = sorted(n for n in new if n not in there or there[n].text != new[n].text)
         changes: dict[str, bytes | None] = {}
         for name in changed:
             changes |= self._unkept(name)
@@ -127,8 +161,15 @@ class LibraryChange:
         self._plan(changes, new)
         return changed
 
-    def remove(self, name: str) -> None:
+    def remove(self, name: str, *, anyway: bool = False) -> list[str]:
         """Plan to remove a behavior; its versions stay.
+
+        Args:
+            name: of the behavior, which may be lost.
+            anyway: remove it even if others can no longer be used then.
+
+        Returns:
+            The names of the behaviors that cannot be used without it.
 
         Raises:
             LibraryError: if it is missing, or other behaviors use it.
@@ -136,13 +177,15 @@ class LibraryChange:
         names = self._folder.names()
         if name not in names:
             raise LibraryError(f'{self._folder.path}: has no behavior "{name}" {has(names, name)}')
-        users = sorted(n for n, f in self.after.items() if name in f.automaton.behaviors_used)
-        if users and name not in self._domain.automata:
-            raise LibraryError(
-                f'{self._folder.path}: "{name}" cannot be removed: it is used by '
-                f"{', '.join(users)}; remove its users first"
-            )
+        before = self.problems
         self._plan({**self._unkept(name), file_name(name): None}, {name: None})
+        broken = sorted(self.problems.keys() - before.keys())
+        if broken and not anyway:
+            raise LibraryError(
+                f'{self._folder.path}: "{name}" cannot be removed: {", ".join(broken)} could no '
+                "longer be used; remove these first"
+            )
+        return sorted(self.problems.keys() & self._contents.users(name))
 
     def version(self, name: str, number: int) -> BehaviorFile:
         """Return one version of a behavior.
@@ -179,13 +222,17 @@ class LibraryChange:
 
     def _plan(self, changes: Changes, files: Mapping[str, BehaviorFile | None]) -> None:
         self._changes |= changes
-        for name, file in files.items():
-            self.changed[name] = file
-            self.problems.pop(name, None)
-            if file is None:
-                self.after.pop(name, None)
-            else:
-                self.after[name] = file
+        self.changed |= files
+        self._contents = self._with(files)
+
+    def _with(self, files: Mapping[str, BehaviorFile | None]) -> Contents:
+        """Return the contents with some files changed."""
+        now = self._contents
+        readable = {name: file for name, file in now.readable.items() if name not in files}
+        readable |= {name: file for name, file in files.items() if file is not None}
+        unreadable = {name: text for name, text in now.unreadable.items() if name not in files}
+        known = self._editions.knows(readable)
+        return Contents.of(readable, unreadable, self._domain, fit=known)
 
     def _unkept(self, name: str) -> Changes:
         there = self.after.get(name)
@@ -208,16 +255,29 @@ class LibraryChange:
 
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
         """Refuse files that do not fit together, so that a library never gets worse."""
-        others = {name: text for name, text in self.problems.items() if name not in new}
-        together = {**self.after, **new}
-        if not others and self._editions.knows(together):
-            return
-        wrong = misfits(together, self._domain, others)
+        problems = self._with(new).problems
+        wrong = [name for name in problems if name in new or name not in self.problems]
         if wrong:
             names = ", ".join(f'"{name}"' for name in sorted(new))
             raise LibraryError(
-                f"{names} cannot be added:\n" + "\n".join(wrong[name] for name in sorted(wrong))
+                f"{names} cannot be added:\n" + "\n".join(problems[name] for name in sorted(wrong))
             )
+
+
+def refused_name(name: str, done: str, losses: Losses) -> str:
+    """Return why the name of a lost behavior is not given to another, and the way out.
+
+    Args:
+        name: of the lost behavior.
+        done: what is refused, such as "saved".
+        losses: the behaviors that cannot be used.
+    """
+    reason = losses.reasons[name]
+    fault = next((text for text in losses.faults if text.startswith(reason)), reason)
+    return (
+        f'"{name}" cannot be {done}: it would take the place of a lost behavior; {fault}, or '
+        "choose another name"
+    )
 
 
 def read_version(
@@ -233,3 +293,13 @@ def read_version(
         raise LibraryError(f'{folder.path}: has no version {number} of "{name}" {has(versions)}')
     path = folder.version_file(name, number)
     return read_behavior(folder.text(path), f"{name}/{path.name}", editions.domain, name=name)
+
+
+def sound_version(folder: LibraryFolder, editions: Editions, name: str) -> int | None:
+    """Return the newest version of a behavior that can be read; None if there is none."""
+    with suppress(LibraryError):
+        for number in reversed(folder.versions(name)):
+            with suppress(LibraryError):
+                read_version(folder, editions, name, number)
+                return number
+    return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import Domain
@@ -22,7 +22,8 @@ def misfits(
         domain: gives the basic behaviors and the hand-written automata.
         unreadable: names of the others; behaviors that use them cannot be used either.
     """
-    lost = set(unreadable or ())
+    lost = {*(unreadable or ())}
+    lost |= hand_written_users(domain, files, lost)
     users: dict[str, list[str]] = {}
     for name, file in files.items():
         for used in file.automaton.behaviors_used:
@@ -42,9 +43,39 @@ def misfits(
             if (complaints := _complaints(files[name], files, domain, lost, circles, uses))
         }
         found |= more
-        lost |= set(more)
-        # Only the users of these can become faulty.
-        asked = {user: None for name in more for user in users.get(name, ()) if user not in found}
+        lost |= more.keys()
+        hand_written = hand_written_users(domain, files, lost)
+        lost |= hand_written
+        # Only the users of these can become unusable.
+        asked = {
+            user: None
+            for name in (*more, *hand_written)
+            for user in users.get(name, ())
+            if user not in found
+        }
+    return found
+
+
+def hand_written_users(domain: Domain, files: Collection[str], lost: Collection[str]) -> set[str]:
+    """Return the domain's automata that are made of something lost, unless a file replaces them.
+
+    Args:
+        domain: gives the hand-written automata.
+        files: names of the trained behaviors.
+        lost: names of the behaviors that cannot be used.
+    """
+    found: set[str] = set()
+    more = bool(lost)
+    while more:
+        made = {
+            name
+            for name, automaton in domain.automata.items()
+            if name not in files
+            and name not in lost
+            and not automaton.behaviors_used.isdisjoint({*lost, *found})
+        }
+        more = made > found
+        found |= made
     return found
 
 
@@ -69,7 +100,7 @@ def _complaints(
                 "a behavior cannot use itself: remove the state from one of these"
             )
         elif state.name in lost:
-            complaints.append(f"{place}, which is faulty itself; fix that first")
+            complaints.append(f"{place}, which cannot be used itself; bring that back first")
         elif parameters is None:
             complaints.append(
                 f"{place}, which is neither in the library {has(files, state.name)} nor a "

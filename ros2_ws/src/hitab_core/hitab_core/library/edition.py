@@ -10,8 +10,11 @@ from weakref import WeakValueDictionary
 from hitab_core.domain import Domain
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
+from hitab_core.library.contents import Losses
 from hitab_core.library.digests import digest_of
 from hitab_core.repertoire import Repertoire
+
+NOTHING_LOST = Losses()
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,12 +22,14 @@ class Edition:
     """Everything an agent has learned: files and their behaviors. Immutable.
 
     Attributes:
-        files: the behavior files, by name.
+        files: the behavior files that can be used, by name.
         repertoire: these behaviors and those of the domain.
+        losses: the behaviors that cannot be used.
     """
 
     files: Mapping[str, BehaviorFile]
     repertoire: Repertoire
+    losses: Losses = NOTHING_LOST
 
     @cached_property
     def digest(self) -> str:
@@ -51,9 +56,7 @@ class Editions:
         """Start empty."""
         self.domain = domain
         self._files: WeakValueDictionary[tuple[str, str], BehaviorFile] = WeakValueDictionary()
-        self._editions: WeakValueDictionary[frozenset[tuple[str, str]], Edition] = (
-            WeakValueDictionary()
-        )
+        self._editions: WeakValueDictionary[_Key, Edition] = WeakValueDictionary()
 
     def read(self, text: str, file: str) -> BehaviorFile:
         """Return a behavior file; see `read_behavior`.
@@ -68,22 +71,30 @@ class Editions:
 
     def knows(self, files: Mapping[str, BehaviorFile]) -> bool:
         """Return whether there is an edition of these files, so that they are known to fit."""
-        return _key(files) in self._editions
+        return _key(files, NOTHING_LOST) in self._editions
 
-    def of(self, files: Mapping[str, BehaviorFile]) -> Edition:
+    def of(self, files: Mapping[str, BehaviorFile], losses: Losses = NOTHING_LOST) -> Edition:
         """Return the edition of these files.
+
+        Args:
+            files: that can be used, by name.
+            losses: the behaviors that cannot be used.
 
         Raises:
             VocabularyError: if they do not fit together, or do not fit the domain.
         """
-        key = _key(files)
+        key = _key(files, losses)
         found = self._editions.get(key)
         if found is None:
             automata = {name: file.automaton for name, file in files.items()}
-            found = Edition(dict(files), Repertoire(self.domain, automata))
+            repertoire = Repertoire(self.domain, automata, losses.reasons)
+            found = Edition(dict(files), repertoire, losses)
             self._editions[key] = found
         return found
 
 
-def _key(files: Mapping[str, BehaviorFile]) -> frozenset[tuple[str, str]]:
-    return frozenset((name, file.text) for name, file in files.items())
+_Key = tuple[frozenset[tuple[str, str]], tuple[str, ...]]
+
+
+def _key(files: Mapping[str, BehaviorFile], losses: Losses) -> _Key:
+    return frozenset((name, file.text) for name, file in files.items()), losses.faults

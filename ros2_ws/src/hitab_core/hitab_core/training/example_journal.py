@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
 
-from hitab_core.errors import LibraryError
+from hitab_core.errors import FolderInUseError, LibraryError
 from hitab_core.library.durable_files import file_errors, make_folder, sync_folder, write_all
 
 VERSION = 1
@@ -166,13 +166,7 @@ class ExampleJournal:
         Raises:
             LibraryError: if that fails.
         """
-        with file_errors(self.path, "rename"):
-            archived = _free_name(self.path)
-            if self.path.exists():  # else it was removed by other means
-                self.path.rename(archived)
-                # At worst a power failure restores the old name.
-                with suppress(OSError):
-                    sync_folder(self.path.parent)
+        archived = archive(self.path)
         self.close()
         return archived
 
@@ -199,7 +193,7 @@ class ExampleJournal:
             if not os.path.samestat(os.fstat(self._descriptor), self.path.stat()):
                 raise BlockingIOError  # renamed or removed while opening it
         except (BlockingIOError, FileNotFoundError):
-            raise LibraryError(
+            raise FolderInUseError(
                 f"{self.path}: is in use by another process; end it, or use another folder"
             ) from None
 
@@ -216,6 +210,18 @@ class ExampleJournal:
         if self._size < len(data):
             os.ftruncate(self._descriptor, self._size)
         os.fsync(self._descriptor)
+
+
+def archive(path: Path) -> Path:
+    """Rename a journal so that it is not resumed; see `ExampleJournal.archive`."""
+    with file_errors(path, "rename"):
+        archived = _free_name(path)
+        if path.exists():  # else it was removed by other means
+            path.rename(archived)
+            # At worst a power failure restores the old name.
+            with suppress(OSError):
+                sync_folder(path.parent)
+    return archived
 
 
 def _free_name(path: Path) -> Path:

@@ -7,11 +7,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from hitab_core.errors import HitabError, LibraryError, TrainingError
+from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_record
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.training.example_journal import ExampleJournal
+from hitab_core.training.example_journal import ExampleJournal, archive
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.training_record import replay
 from hitab_core.training.training_session import Curriculum, TrainingSession
@@ -23,6 +23,10 @@ class TrainingJournal:
     """Keeps the training under way on disk, so that it survives the process.
 
     Without a folder it keeps nothing.
+
+    Attributes:
+        damage: why the training on disk cannot be resumed, and the way out; empty if none is
+            there, or it was resumed.
     """
 
     def __init__(self, folder: Path | None, domain: str) -> None:
@@ -33,6 +37,7 @@ class TrainingJournal:
             domain: name of the agent's domain.
         """
         self._path = None if folder is None else folder / FILE_NAME
+        self.damage = ""
         self._domain = domain
         self._file: ExampleJournal | None = None
 
@@ -54,7 +59,7 @@ class TrainingJournal:
             },
         )
         self.close()
-        self._file = file
+        self._file, self.damage = file, ""
 
     def write(self, record: Mapping[str, object]) -> None:
         """Write what was done; it is on disk when this returns.
@@ -84,6 +89,9 @@ class TrainingJournal:
         if self._file is not None:
             self._file.archive()
             self._file = None
+        elif self._path is not None and self.damage:
+            archive(self._path)
+        self.damage = ""
 
     def archive(self) -> None:
         """Archive the journal of a saved training; if that fails, the next start does it."""
@@ -102,15 +110,27 @@ class TrainingJournal:
     def resume(
         self, context: RunContext, has_saved: Callable[[str, str], bool]
     ) -> TrainingSession | None:
-        """Return the interrupted training, if there is one.
+        """Return the interrupted training; None if there is none, or `damage` says why not.
 
         Args:
             context: of the agent.
             has_saved: whether the library has a behavior of this name and checksum.
 
         Raises:
-            LibraryError: if it cannot be read or resumed.
+            FolderInUseError: if another process uses it.
         """
+        self.damage = ""
+        try:
+            return self._resumed(context, has_saved)
+        except FolderInUseError:
+            raise
+        except LibraryError as error:
+            self.damage = str(error)
+            return None
+
+    def _resumed(
+        self, context: RunContext, has_saved: Callable[[str, str], bool]
+    ) -> TrainingSession | None:
         path = self._path
         if path is None or not path.exists():
             return None

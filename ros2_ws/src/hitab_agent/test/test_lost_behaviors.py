@@ -1,0 +1,181 @@
+"""An agent with a damaged library is up, shows what it lost and gets it back while it is up."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hitab_msgs import msg, srv
+from rclpy.parameter import Parameter
+
+from hitab_agent.agent_node import AgentNode
+from hitab_agent.performance_memory import PerformanceMemory
+from hitab_agent.shared import Shared
+from hitab_core import BehaviorLibrary
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.training import Curriculum
+from hitab_core.use import Use
+from hitab_ros import names, qos
+
+
+class Body:
+    """A body that perceives one number and does nothing."""
+
+    def __init__(self, name: str) -> None:
+        self.x = 0.0
+
+    def sense(self, values: Any, heard: Any) -> None:
+        """Take a percept."""
+
+    def act(self) -> Any:
+        """Do nothing."""
+        return (), ""
+
+
+DOMAIN = Domain.of(
+    "walkers",
+    "1",
+    Body,
+    behaviors=[BasicBehavior("Wait"), BasicBehavior("Go")],
+    features=[Feature("X", lambda body: body.x)],
+)
+
+
+class Walkers:
+    """Agents in one process, and what is needed to talk to them."""
+
+    def __init__(self, process: Any, folder: Path) -> None:
+        self.process = process
+        self.folder = folder
+        self.shared = Shared.on(process.node)
+        self.shared.domains[DOMAIN.name] = DOMAIN
+        self.statuses: dict[str, msg.AgentStatus] = {}
+
+    def start(self, name: str, **settings: str) -> AgentNode:
+        told = {"domain": DOMAIN.name, "state_dir": str(self.folder), "swarm": "s", **settings}
+        node = AgentNode(
+            namespace=f"/{name}",
+            context=self.process.node.context,
+            parameter_overrides=[Parameter(key, value=value) for key, value in told.items()],
+            use_global_arguments=False,
+            shared=self.shared,
+        )
+        self.process.add(node)
+        self.process.node.create_subscription(
+            msg.AgentStatus,
+            f"/{name}/{names.STATUS}",
+            lambda status: self.statuses.__setitem__(name, status),
+            qos.LATCHED,
+        )
+        node.join()
+        self.process.until(lambda: name in self.statuses)
+        return node
+
+    def ask(self, name: str, kind: Any, service: str, **fields: Any) -> Any:
+        client = self.process.node.create_client(kind, f"/{name}/{service}")
+        self.process.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**fields))
+        self.process.until(future.done)
+        return future.result()
+
+    def library(self, name: str) -> BehaviorLibrary:
+        return BehaviorLibrary(self.folder / name / "library", DOMAIN)
+
+    def damage(self, name: str, behavior: str) -> None:
+        path = self.library(name).path(behavior)
+        data = path.read_bytes()
+        path.write_bytes(data[: len(data) // 2])
+
+
+@pytest.fixture
+def walkers(process: Any, tmp_path: Path) -> Walkers:
+    return Walkers(process, tmp_path)
+
+
+def teach(node: AgentNode, name: str, *states: str) -> None:
+    node.agent.begin(Curriculum(name, (Use("X"),)))
+    for state in states:
+        node.agent.command(Use(state))
+    node.agent.save()
+
+
+def give(walkers: Walkers, name: str) -> None:
+    """Give an agent a library of two behaviors: Stroll uses Walk."""
+    teacher = walkers.start("teacher")
+    teach(teacher, "Walk", "Go")
+    teach(teacher, "Stroll", "Walk", "Wait")
+    walkers.library(name).install(teacher.agent.edition.texts)
+
+
+def test_it_is_up_idles_says_why_and_begins_once_the_behavior_is_back(walkers: Walkers) -> None:
+    give(walkers, "one")
+    walkers.damage("one", "Walk")
+    node = walkers.start("one", behavior="Stroll")
+    status = walkers.statuses["one"]
+    assert status.mode == msg.AgentStatus.IDLE
+    (fault,) = status.faults
+    assert fault.startswith("the file of Walk, ")
+    assert "it is needed for Stroll; bring version 1 back with `hitab library restore " in fault
+    assert (
+        'cannot perform its start behavior "Stroll": Stroll needs Walk, whose' in status.last_error
+    )
+    answer = walkers.ask("one", srv.Perform, names.PERFORM, behavior="Stroll")
+    assert not answer.success
+    assert answer.message.startswith("Stroll needs Walk, whose file ")
+    walkers.library("one").restore("Walk", 1)
+    answer = walkers.ask("one", srv.LoadLibrary, names.LOAD_LIBRARY)
+    assert answer.success
+    assert sorted(answer.behaviors) == ["Stroll", "Walk"]
+    walkers.process.until(lambda: walkers.statuses["one"].behavior == "Stroll")
+    assert walkers.statuses["one"].faults == []
+    assert node.agent.behavior == "Stroll"
+
+
+def test_a_restart_while_it_waits_does_not_make_it_forget_what_it_performed(
+    walkers: Walkers,
+) -> None:
+    give(walkers, "one")
+    walkers.damage("one", "Walk")
+    walkers.start("one", behavior="Stroll")
+    memory = PerformanceMemory(walkers.folder / "one", "s")
+    assert memory.first("", resume=True) == "Stroll"
+
+
+def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Walkers) -> None:
+    give(walkers, "one")
+    walkers.damage("one", "Walk")
+    walkers.start("one", behavior="Stroll")
+    refused = walkers.ask("one", srv.Distribute, names.DISTRIBUTE, behavior="Stroll")
+    assert not refused.success
+    assert refused.message.startswith("Stroll needs Walk, whose file ")
+    sent = walkers.ask("teacher", srv.Distribute, names.DISTRIBUTE, behavior="Walk")
+    assert sent.success
+    walkers.process.until(lambda: walkers.statuses["one"].distribution == sent.sequence)
+    walkers.process.until(lambda: walkers.statuses["one"].behavior == "Stroll")
+    assert walkers.statuses["one"].faults == []
+    assert sorted(walkers.library("one").load()) == ["Stroll", "Walk"]
+
+
+def test_other_behaviors_arrive_while_one_is_lost(walkers: Walkers) -> None:
+    give(walkers, "one")
+    walkers.damage("one", "Walk")
+    walkers.start("one")
+    other = walkers.start("other")
+    teach(other, "Rest", "Wait")
+    sent = walkers.ask("other", srv.Distribute, names.DISTRIBUTE, behavior="Rest")
+    walkers.process.until(lambda: walkers.statuses["one"].distribution == sent.sequence)
+    assert walkers.ask("one", srv.Perform, names.PERFORM, behavior="Rest").success
+    assert "Walk.hfa.yaml" in walkers.statuses["one"].faults[0]
+
+
+def test_the_log_names_a_loss_once_for_all_agents_of_a_library(
+    walkers: Walkers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    give(walkers, "one")
+    walkers.damage("one", "Walk")
+    folder = str(walkers.library("one").folder)
+    for name in ("one", "two"):
+        walkers.start(name, library=folder)
+    assert [len(walkers.statuses[name].faults) for name in ("one", "two")] == [1, 1]
+    assert len(walkers.shared.told) == 1

@@ -1,0 +1,170 @@
+"""What a library folder holds: the behaviors that can be used, and why the others cannot."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from hitab_core.automaton import RESERVED
+from hitab_core.domain import Domain
+from hitab_core.hierarchy import circular
+from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.check import hand_written_users, misfits
+from hitab_core.use import NAME
+
+
+@dataclass(frozen=True)
+class Losses:
+    """The behaviors of a library that cannot be used.
+
+    Nothing stands in for a lost behavior, not even a basic behavior of its name: who asks for it
+    is refused with the reason.
+
+    Attributes:
+        reasons: why, as a sentence, by name.
+        faults: one per cause: what is wrong, what else cannot be used for it, and the way out.
+    """
+
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    faults: tuple[str, ...] = ()
+
+    def __bool__(self) -> bool:
+        """Return whether anything is lost."""
+        return bool(self.reasons)
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The behavior files of a folder, sorted by whether they can be used.
+
+    Attributes:
+        readable: files that are sound in themselves, by name.
+        unreadable: what is wrong with the others, by name.
+        problems: why behaviors cannot be used, by name: the unreadable ones, those that use one of
+            them, and those that do not fit together. One complaint per line.
+    """
+
+    readable: Mapping[str, BehaviorFile]
+    unreadable: Mapping[str, str]
+    problems: Mapping[str, str]
+
+    @classmethod
+    def of(
+        cls,
+        readable: Mapping[str, BehaviorFile],
+        unreadable: Mapping[str, str],
+        domain: Domain,
+        *,
+        fit: bool = False,
+    ) -> Contents:
+        """Sort files.
+
+        Args:
+            readable: sound in themselves, by name.
+            unreadable: what is wrong with the others.
+            domain: in which they were trained.
+            fit: whether they are known to fit together.
+        """
+        if fit and not unreadable:
+            return cls(readable, {}, {})
+        return cls(readable, unreadable, {**unreadable, **misfits(readable, domain, unreadable)})
+
+    @property
+    def usable(self) -> dict[str, BehaviorFile]:
+        """The files of the behaviors that can be used, by name."""
+        return {name: f for name, f in self.readable.items() if name not in self.problems}
+
+    def users(self, name: str) -> list[str]:
+        """Return the names of the behaviors that use one directly, sorted."""
+        files = self.readable
+        return sorted(n for n in files if name in files[n].automaton.behaviors_used)
+
+    def losses(
+        self, folder: Path, domain: Domain, sound_version: Callable[[str], int | None]
+    ) -> Losses:
+        """Return what is lost.
+
+        Args:
+            folder: of the files.
+            domain: whose hand-written automata may use a lost behavior, too.
+            sound_version: returns the newest version of a behavior that can be read; None: none.
+        """
+        if not self.problems:
+            return Losses()
+        parts = self._lost_parts(domain)
+        reasons: dict[str, str] = {}
+        concerned: dict[str, list[str]] = {}
+        for name in sorted(parts):
+            way = _way_to_cause(name, parts)
+            reasons[name] = self._reason(folder, way)
+            others = concerned.setdefault(way[-1], [])
+            if way[-1] != name:
+                others.append(name)
+        faults = []
+        for cause, others in concerned.items():
+            also = f"; it is needed for {', '.join(others)}" if others else ""
+            number = sound_version(cause) if cause in self.unreadable else None
+            faults.append(f"{reasons[cause]}{also}; {way_out(cause, folder, number)}")
+        return Losses(reasons, tuple(faults))
+
+    def _lost_parts(self, domain: Domain) -> dict[str, list[str]]:
+        """Return what is lost, hand-written automata included, each with its lost parts."""
+        lost = {*self.problems, *hand_written_users(domain, {*self.readable}, self.problems)}
+
+        def parts(name: str) -> list[str]:
+            file = self.readable.get(name)
+            automaton = domain.automata.get(name) if file is None else file.automaton
+            if automaton is None or name in self.unreadable:
+                return []
+            return sorted(lost & automaton.behaviors_used)
+
+        # Behaviors that use each other are each a cause of its own.
+        circles = circular(lost, parts)
+        return {name: [] if name in circles else parts(name) for name in lost}
+
+    def _reason(self, folder: Path, way: list[str]) -> str:
+        """Return why the first on a way of parts cannot be used: its last is the cause."""
+        first, cause = way[0], way[-1]
+        lines = self.problems[cause].splitlines()
+        more = f" (and {len(lines) - 1} more complaints)" if len(lines) > 1 else ""
+        at_line = re.sub(
+            rf"^(?:.*/)?{re.escape(file_name(cause))}:(\d+): ", r"line \1: ", lines[0]
+        )
+        where = folder / file_name(cause)
+        why = f"cannot be used: {at_line}{more}"
+        if len(way) == 1:
+            return f"the file of {cause}, {where}, {why}"
+        between = "".join(f"{part}, which needs " for part in way[1:-1])
+        return f"{first} needs {between}{cause}, whose file {where} {why}"
+
+
+def way_out(name: str, folder: Path, sound_version: int | None) -> str:
+    """Return what a person can do about a lost behavior."""
+    if NAME.match(name) is None or name in RESERVED:
+        return f"move {file_name(name)} out of the folder"
+    at = shlex.quote(str(folder))
+    given_up = f"give it up with `hitab library delete {name} -l {at}`"
+    if sound_version is None:
+        return f"put a sound file in its place, or {given_up}"
+    restored = f"`hitab library restore {name} {sound_version} -l {at}`"
+    return f"bring version {sound_version} back with {restored}, or {given_up}"
+
+
+def _way_to_cause(name: str, parts: Mapping[str, list[str]]) -> list[str]:
+    """Return a path of parts from a lost behavior to one that no other lost part explains."""
+    came_from = {name: ""}
+    waiting = [name]
+    for last in waiting:
+        if not parts[last]:
+            way = [last]
+            while came_from[way[0]]:
+                way.insert(0, came_from[way[0]])
+            return way
+        for part in parts[last]:
+            if part not in came_from:
+                came_from[part] = last
+                waiting.append(part)
+    raise AssertionError(f"{name} is made of itself")

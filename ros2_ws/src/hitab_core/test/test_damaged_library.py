@@ -1,0 +1,397 @@
+"""A library with damaged files: what is sound is used, what is lost stays lost, and is named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from hitab_core.agent import Agent, Mode
+from hitab_core.automaton import Automaton
+from hitab_core.commanding.order import OTHERS, Order
+from hitab_core.commanding.subordinate import Subordinate
+from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import Bundle, make_bundle
+from hitab_core.training.training_session import Curriculum
+from hitab_core.use import Use
+
+Make = Callable[..., Agent]
+
+
+class Body:
+    """Sees one number and says which behavior was pulsed last."""
+
+    def __init__(self, name: str) -> None:
+        self.x = 0.0
+        self.did = ""
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        (self.x,) = values
+
+    def act(self) -> tuple[Sequence[float], str]:
+        did, self.did = self.did, ""
+        return [], did
+
+
+def pulse(name: str) -> Callable[[Body], None]:
+    return lambda body: setattr(body, "did", name)
+
+
+@pytest.fixture
+def line() -> Domain:
+    """Return a domain in which Low and Patrol are also written by hand; Patrol uses Low."""
+    return Domain.of(
+        "line",
+        "1",
+        Body,
+        behaviors=[BasicBehavior(name, pulse(name)) for name in ("Left", "Right")],
+        features=[Feature("x", lambda body: body.x, unit="m")],
+        automata=[
+            Automaton("Low", (Use("Left"),), (), {}, description="written by hand"),
+            Automaton("Patrol", (Use("Low"),), (), {}, description="written by hand"),
+        ],
+    )
+
+
+@pytest.fixture
+def make(tmp_path: Path, line: Domain) -> Make:
+    def make(name: str = "ann", domain: Domain = line) -> Agent:
+        folder = tmp_path / name
+        return Agent(name, domain, BehaviorLibrary(folder / "library", domain), folder)
+
+    return make
+
+
+def teach(agent: Agent, name: str, *states: str, save: bool = True) -> None:
+    """Train an automaton that begins with the first and ends with the last of these states."""
+    agent.begin(Curriculum(name, (Use("x"),)))
+    for x, state in enumerate(states):
+        agent.sense([float(x)], [])
+        agent.command(Use.parse(state))
+    if save:
+        agent.save()
+
+
+def end(agent: Agent) -> None:
+    """Let go of what the kernel lets go of when a process ends."""
+    agent.journal.close()
+
+
+@pytest.fixture
+def trained(make: Make) -> Agent:
+    """Return an agent with four behaviors: High uses Middle, which uses Low; Other uses none."""
+    agent = make()
+    teach(agent, "Low", "Left", "Right")
+    teach(agent, "Middle", "Low", "Left")
+    teach(agent, "High", "Middle", "Right")
+    teach(agent, "Other", "Right", "Left")
+    return agent
+
+
+def file_of(agent: Agent, name: str) -> Path:
+    return agent.library.folder / f"{name}.hfa.yaml"
+
+
+def damage(agent: Agent, name: str) -> None:
+    """Cut a file off in its middle, as a full disk or a careless copy does."""
+    path = file_of(agent, name)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])
+
+
+def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
+    trained: Agent, make: Make
+) -> None:
+    damage(trained, "Low")
+    agent = make()
+    assert sorted(agent.edition.files) == ["Other"]
+    agent.perform(Use("Other"))
+    assert agent.mode is Mode.PERFORMING
+    (fault,) = agent.faults
+    where = file_of(agent, "Low")
+    assert fault.startswith(f"the file of Low, {where}, cannot be used: line ")
+    assert "; it is needed for High, Middle, Patrol; bring version 1 back with " in fault
+    assert f"`hitab library restore Low 1 -l {agent.library.folder}`" in fault
+    assert f"`hitab library delete Low -l {agent.library.folder}`" in fault
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("Low", "the file of Low, "),
+        ("Middle", "Middle needs Low, whose file "),
+        ("High", "High needs Middle, which needs Low, whose file "),
+        ("Patrol", "Patrol needs Low, whose file "),
+    ],
+)
+def test_nothing_stands_in_for_what_is_lost_and_whoever_asks_for_it_learns_why(
+    trained: Agent, make: Make, name: str, reason: str
+) -> None:
+    damage(trained, "Low")
+    agent = make()
+    assert name not in agent.repertoire
+    assert name not in agent.repertoire.names()
+    with pytest.raises(LostBehaviorError, match=f"^{reason}.*Low.hfa.yaml,? cannot be used"):
+        agent.perform(Use(name))
+    assert agent.mode is Mode.IDLE
+    teach(agent, "New", "Right", save=False)
+    with pytest.raises(LostBehaviorError, match=f"^{reason}"):
+        agent.command(Use(name))
+    with pytest.raises(LibraryError, match=f"cannot be sent: {reason}"):
+        make_bundle(agent.edition.texts, agent.repertoire, name)
+
+
+def test_a_basic_behavior_does_not_take_the_name_of_a_trained_one(
+    trained: Agent, make: Make, line: Domain
+) -> None:
+    """The new version of a robot may have one of the same name."""
+    newer = Domain.of(
+        "line",
+        "1",
+        Body,
+        behaviors=[*line.behaviors.values(), BasicBehavior("Other", pulse("Other"))],
+        features=line.features.values(),
+    )
+    agent = make(domain=newer)
+    with pytest.raises(LostBehaviorError, match='"Other" is a basic behavior of domain "line"'):
+        agent.perform(Use("Other"))
+
+
+def test_a_trained_behavior_that_uses_a_hand_written_one_made_of_a_lost_one_is_lost(
+    trained: Agent, make: Make
+) -> None:
+    teach(trained, "Round", "Patrol")
+    damage(trained, "Low")
+    with pytest.raises(
+        LostBehaviorError, match=r"^Round needs Patrol, which needs Low, whose file "
+    ):
+        make().perform(Use("Round"))
+
+
+def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
+    trained: Agent, make: Make
+) -> None:
+    other = make("bob")
+    teach(other, "Middle", "Right")
+    teach(other, "Low", "Middle")
+    file_of(trained, "Low").write_bytes(file_of(other, "Low").read_bytes())
+    agent = make()
+    assert sorted(agent.edition.files) == ["Other"]
+    with pytest.raises(LostBehaviorError, match="recursive"):
+        agent.perform(Use("Low"))
+
+
+def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -> None:
+    damage(trained, "Low")
+    agent = make()
+    for name in ("Low", "Middle"):
+        with pytest.raises(VocabularyError, match=f'"{name}" cannot be trained: it would take'):
+            agent.begin(Curriculum(name, (Use("x"),)))
+        teach(agent, "New", "Left", save=False)
+        before = file_of(agent, name).read_bytes()
+        with pytest.raises(LibraryError, match=f'"{name}" cannot be saved: it would take'):
+            agent.save(name)
+        assert file_of(agent, name).read_bytes() == before
+        agent.discard()
+    teach(agent, "New", "Left")
+    assert sorted(agent.edition.files) == ["New", "Other"]
+
+
+def test_a_file_that_is_damaged_while_the_agent_is_up_is_not_replaced_by_what_it_saves(
+    trained: Agent,
+) -> None:
+    teach(trained, "Low", "Right", save=False)
+    damage(trained, "Low")
+    before = file_of(trained, "Low").read_bytes()
+    with pytest.raises(LibraryError, match="it would take the place of a lost behavior"):
+        trained.save()
+    assert file_of(trained, "Low").read_bytes() == before
+    assert trained.session is not None
+
+
+def test_an_agent_that_is_up_keeps_what_it_has_when_a_reload_would_lose_it(
+    trained: Agent,
+) -> None:
+    trained.perform(Use("Other"))
+    damage(trained, "Low")
+    with pytest.raises(LibraryError, match="ann keeps what it knew: the file of Low, "):
+        trained.reload()
+    assert sorted(trained.edition.files) == ["High", "Low", "Middle", "Other"]
+    assert trained.behavior == "Other"
+
+
+def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
+    trained: Agent, make: Make
+) -> None:
+    damage(trained, "Low")
+    agent = make()
+    agent.awaited = Use("High")
+    BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
+    assert agent.reload() == ["High", "Low", "Middle", "Other"]
+    assert agent.faults == ()
+    assert agent.behavior == "High", "it begins what it should have begun with"
+    assert agent.library.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
+
+
+def test_what_an_agent_awaited_is_forgotten_once_it_is_told_something_else(
+    trained: Agent, make: Make
+) -> None:
+    damage(trained, "Low")
+    agent = make()
+    agent.awaited = Use("High")
+    agent.perform(None)
+    BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
+    agent.reload()
+    assert agent.mode is Mode.IDLE
+
+
+def test_of_two_lost_behaviors_one_can_come_back_alone(trained: Agent, make: Make) -> None:
+    damage(trained, "Low")
+    damage(trained, "Other")
+    agent = make()
+    assert len(agent.faults) == 2
+    BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
+    assert agent.reload() == ["High", "Low", "Middle"]
+    (fault,) = agent.faults
+    assert "Other.hfa.yaml" in fault
+
+
+def test_what_is_given_up_can_be_trained_anew_and_brings_back_what_is_made_of_it(
+    trained: Agent, make: Make
+) -> None:
+    damage(trained, "Low")
+    agent = make()
+    BehaviorLibrary(agent.library.folder, agent.domain).remove("Low")
+    agent.reload()
+    assert agent.faults == ()
+    assert sorted(agent.edition.files) == [
+        "High",
+        "Middle",
+        "Other",
+    ]  # Low is the hand-written one
+    teach(agent, "Low", "Right", "Left")
+    assert sorted(agent.edition.files) == ["High", "Low", "Middle", "Other"]
+
+
+def test_a_new_training_brings_back_what_it_is_needed_for(trained: Agent, make: Make) -> None:
+    damage(trained, "Middle")
+    agent = make()
+    library = BehaviorLibrary(agent.library.folder, agent.domain)
+    with library.change() as change:
+        assert change.remove("Middle") == ["High"]
+        change.commit()
+    agent.reload()
+    with pytest.raises(LostBehaviorError, match=r"High.*Middle.*neither in the library"):
+        agent.perform(Use("High"))
+    teach(agent, "Middle", "Left")
+    agent.perform(Use("High"))
+    assert agent.faults == ()
+
+
+def bundle_of(agent: Agent, name: str) -> Bundle:
+    return make_bundle(agent.edition.texts, agent.repertoire, name)
+
+
+def test_a_sound_copy_from_another_agent_heals(trained: Agent, make: Make) -> None:
+    bob = make("bob")
+    bob.take_in(bundle_of(trained, "High"))
+    low = bundle_of(trained, "Low")
+    damage(bob, "Low")
+    again = make("bob")
+    assert sorted(again.edition.files) == []
+    again.take_in(low)
+    assert sorted(again.edition.files) == ["High", "Low", "Middle"]
+    assert again.faults == ()
+    assert sorted(make("bob").edition.files) == ["High", "Low", "Middle"]
+
+
+def test_other_behaviors_are_received_and_what_is_lost_stays_lost(
+    trained: Agent, make: Make
+) -> None:
+    bob = make("bob")
+    bob.take_in(bundle_of(trained, "High"))
+    damage(bob, "Low")
+    again = make("bob")
+    again.take_in(bundle_of(trained, "Other"))
+    assert sorted(again.edition.files) == ["Other"]
+    assert "Low.hfa.yaml" in again.faults[0]
+
+
+def test_an_agent_that_is_ordered_to_perform_what_is_lost_idles_until_it_is_back(
+    trained: Agent, make: Make
+) -> None:
+    damage(trained, "Low")
+    agent = make()
+    agent.perform(Use("Other"))
+    subordinate = Subordinate(agent)
+    subordinate.take(Order(1, 1, "Attack", {OTHERS: "High"}))
+    assert agent.mode is Mode.IDLE
+    assert subordinate.waits
+    assert subordinate.refusal.startswith('cannot obey the order "Attack": High needs Middle, ')
+    BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
+    agent.reload()
+    assert subordinate.settle()
+    assert agent.behavior == "High"
+    assert subordinate.refusal == ""
+
+
+def test_a_training_that_used_what_is_lost_waits_on_disk_until_it_is_back(
+    trained: Agent, make: Make
+) -> None:
+    teach(trained, "New", "High", save=False)
+    assert trained.session is not None
+    examples = trained.session.examples
+    end(trained)
+    damage(trained, "Low")
+    agent = make()
+    assert agent.session is None
+    assert any("the interrupted training cannot be resumed: High needs" in f for f in agent.faults)
+    with pytest.raises(TrainingError, match="the interrupted training cannot be resumed"):
+        agent.begin(Curriculum("Another", (Use("x"),)))
+    BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
+    agent.reload()
+    assert agent.faults == ()
+    assert agent.session is not None
+    assert agent.session.examples == examples
+
+
+@pytest.mark.parametrize("how", ["begin", "discard"])
+def test_a_training_that_cannot_be_resumed_can_be_given_up_and_is_kept(
+    trained: Agent, make: Make, tmp_path: Path, how: str
+) -> None:
+    teach(trained, "New", "High", save=False)
+    end(trained)
+    journal = tmp_path / "ann" / "training.jsonl"
+    journal.write_bytes(journal.read_bytes().replace(b"High", b"Hihg"))
+    data = journal.read_bytes()
+    agent = make()
+    (fault,) = agent.faults
+    assert "training.jsonl:2: was damaged or edited" in fault
+    if how == "begin":
+        agent.begin(Curriculum("Another", (Use("x"),)), discard=True)
+    else:
+        agent.discard()
+    assert agent.faults == ()
+    kept = [path for path in journal.parent.glob("training.*.jsonl") if path.read_bytes() == data]
+    assert len(kept) == 1
+    end(agent)
+    assert make().faults == ()
+
+
+def test_equal_damage_is_one_edition_for_all_agents_of_a_folder(
+    trained: Agent, line: Domain
+) -> None:
+    damage(trained, "Low")
+    library = BehaviorLibrary(trained.library.folder, line)
+    assert Agent("bob", line, library).edition is Agent("cleo", line, library).edition
+
+
+def test_a_file_whose_name_no_behavior_can_have_is_named(trained: Agent, make: Make) -> None:
+    (trained.library.folder / "my notes.hfa.yaml").write_text("remember the milk")
+    agent = make()
+    assert sorted(agent.edition.files) == ["High", "Low", "Middle", "Other"]
+    (fault,) = agent.faults
+    assert "move my notes.hfa.yaml out of the folder" in fault
