@@ -47,6 +47,18 @@ async def examples_kind(session: Session, data: Data) -> None:
     session.table.kind = str(data["value"])
 
 
+@action("examples-column", repeats=True)
+async def examples_column(session: Session, data: Data) -> None:
+    """Show a feature's column, or leave it out."""
+    table, name = session.table, str(data["name"])
+    if data["value"]:
+        table.hidden.discard(name)
+    else:
+        table.hidden.add(name)
+        if table.sort == name:
+            table.sort = "number"
+
+
 def _numbers(session: Session, data: Data) -> list[int]:
     if "number" in data:
         return [int(data["number"])]

@@ -18,6 +18,7 @@ class Line:
         decided: the present decision in its situation, if it differs.
         against: numbers of the examples that contradict it.
         known: whether the situation in which it was recorded is known.
+        values: of the features that are shown, by name.
     """
 
     example: Example
@@ -25,6 +26,7 @@ class Line:
     against: tuple[int, ...]
     known: bool
     marked: bool
+    values: tuple[tuple[str, float], ...]
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -32,7 +34,8 @@ def context(session: Session) -> dict[str, Any]:
     training = session.watched.training
     if training is None:
         return {"lines": [], "columns": [], "total": 0}
-    lines = [line for line in _lines(session, training) if _shown(line, session.table)]
+    every = _lines(session, training)
+    lines = [line for line in every if _shown(line, session.table)]
     _sort(lines, training, session.table)
     parameters = set(training.parameters)
     states = [
@@ -42,14 +45,19 @@ def context(session: Session) -> dict[str, Any]:
     ]
     return {
         "lines": lines,
-        "columns": training.features,
+        "columns": _columns(training, session.table),
         "total": len(training.examples),
         "table": session.table,
-        "contradictions": sum(bool(line.against) for line in lines),
+        "contradictions": sum(bool(line.against) for line in every),
         "states": [s for s in dict.fromkeys([*states, "Done", "Failed"]) if s != training.name],
         "change": session.watched.change,
         "marked": len(session.table.marked),
     }
+
+
+def _columns(training: Learned, table: Table) -> list[str]:
+    """Return the features that have a column."""
+    return [feature for feature in training.features if feature not in table.hidden]
 
 
 def _arguments(behavior: str) -> tuple[str, ...]:
@@ -60,8 +68,10 @@ def _arguments(behavior: str) -> tuple[str, ...]:
 def _lines(session: Session, training: Learned) -> list[Line]:
     against = is_contradicted(training.examples)
     moments = session.shared.store.known.moments
+    columns = _columns(training, session.table)
     lines = []
     for example in training.examples:
+        values = dict(zip(training.features, example.features, strict=True))
         decided = most_probable(training.decides(example.state, example.features))
         lines.append(
             Line(
@@ -71,6 +81,7 @@ def _lines(session: Session, training: Learned) -> list[Line]:
                 moments.of(session.agent, training.name, example.number, example.cycle)
                 is not None,
                 example.number in session.table.marked,
+                tuple((column, values[column]) for column in columns),
             )
         )
     return lines
@@ -98,8 +109,6 @@ def _sort(lines: list[Line], training: Learned, table: Table) -> None:
             return (example.state, example.number)
         if table.sort == "next":
             return (example.next_state, example.number)
-        if table.sort == "kind":
-            return (example.kind.value, example.number)
         return (example.number,)
 
     lines.sort(key=key, reverse=table.descending)
