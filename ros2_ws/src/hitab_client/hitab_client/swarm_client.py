@@ -226,16 +226,32 @@ class SwarmClient:
 
     # -- commanding -------------------------------------------------------------------------
 
-    def command(self, agent: str, behavior: str, targets: Sequence[str] = ()) -> AgentStatus:
+    def command(
+        self,
+        agent: str,
+        behavior: str,
+        targets: Sequence[str] = (),
+        *,
+        sequence: int = 0,
+        seconds: float = ACKNOWLEDGE_SECONDS,
+    ) -> AgentStatus:
         """Command a behavior and wait until the agent has acknowledged it.
+
+        Args:
+            agent: to command.
+            behavior: that it should perform.
+            targets: for the behavior's parameters.
+            sequence: number of the command, such as the time in microseconds. An agent obeys a
+                number once, so a lost command can be sent again with its number. 0: a new one.
+            seconds: how long to wait.
 
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
         """
         before = self.await_agent(agent)
         publisher = self._commander(agent)
-        self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
-        sequence = self._sequence
+        if not sequence:
+            sequence = self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
         command = Command(
             sequence=sequence,
             demonstrator=self.demonstrator,
@@ -247,7 +263,7 @@ class SwarmClient:
             status = self.statuses[agent]
             return sequence in (status.last_command_sequence, status.last_refused_sequence)
 
-        deadline = time.monotonic() + ACKNOWLEDGE_SECONDS
+        deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             # The subscriber may be an agent whose death is not yet known; its successor gets the
             # next copy. An agent ignores commands that it has already obeyed.
@@ -258,7 +274,7 @@ class SwarmClient:
                 break  # it was restarted and does not remember obeyed commands
         if not answered():
             raise SwarmError(
-                f"{agent} did not acknowledge the command within {ACKNOWLEDGE_SECONDS:g} s; "
+                f"{agent} did not acknowledge the command within {seconds:g} s; "
                 f"check with `hitab examples list {agent}` whether it was recorded"
             )
         status = self.statuses[agent]

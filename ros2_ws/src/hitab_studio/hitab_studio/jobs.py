@@ -35,13 +35,17 @@ class Job:
     Args:
         work: does it, and returns the answer.
         lines: jobs that share a line are done one after the other.
+        needs: an agent, or the world, without which it cannot end; "" if none.
 
     Attributes:
         answer: for the caller.
     """
 
-    def __init__(self, work: Callable[[], Any], lines: Iterable[str] = ()) -> None:
+    def __init__(
+        self, work: Callable[[], Any], lines: Iterable[str] = (), needs: str = ""
+    ) -> None:
         self.lines = frozenset(lines)
+        self.needs = needs
         self.answer: Future[Any] = Future()
         self._work = work
         self._thread: threading.Thread | None = None
@@ -131,6 +135,14 @@ class Jobs:
             else:
                 taken |= job.lines
         self._jobs = [job for job in self._jobs if job not in ended]
+        return ended
+
+    def end_those_that_need(self, name: str, why: str) -> list[Job]:
+        """End the jobs that need an agent or the world; return them."""
+        ended = [job for job in self._jobs if job.needs == name]
+        self._jobs = [job for job in self._jobs if job.needs != name]
+        for job in ended:
+            job.end(why)
         return ended
 
     def end(self, why: str) -> list[Job]:

@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from hitab_ros import names
 from hitab_studio.finding import Target
 from hitab_studio.learned import NOTHING
-from hitab_studio.scene import Scene, state_shown
+from hitab_studio.scene import SILENT, Scene, state_shown
 from hitab_studio.situations import Moments
 from hitab_studio.watching import Watched
 
@@ -27,6 +28,8 @@ class Known:
         scene: the last moment.
         statuses: the last `AgentStatus` of each agent, by name.
         gone: agents whose node has gone.
+        silent: agents whose process gives no sign of life, and `names.WORLD` if the world's gives
+            none: the time of the last sign, s, on the monotonic clock.
         groups: the last `CommanderStatus` of each commander, by name.
         watched: more about the viewed agents, by name.
         moments: in which examples were recorded.
@@ -40,6 +43,7 @@ class Known:
     scene: Scene | None = None
     statuses: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     gone: frozenset[str] = frozenset()
+    silent: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
     moments: Moments = field(default_factory=Moments)
@@ -53,12 +57,20 @@ class Known:
         return sorted({*self.statuses, *expected}, key=natural)
 
     def answers(self, agent: str) -> bool:
-        """Whether an agent is present."""
-        return agent in self.statuses and agent not in self.gone
+        """Whether an agent is present and gives signs of life."""
+        return agent in self.statuses and agent not in self.gone and agent not in self.silent
+
+    @property
+    def world_answers(self) -> bool:
+        """Whether there is a world, and it gives signs of life."""
+        return self.world is not None and names.WORLD not in self.silent
 
     def doing(self) -> dict[str, tuple[str, str]]:
-        """Return the mode and the active state of each agent."""
-        return {name: (s.mode, state_shown(s.active_path)) for name, s in self.statuses.items()}
+        """Return the mode and the active state of each agent; `SILENT` if it does not answer."""
+        return {
+            name: (s.mode, state_shown(s.active_path)) if self.answers(name) else (SILENT, "")
+            for name, s in self.statuses.items()
+        }
 
 
 @dataclass(frozen=True)

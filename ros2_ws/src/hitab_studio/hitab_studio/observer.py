@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -10,7 +11,7 @@ from typing import Any, Protocol
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_client import SwarmError
+from hitab_client import SignsOfLife, SwarmError
 from hitab_client.identity import is_own
 from hitab_ros import names, qos
 from hitab_studio.jobs import Connected
@@ -57,6 +58,12 @@ class Observer:
         self._swarm = swarm
         self._focus = focus
         self._complain = complain
+        target = known.target
+        self._signs = SignsOfLife(
+            swarm.link,
+            (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
+            identity=target.identity if target else "",
+        )
         self._situations = Situations()
         self._watches: dict[str, Watch] = {}
         self._group_topics: set[str] = set()
@@ -91,6 +98,7 @@ class Observer:
         statuses = swarm.agents.statuses
         if any(known.statuses.get(name) is not status for name, status in statuses.items()):
             self._know(statuses=MappingProxyType(dict(statuses)))
+        self._listen()
         wanted = {agent for agents in self._focus.values() for agent in agents}
         for agent in wanted & statuses.keys() - self._watches.keys():
             self._watches[agent] = Watch(
@@ -110,6 +118,14 @@ class Observer:
             self._know(watched=MappingProxyType(watched))
         elif any(known.watched[name] is not it for name, it in watched.items()):
             self.known = replace(self.known, watched=MappingProxyType(watched))
+
+    def _listen(self) -> None:
+        """Notice who falls silent and who is heard again."""
+        silent, before = self._signs.silent(), self.known.silent
+        if silent.keys() != before.keys():
+            now = time.monotonic()
+            since = {name: before.get(name, now - seconds) for name, seconds in silent.items()}
+            self._know(silent=MappingProxyType(since))
 
     def _learns(self, agent: str) -> None:
         # At once: in a paused world the next placement is a moment of the same cycle.

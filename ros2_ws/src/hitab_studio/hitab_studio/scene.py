@@ -22,7 +22,10 @@ import numpy as np
 from hitab_msgs import msg
 from numpy.typing import NDArray
 
-MODES = ("idle", "performing", "training", "testing")
+SILENT = "silent"
+"""In place of the mode of an agent that does not answer: what it does is not known."""
+
+MODES = ("idle", "performing", "training", "testing", SILENT)
 NO_COLOR = 255
 COLORS = 12
 """Number of colors for states on the page; further states share them."""

@@ -89,12 +89,15 @@ class Studio:
             return
         before, known = self.store.known, told[-1]
         self.store.take(known)
+        for session in self.sessions.values():
+            session.settle()
         scene = known.scene
         moves = scene is not before.scene
-        # The field shows what agents do in a paused world, too.
-        does = known.statuses is not before.statuses
+        # The field shows what agents do in a paused world, too, and who does not answer.
+        does = known.statuses is not before.statuses and scene and scene.mode == "paused"
+        falls_silent = known.silent is not before.silent or known.gone != before.gone
         messages = []
-        if scene is not None and (moves or (does and scene.mode == "paused")):
+        if scene is not None and (moves or does or falls_silent):
             if self._draw(scene):
                 messages.append(self.present.roster)
             seen = {id(k.scene): k.scene for k in told if k.scene is not before.scene}

@@ -21,6 +21,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from hitab_client import SwarmClient, SwarmError, WorldClient
+from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.finding import Target
 from hitab_studio.jobs import Connected, Job, Jobs, SharedLink
@@ -80,19 +81,22 @@ class SwarmLink:
 
     # -- called by pages --------------------------------------------------------------------
 
-    async def do(self, job: Callable[[Connected], T], lines: Iterable[str] = ()) -> T:
+    async def do(
+        self, job: Callable[[Connected], T], lines: Iterable[str] = (), needs: str = ""
+    ) -> T:
         """Have something done by the link's thread and return what it returns.
 
         Args:
             job: does it.
             lines: jobs that share one are done one after the other; all others at once.
+            needs: an agent, or `names.WORLD`: if it falls silent, the job ends; "" if none.
 
         Raises:
             SwarmError: if it cannot be done; the message is for people.
         """
         if self._stopping.is_set():
             raise SwarmError(ENDED)
-        made = Job(lambda: job(self._swarm()), lines)
+        made = Job(lambda: job(self._swarm()), lines, needs)
         self._requests.put(partial(self._jobs.add, made))
         answer: T = await asyncio.wrap_future(made.answer)
         return answer
@@ -215,6 +219,8 @@ class SwarmLink:
             if ended or now >= self._next_look:
                 self._next_look = now + LOOK_SECONDS
                 self._try(observer.look)
+                for name in observer.known.silent:
+                    ended += self._jobs.end_those_that_need(name, _silent(name))
             if now >= self._next_find:
                 self._next_find = now + FIND_SECONDS
                 self._try(observer.keep_house)
@@ -271,6 +277,12 @@ class SwarmLink:
             SwarmError: if its end could not be written.
         """
         return self._observing().stop_recording()
+
+
+def _silent(name: str) -> str:
+    """Return the error of a job that needs an agent, or the world, that has fallen silent."""
+    who = "The world" if name == names.WORLD else name
+    return f"{who} fell silent meanwhile: look whether it was done."
 
 
 def _gone(target: Target) -> str:

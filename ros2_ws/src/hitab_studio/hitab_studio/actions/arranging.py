@@ -4,34 +4,36 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_client import SwarmError
+from hitab_msgs.msg import WorldState
+
+from hitab_client import SwarmError, WorldClient
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.jobs import Connected
 from hitab_studio.session import Session
 
 MOST_UNDO = 100
+PAUSED = WorldState.PAUSED
 
 
 @action("pause")
 async def pause(session: Session, data: Data) -> None:
     """Pause or resume the world."""
     world = session.shared.store.known.world
-    wanted = "resume" if world is not None and world.mode == "paused" else "pause"
-    await session.ask(lambda swarm: swarm.world.control(wanted))
+    wanted = "resume" if world is not None and world.mode == PAUSED else "pause"
+    await session.ask_world(lambda world: world.control(wanted))
 
 
 @action("step", repeats=True)
 async def step(session: Session, data: Data) -> None:
     """Play some cycles, then pause."""
     cycles = int(data.get("cycles", 1))
-    await session.ask(lambda swarm: swarm.world.step(cycles, 5.0))
+    await session.ask_world(lambda world: world.step(cycles, 5.0))
 
 
 @action("reset")
 async def reset(session: Session, data: Data) -> None:
     """Begin a new episode."""
     _remember(session)
-    await session.ask(lambda swarm: swarm.world.control("reset"))
+    await session.ask_world(lambda world: world.control("reset"))
 
 
 @action("pace")
@@ -39,11 +41,11 @@ async def pace(session: Session, data: Data) -> None:
     """Set how fast the world runs: a factor of real time, or lockstep."""
     value = str(data["value"])
     if value == "lockstep":
-        await session.ask(lambda swarm: swarm.world.control("pace", pace="lockstep"))
+        await session.ask_world(lambda world: world.control("pace", pace="lockstep"))
     else:
         factor = float(value)
-        await session.ask(
-            lambda swarm: swarm.world.control("pace", pace="realtime", factor=factor)
+        await session.ask_world(
+            lambda world: world.control("pace", pace="realtime", factor=factor)
         )
 
 
@@ -64,20 +66,29 @@ async def place(session: Session, data: Data) -> None:
     }
     _remember(session)
     try:
-        await session.ask(lambda swarm: _placed(swarm, things))
+        await session.ask_world(lambda world: _placed(world, things))
     except SwarmError:
         session.shared.store.placements.pop()
         session.show_again()
         raise
 
 
-def _placed(swarm: Connected, things: Any) -> None:
-    status = swarm.world.status
-    if status is not None and status.mode == "paused":
+def _placed(world: WorldClient, things: Any) -> None:
+    status = world.status
+    if status is not None and status.mode == PAUSED:
         # The agents must have seen it before the next command.
-        swarm.world.changed(lambda: swarm.world.place(things), 3.0)
+        world.changed(lambda: world.place(things), 3.0)
     else:
-        swarm.world.place(things)
+        world.place(things)
+
+
+def paused(world: WorldClient) -> bool:
+    """Pause the world and wait for that; return whether it was running."""
+    if world.wait().mode == PAUSED:
+        return False
+    world.control("pause")
+    world.link.spin_until(lambda: world.wait().mode == PAUSED, 3.0)
+    return True
 
 
 @action("unplace", repeats=True)
@@ -87,7 +98,7 @@ async def unplace(session: Session, data: Data) -> None:
     if not placements:
         raise SwarmError("There is no placement to undo.")
     things = placements.pop()
-    await session.ask(lambda swarm: _placed(swarm, things))
+    await session.ask_world(lambda world: _placed(world, things))
     session.tell("everything is where it was before")
 
 
@@ -125,7 +136,7 @@ async def snapshot_delete(session: Session, data: Data) -> None:
 
 
 async def _snapshot(session: Session, what: str, name: str = "") -> None:
-    answer = await session.ask(lambda swarm: swarm.world.snapshot(what, name))
+    answer = await session.ask_world(lambda world: world.snapshot(what, name))
     session.shared.store.snapshots = tuple(answer.names)
 
 
@@ -133,11 +144,8 @@ async def go_there(session: Session, things: Any) -> None:
     """Pause, and move everything to where it was at another time."""
     _remember(session)
 
-    def job(swarm: Connected) -> None:
-        status = swarm.world.status
-        if status is not None and status.mode != "paused":
-            swarm.world.control("pause")
-            swarm.link.spin_until(lambda: swarm.world.wait().mode == "paused", 3.0)
-        _placed(swarm, things)
+    def job(world: WorldClient) -> None:
+        paused(world)
+        _placed(world, things)
 
-    await session.ask(job)
+    await session.ask_world(job)

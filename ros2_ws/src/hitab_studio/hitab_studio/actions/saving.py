@@ -201,6 +201,6 @@ async def bootstrap(session: Session, data: Data) -> None:
         )
     )
     say(answer.message)
-    await session.ask(lambda swarm: swarm.world.control("reset"))
+    await session.ask_world(lambda world: world.control("reset"))
     say("A new episode begins: train further among team mates that can do this much.")
     session.tab = "teach"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from typing import Any
 
 from hitab_client import SwarmError
 from hitab_core import Use
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.jobs import Connected
+from hitab_studio.lost import TAKEN_SECONDS, Lost, is_answered
 from hitab_studio.session import Asked, Session, parameters_of
 
 
@@ -25,17 +28,70 @@ async def command(session: Session, data: Data) -> None:
         session.asked = Asked(Use.parse(behavior).name, tuple(parameters))
         return
     if status is not None and status.mode in ("idle", "performing"):
+        await _performed(session, behavior)
+    else:
+        await _commanded(session, behavior)
+
+
+async def _performed(session: Session, behavior: str) -> None:
+    session.lost = None
+    agent = session.agent
+    try:
         await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, behavior))
-        session.tell(f"{session.agent} performs {behavior}")
+    except SwarmError:
+        if session.shared.store.known.answers(agent) or session.locked:
+            raise
+        session.lost = Lost(agent, behavior, 0)
+    else:
+        session.tell(f"{agent} performs {behavior}")
+
+
+async def _commanded(session: Session, behavior: str, sequence: int = 0) -> None:
+    """Command a behavior, and offer to send the command again if it is lost.
+
+    Args:
+        session: of the page.
+        behavior: with its targets.
+        sequence: number of a lost command that is sent again; 0: a new one.
+    """
+    session.lost = None
+    agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
+
+    def job(swarm: Connected, agent: str) -> None:
+        nonlocal sent
+        sent = True
+        if swarm.agents.await_agent(agent).mode == "testing":
+            # One keystroke: a command also takes over.
+            swarm.agents.set_mode(agent, "training")
+        swarm.agents.command(agent, behavior, sequence=number, seconds=TAKEN_SECONDS)
+
+    try:
+        await session.ask_agent(job)
+    except SwarmError:
+        status = session.shared.store.known.statuses.get(agent)
+        if not sent or status is None or is_answered(status, number):
+            raise
+        session.lost = Lost(agent, behavior, number)
+
+
+@action("send-again")
+async def send_again(session: Session, data: Data) -> None:
+    """Send a lost command again."""
+    lost = session.lost
+    if lost is None:
         return
-    if status is not None and status.mode == "testing":
-        # One keystroke: a command also takes over.
-        await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, "training"))
-    await _commanded(session, behavior)
+    if lost.agent != session.agent:
+        session.look_at(lost.agent)
+    if lost.sequence:
+        await _commanded(session, lost.behavior, lost.sequence)
+    else:
+        await _performed(session, lost.behavior)
 
 
-async def _commanded(session: Session, behavior: str) -> None:
-    await session.ask_agent(lambda swarm, agent: swarm.agents.command(agent, behavior))
+@action("leave-lost")
+async def leave_lost(session: Session, data: Data) -> None:
+    """Do not send a lost command again."""
+    session.lost = None
 
 
 def targets_meant(session: Session, name: str) -> list[str]:

@@ -1,0 +1,41 @@
+"""Commands that an agent has not taken, because it hangs or has ended, to be sent again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from hitab_studio.known import Known
+
+TAKEN_SECONDS = 2.0
+"""How long to wait for the agent's acknowledgement before a command is said to be lost."""
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A behavior that was asked of an agent, which has not acknowledged it.
+
+    Attributes:
+        agent: that was asked.
+        behavior: with its targets.
+        sequence: number of the command, the same when it is sent again; 0: it was asked to
+            perform, without a number.
+    """
+
+    agent: str
+    behavior: str
+    sequence: int
+
+    def is_taken(self, known: Known) -> bool:
+        """Whether the agent's status shows that it has taken the command after all."""
+        status = known.statuses.get(self.agent)
+        if status is None or not known.answers(self.agent):
+            return False
+        if self.sequence:
+            return is_answered(status, self.sequence)
+        return bool(status.behavior == self.behavior)
+
+
+def is_answered(status: Any, sequence: int) -> bool:
+    """Whether an agent's status shows that it has taken, or refused, a command."""
+    return sequence in (status.last_command_sequence, status.last_refused_sequence)
