@@ -10,13 +10,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from hitab_client import SwarmError
+from hitab_client import SwarmError, WorldClient
 from hitab_core import Use
+from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.jobs import Connected
 from hitab_studio.known import natural
 from hitab_studio.learned import Learned
 from hitab_studio.locks import Holder, Locks
+from hitab_studio.lost import Lost
 from hitab_studio.messages import Messages, sentence
 from hitab_studio.present import Present
 from hitab_studio.replay import Player
@@ -84,6 +86,7 @@ class Session:
         agent: the one among them, or in the list, that is viewed and commanded.
         level: the viewed automaton, if not the outermost one.
         state: the state whose tree is viewed, if not the active one.
+        lost: the last command, if the agent has not taken it.
         dialog: the open dialog, with all that is needed to show it.
         player: the open recording, if there is one.
         messages: what was done, and what went wrong.
@@ -102,6 +105,7 @@ class Session:
         self.state = ""
         self.filter = ""
         self.asked: Asked | None = None
+        self.lost: Lost | None = None
         self.table = Table()
         self.dialog: dict[str, Any] = {}
         self.behavior = ""
@@ -140,6 +144,12 @@ class Session:
     def is_training(self) -> bool:
         """Whether the agent is being trained or tested."""
         return self.status is not None and self.status.mode in ("training", "testing")
+
+    @property
+    def locked(self) -> bool:
+        """Whether another demonstrator holds the agent."""
+        holder = self.shared.locks.holder(self.agent)
+        return holder is not None and holder.session != self.id
 
     def look_at(self, agent: str) -> None:
         """View an agent; none if empty."""
@@ -200,12 +210,13 @@ class Session:
 
     # -- doing ------------------------------------------------------------------------------
 
-    async def ask(self, job: Callable[[Connected], T], agent: str = "") -> T:
+    async def ask(self, job: Callable[[Connected], T], agent: str = "", *, needs: str = "") -> T:
         """Have the link do something; meanwhile the page says that it is busy.
 
         Args:
             job: does it, after all else that this page or, with an agent, anybody asked of it.
             agent: whom it concerns, if one alone.
+            needs: an agent or the world without which it cannot be done, if not that agent.
 
         Raises:
             SwarmError: if it cannot be done.
@@ -215,10 +226,21 @@ class Session:
         self.busy += 1
         try:
             lines = [f"page {self.id}", *([f"agent {agent}"] if agent else [])]
-            return await self.shared.link.do(job, lines)
+            return await self.shared.link.do(job, lines, needs or agent)
         finally:
             self.busy -= 1
             self.touch()
+
+    async def ask_world(self, job: Callable[[WorldClient], T]) -> T:
+        """Have the link do something with the world.
+
+        Raises:
+            SwarmError: if it does not answer, or refuses.
+        """
+        known = self.shared.store.known
+        if self.player is None and known.world is not None and not known.world_answers:
+            raise SwarmError("The world gives no sign of life: wait until it answers again.")
+        return await self.ask(lambda swarm: job(swarm.world), needs=names.WORLD)
 
     async def ask_agent(self, job: Callable[[Connected, str], T]) -> T:
         """Have the link do something with the agent, which this session holds from then on.
@@ -230,7 +252,7 @@ class Session:
         if not agent:
             raise SwarmError("Choose an agent first, in the list or in the field.")
         if not self.shared.store.known.answers(agent):
-            raise SwarmError(f"{agent} does not answer at the moment.")
+            raise SwarmError(f"{agent} gives no sign of life: wait until it answers again.")
         self.shared.locks.claim(agent, self.holder)
         answer = await self.ask(lambda swarm: job(swarm, agent), agent)
         self.shared.link.refresh(agent)
@@ -248,6 +270,13 @@ class Session:
         things = known.scene.names if known.scene is not None else ()
         self.messages.say(sentence(text, {*known.agents, *known.groups, *things}), kind)
         self.touch()
+
+    def settle(self) -> None:
+        """Withdraw the offer to send a lost command again once the agent has taken it."""
+        lost = self.lost
+        if lost is not None and lost.is_taken(self.shared.store.known):
+            self.lost = None
+            self.tell(f"{lost.agent} has taken {lost.behavior} after all")
 
     def tell_other(self, session: str, text: str) -> None:
         """Show a message on another page, if it is still open."""
