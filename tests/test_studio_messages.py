@@ -22,7 +22,7 @@ def overlap(a: Any, b: Any) -> bool:
 
 @needs_browser
 def test_a_message_is_beside_the_field_counted_and_closed(swarm, person):
-    before = box_of(person, "#studio main")
+    before = box_of(person, "#stage")
     for _ in range(2):
         person.page.evaluate("window.studioTell('replay-play')")
     message = person.sees("message", "No recording is open")
@@ -30,8 +30,8 @@ def test_a_message_is_beside_the_field_counted_and_closed(swarm, person):
         lambda: message.query_selector(".times").inner_text().startswith("2"), "it is counted"
     )
     assert person.page.locator('[data-test="message"]').count() == 1
-    assert not overlap(box_of(person, '[data-test="message"]'), box_of(person, "#studio main"))
-    assert box_of(person, "#studio main") == before
+    assert not overlap(box_of(person, '[data-test="message"]'), box_of(person, "#stage"))
+    assert box_of(person, "#stage") == before
     person.click("message-close")
     person.does_not_see("message")
 

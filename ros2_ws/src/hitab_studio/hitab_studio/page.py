@@ -20,6 +20,11 @@ REFRESH_SECONDS = 0.15
 ALSO_EVERY = 2
 """Refreshes between two drawings of what changes all the time, such as curves."""
 
+CANVAS = (
+    'role="application" aria-label="The things in the field. Page Up and Page Down choose one, '
+    'the arrow keys move it, comma and period turn it."'
+)
+
 
 class Panel(Element, component="static/panel.js"):
     """A part of the page with HTML from the server."""
@@ -61,8 +66,9 @@ class Page:
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):
             self._panels = [Panel(name) for name in PANELS if name != "overlay"]
-            with ui.element("main"):
-                ui.element("canvas").props('id="field" aria-label="The field"')
+            # The server's frame around all of this is the page's <main> already.
+            with ui.element("section").props('id="stage" aria-label="The field"'):
+                ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(Panel("overlay"))
         ui.on("studio", lambda event: self._wishes.add(event.args))
         self._refresh()

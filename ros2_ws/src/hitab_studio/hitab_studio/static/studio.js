@@ -114,6 +114,8 @@ document.addEventListener("keydown", (event) => {
   }
 });
 
+document.documentElement.lang = "en";
+
 // The theme is the browser's own unless the person chose one.
 export function applyTheme(choice) {
   const dark = choice ? choice === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
