@@ -159,7 +159,7 @@ class AgentServices:
             )
         bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
         performed = self._agent.behavior if self._agent.mode is Mode.PERFORMING else ""
-        automaton, path, trimmed = self._agent.save(
+        automaton, path, trimmed, replaced = self._agent.save(
             request.name, bindings, request.description, keep_unused=request.keep_unused
         )
         response.path = str(path)
@@ -167,6 +167,7 @@ class AgentServices:
         response.trimmed = trimmed
         saved = Use(automaton.name, automaton.parameters)
         done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
+        done += f"; {replaced}" if replaced else ""
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done

@@ -12,6 +12,7 @@ from contextlib import suppress
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
+from typing import NamedTuple
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
@@ -51,6 +52,22 @@ class Mode(StrEnum):
     PERFORMING = "performing"
     TRAINING = "training"
     TESTING = "testing"
+
+
+class Saved(NamedTuple):
+    """A training that was saved.
+
+    Attributes:
+        automaton: that was learned.
+        path: of its file.
+        notes: on what was trimmed or stopped.
+        replaced: the number of its version and what that replaces, in words; empty if nothing.
+    """
+
+    automaton: Automaton
+    path: Path
+    notes: list[str]
+    replaced: str
 
 
 class Agent:
@@ -355,7 +372,7 @@ class Agent:
         description: str = "",
         *,
         keep_unused: bool = False,
-    ) -> tuple[Automaton, Path, list[str]]:
+    ) -> Saved:
         """Trim what was learned, add it to the library and end the training.
 
         Args:
@@ -367,9 +384,6 @@ class Agent:
 
         If the agent is performing another behavior that does not fit what is saved, saving wins;
         the agent becomes idle and the notes say so.
-
-        Returns:
-            The automaton, its file, and notes on what was trimmed or stopped.
 
         Raises:
             TrainingError: if there is no training, or no example leaves Start.
@@ -395,7 +409,8 @@ class Agent:
             change.commit()
         self.journal.archive()
         notes += self._swap(state, self.library, ends_training=True)
-        return saved.automaton, self.library.path(saved.name), notes
+        replaced = change.replaced(saved.name)
+        return Saved(saved.automaton, self.library.path(saved.name), notes, replaced)
 
     def _edition_with(self, saved: BehaviorFile, change: LibraryChange) -> Edition:
         losses = self.edition.losses

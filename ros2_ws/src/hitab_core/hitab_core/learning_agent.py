@@ -216,7 +216,7 @@ class LearningAgent:
             TrainingError: if nothing is being trained, or nothing was commanded.
             LibraryError, VocabularyError: if it cannot be written, or does not fit.
         """
-        return self.agent.save(name, description=description)[1]
+        return self.agent.save(name, description=description).path
 
     @property
     def examples(self) -> tuple[Example, ...]:

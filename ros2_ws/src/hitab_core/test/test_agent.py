@@ -87,11 +87,21 @@ def test_what_is_taught_is_tested_saved_and_performed(make):
     teach_home(agent)
     agent.test(restart=True)
     assert [do(agent, x) for x in (9.0, 1.0, 0.0)] == ["Left", "Left", "Stay"]
-    automaton, path, _ = agent.save(description="go home")
+    automaton, path, _, replaced = agent.save(description="go home")
     assert path.exists()
     assert automaton.description == "go home"
+    assert replaced == ""
     assert (agent.mode, agent.behavior, agent.session) == (Mode.PERFORMING, "Home", None)
     assert do(agent, 2.0) == "Left"
+
+
+def test_a_saved_training_says_which_version_it_replaces(make):
+    agent = make()
+    teach_home(agent)
+    first = agent.save()
+    teach_home(agent)
+    examples = len(first.automaton.examples)
+    assert agent.save().replaced == f"version 2, replaces version 1 ({examples} examples)"
 
 
 def test_a_saved_behavior_is_there_after_a_restart(make):

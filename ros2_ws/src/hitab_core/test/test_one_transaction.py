@@ -224,7 +224,7 @@ def test_saving_over_what_is_performed_saves_and_leaves_the_agent_idle_and_says_
     teach(agent, "Go", "Near(A)", parameters=("A",))
     teach(agent, "Go", "Left", save=False)
     agent.perform(Use("Go", ("ball",)))
-    _, path, notes = agent.save()
+    _, path, notes, _ = agent.save()
     assert path.exists()
     assert any('ann is idle now; it cannot perform "Go(ball)"' in note for note in notes)
     assert (agent.mode, agent.session) == (Mode.IDLE, None)
@@ -296,7 +296,7 @@ def test_a_behavior_whose_start_fails_is_saved_and_the_answer_tells_both(make):
         raise broken
 
     agent.session.running.stop = fail
-    automaton, _, notes = agent.save()
+    automaton, _, notes, _ = agent.save()
     assert automaton.name == "Home"
     assert any("the wheel is off" in note for note in notes)
     assert agent.session is None

@@ -28,6 +28,7 @@ from hitab_core.library.durable_files import PATIENCE
 from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import LibraryFolder
 from hitab_core.library.provenance import Provenance, time_now
+from hitab_core.library.renaming import plan_renaming
 from hitab_core.vocabulary import has
 
 
@@ -206,15 +207,36 @@ class BehaviorLibrary:
             change.commit()
         return self.path(automaton.name)
 
-    def remove(self, name: str) -> None:
+    def remove(self, name: str, *, anyway: bool = False) -> list[str]:
         """Remove a behavior; its versions stay and can be restored.
+
+        Args:
+            name: of the behavior, which may be lost.
+            anyway: remove it even if others can no longer be used then.
+
+        Returns:
+            The names of the behaviors that cannot be used without it.
 
         Raises:
             LibraryError: if it is missing, or other behaviors use it.
         """
         with self.change() as change:
-            change.remove(name)
+            users = change.remove(name, anyway=anyway)
             change.commit()
+        return users
+
+    def rename(
+        self, old: str, new: str, *, with_users: bool = False
+    ) -> tuple[list[str], list[str]]:
+        """Rename a behavior, and on request in what uses it; see `plan_renaming`.
+
+        Raises:
+            LibraryError: naming what prevents it; nothing has changed.
+        """
+        with self.change() as change:
+            done = plan_renaming(change, self.domain, old, new, with_users=with_users)
+            change.commit()
+        return done
 
     def accept_edit(self, name: str) -> Path:
         """Accept a file edited by hand: check it and update its digests.

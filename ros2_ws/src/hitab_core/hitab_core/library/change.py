@@ -15,6 +15,7 @@ from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import Changes, LibraryFolder
 from hitab_core.library.provenance import Provenance, tool_name
 from hitab_core.vocabulary import has
+from hitab_core.wording import quantity
 
 
 class LibraryChange:
@@ -26,6 +27,7 @@ class LibraryChange:
     Attributes:
         before: the contents of the library before the change.
         changed: the planned files, by name; None: to be removed.
+        numbers: of the versions that the planned files will be, by name.
         note: identifies the change once it is announced.
     """
 
@@ -49,6 +51,7 @@ class LibraryChange:
         self.before = self._contents = there
         self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
+        self.numbers: dict[str, int] = {}
         self._folder = folder
         self._editions = editions
         self._domain = editions.domain
@@ -132,6 +135,7 @@ class LibraryChange:
         except LibraryError as error:
             raise LibraryError(f'"{name}" cannot be saved:\n{error}') from None
         self._check_fit({name: new})
+        self.numbers[name] = new.provenance.version
         addition = self._folder.addition(name, new.provenance.version, text)
         self._plan({**kept, **addition}, {name: new})
         return new
@@ -156,7 +160,7 @@ class LibraryChange:
         changes: dict[str, bytes | None] = {}
         for name in changed:
             changes |= self._unkept(name)
-            number = self._folder.next_number(name, changes)
+            number = self.numbers[name] = self._folder.next_number(name, changes)
             changes |= self._folder.addition(name, number, texts[name])
         self._plan(changes, new)
         return changed
@@ -186,6 +190,19 @@ class LibraryChange:
                 "longer be used; remove these first"
             )
         return sorted(self.problems.keys() & self._contents.users(name))
+
+    def replaced(self, name: str) -> str:
+        """Return the number of a planned version and what it replaces; "" if nothing.
+
+        Such as ``version 7, replaces version 6 (12 examples)``.
+        """
+        number = self.numbers[name]
+        if name in self.before.unreadable:
+            return f"version {number}, replaces a damaged file, kept as version {number - 1}"
+        if name not in self.before.readable:
+            return ""
+        examples = len(self.before.readable[name].automaton.examples)
+        return f"version {number}, replaces version {number - 1} ({quantity(examples, 'example')})"
 
     def version(self, name: str, number: int) -> BehaviorFile:
         """Return one version of a behavior.

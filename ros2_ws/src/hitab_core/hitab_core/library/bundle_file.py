@@ -1,0 +1,132 @@
+"""A file with behaviors and everything they are made of, to mail or to keep: one YAML file.
+
+It is a bundle (see `hitab_core.library.bundle`) with a format version, and holds the behavior
+files word for word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from hitab_core.errors import LibraryError
+from hitab_core.hierarchy import in_order
+from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.bundle import bundle_digest
+from hitab_core.library.edition import Editions
+from hitab_core.library.yaml_fields import Fields
+from hitab_core.library.yaml_places import Complaints, open_yaml
+from hitab_core.vocabulary import has
+
+FORMAT = 1
+"""The format version that is written, and the newest that is read."""
+
+_HEAD = """\
+# Trained behaviors, each after those that it uses. Read them into a library:
+#   hitab library import FILE -l FOLDER
+"""
+
+
+@dataclass(frozen=True)
+class BundleFile:
+    """Behavior files from one file.
+
+    Attributes:
+        domain: name of the domain in which they were trained.
+        texts: of the files, by behavior name, each after those that it uses.
+    """
+
+    domain: str
+    texts: Mapping[str, str]
+
+
+def bundle_text(files: Mapping[str, BehaviorFile], names: Collection[str], domain: str) -> str:
+    """Return the text of a file with some behaviors and those that they are made of.
+
+    Args:
+        files: of the library, all of which can be used.
+        names: of the behaviors to write.
+        domain: name of the domain in which they were trained.
+
+    Raises:
+        LibraryError: if there is no behavior of one of these names.
+    """
+    for name in names:
+        if name not in files:
+            raise LibraryError(f'there is no behavior "{name}" to export {has(files, name)}')
+
+    def uses(name: str) -> Iterable[str]:
+        return files[name].automaton.behaviors_used & files.keys()
+
+    texts = {name: files[name].text for name in in_order(sorted(names), uses)}
+    content = {
+        "format": FORMAT,
+        "domain": domain,
+        "digest": bundle_digest(tuple(texts.items())),
+        "files": {name: _Block(text) for name, text in texts.items()},
+    }
+    dumped = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=10_000)
+    return f"{_HEAD}{dumped}"
+
+
+def read_bundle_file(path: Path) -> BundleFile:
+    """Read a file; whether its behaviors are sound is up to `read_bundled`.
+
+    Raises:
+        LibraryError: naming everything wrong with it.
+    """
+    fields = Fields(Complaints(open_yaml(path)))
+    fields.check_format(FORMAT)
+    fields.integer("format", 1)
+    domain = fields.text("domain")
+    digest = fields.text("digest")
+    inner = fields.inner("files")
+    texts = {name: inner.text(name) for name in inner.names()}
+    if not texts:
+        fields.complain("`files:` holds no behavior; export it again", "files")
+    fields.done()
+    fields.complaints.raise_any()
+    if bundle_digest(tuple(texts.items())) != digest:
+        raise LibraryError(
+            f"{path}: its digest does not fit its contents: it was edited or damaged; export it "
+            "again, and edit behaviors in a library"
+        )
+    return BundleFile(domain, texts)
+
+
+def read_bundled(bundle: BundleFile, editions: Editions) -> list[BehaviorFile]:
+    """Return the behavior files of a bundle.
+
+    Raises:
+        LibraryError: naming everything wrong with each of them.
+    """
+    files, problems = [], []
+    for name, text in bundle.texts.items():
+        try:
+            files.append(editions.read(text, file_name(name)))
+        except LibraryError as error:
+            problems.append(str(error))
+    if problems:
+        raise LibraryError("\n".join(problems))
+    return files
+
+
+class _Block(str):
+    """A text written as a block, line by line."""
+
+    __slots__ = ()
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes `_Block`; PyYAML quotes a text that a block cannot hold."""
+
+
+def _represented(dumper: _Dumper, text: _Block) -> Any:
+    return dumper.represent_scalar("tag:yaml.org,2002:str", str(text), style="|")
+
+
+_Dumper.add_representer(_Block, _represented)

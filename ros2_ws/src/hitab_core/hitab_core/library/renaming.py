@@ -1,0 +1,111 @@
+"""Renaming a behavior, also in the behaviors that are made of it: one change of the library."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from typing import Any
+
+from hitab_core.automaton import Automaton
+from hitab_core.domain import Domain
+from hitab_core.errors import LibraryError
+from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.library.behavior_file import BehaviorFile, scale_of
+from hitab_core.library.change import LibraryChange
+from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.vocabulary import has
+
+
+def plan_renaming(
+    change: LibraryChange, domain: Domain, old: str, new: str, *, with_users: bool = False
+) -> tuple[list[str], list[str]]:
+    """Plan to rename a behavior, and to rename it in the behaviors that use it.
+
+    Args:
+        change: of the library.
+        domain: in which the behaviors were trained.
+        old: the name that it has.
+        new: the name that it gets.
+        with_users: change the behaviors that use it, too.
+
+    Returns:
+        The behaviors that use it, and those of them that decide otherwise now: where two decisions
+        are equally good, the names of the behaviors may tell which is taken.
+
+    Raises:
+        LibraryError: if there is no such behavior, the new name is taken, something in the library
+            is lost, or others use it and ``with_users`` is not set.
+    """
+    files = change.before.readable
+    if change.losses:
+        raise LibraryError(
+            f'"{old}" cannot be renamed while something is lost, which may use it: '
+            f"{'; '.join(change.losses.faults)}"
+        )
+    if old not in files:
+        raise LibraryError(f'has no behavior "{old}" {has(files, old)}')
+    if NAME.match(new) is None:
+        raise LibraryError(f'"{old}" cannot be called "{new}"; {NAME_RULE}')
+    if new in files or new in domain.behaviors or new in domain.automata:
+        raise LibraryError(f'"{old}" cannot be called "{new}": that name is taken; choose another')
+    users = change.before.users(old)
+    if users and not with_users:
+        raise LibraryError(
+            f'"{old}" is used by {", ".join(users)}; give --with-users to rename it there, too'
+        )
+    otherwise = []
+    for name in (old, *users):
+        file = files[name]
+        renamed = _renamed(file, domain, old, new)
+        provenance = replace(file.provenance, note=f'"{old}" renamed to "{new}"')
+        saved = change.save(renamed, file.classifier, provenance)
+        if _rules(saved) != _rules(file, old, new):
+            otherwise.append(saved.name)
+    change.remove(old)
+    return users, otherwise
+
+
+def _renamed(file: BehaviorFile, domain: Domain, old: str, new: str) -> Automaton:
+    automaton = file.automaton
+
+    def use(state: Use) -> Use:
+        return Use(new, state.arguments) if state.name == old else state
+
+    labels = {str(state): str(use(state)) for state in automaton.states}
+    examples = tuple(
+        replace(
+            example,
+            state=labels.get(example.state, example.state),
+            next_state=labels.get(example.next_state, example.next_state),
+        )
+        for example in automaton.examples
+    )
+    scales = [scale_of(feature, domain) for feature in automaton.features]
+    names = [str(feature) for feature in automaton.features]
+    return replace(
+        automaton,
+        name=new if automaton.name == old else automaton.name,
+        states=tuple(use(state) for state in automaton.states),
+        examples=examples,
+        transitions=learn_transitions(examples, scales, file.classifier, names),
+    )
+
+
+def _rules(file: BehaviorFile, old: str = "", new: str = "") -> Counter[tuple[Any, ...]]:
+    """Return what its trees decide, with another name for one of its states."""
+
+    def label(text: str) -> str:
+        return new + text.removeprefix(old) if text.partition("(")[0] == old else text
+
+    names = [str(feature) for feature in file.automaton.features]
+    return Counter(
+        (
+            label(state),
+            rule.conditions,
+            frozenset((label(to), p) for to, p in rule.distribution.items()),
+        )
+        for state, function in file.automaton.transitions.items()
+        if isinstance(function, TransitionTree)
+        for rule in function.rules(names)
+    )
