@@ -58,7 +58,7 @@ FASTEST = 1000.0
 """Hz; the highest rate at which a commander may be asked to decide."""
 
 LONGEST = 1e6
-"""s; the longest time that means anything here, and its inverse the lowest rate and time."""
+"""s; the longest time that is accepted. Its inverse is the shortest one, and the lowest rate, Hz."""
 
 
 def read_kind(path: Path) -> CommanderKind:
@@ -72,7 +72,7 @@ def read_kind(path: Path) -> CommanderKind:
     top.check_format(FORMAT)
     kind = parse_kind(top.text("commander") or "", top)
     if not kind.orders:
-        top.complain("needs `orders:`, a line with a name each")
+        top.complain("needs `orders:` with at least one order, such as `Play: Keepaway`")
     top.complaints.raise_any()
     return kind
 
@@ -118,7 +118,10 @@ def _each(top: Fields, key: str, read: Callable[[Fields, str, str, str], Any]) -
         if use is None:
             continue
         if len(use.arguments) > 1:
-            section.complain(f'"{label}" can be about one subordinate only; leave one', label)
+            section.complain(
+                f'"{label}" has {len(use.arguments)} parameters; leave one, for one subordinate',
+                label,
+            )
             continue
         made = read(section, label, use.name, "".join(use.arguments))
         if made is not None:
@@ -145,7 +148,7 @@ def _order(section: Fields, label: str, name: str, parameter: str) -> OrderMap |
     if not isinstance(section.raw(label), dict):
         if parameter:
             section.complain(
-                f'the order "{name}" is about {parameter}; tell what it and the others do: '
+                f'the order "{name}" is about {parameter}; say what it and the others do: '
                 f"{{{parameter}: ..., {OTHERS_WORD}: {KEEP}}}",
                 label,
             )
@@ -159,7 +162,9 @@ def _order(section: Fields, label: str, name: str, parameter: str) -> OrderMap |
             fields.complain(f'"{key}" is not a name for a role', key)
         behaviors[receiver] = _behavior(fields, key)
     if parameter and parameter not in behaviors:
-        fields.complain(f'the order "{name}" does not tell what {parameter} does; add it')
+        fields.complain(
+            f'the order "{name}" does not say what {parameter} does; add a line `{parameter}: ...`'
+        )
     if not behaviors:
         fields.complain(f'the order "{name}" orders nothing; write `{name}: {NOTHING}`')
     return OrderMap(name, behaviors, parameter)
@@ -172,9 +177,7 @@ def _behavior(fields: Fields, key: str) -> str | None:
     if text == NOTHING:
         return ""
     if not isinstance(text, str):
-        fields.complain(
-            f"must be a behavior, `{NOTHING}` or `{KEEP}`, not {text!r}; see the docs", key
-        )
+        fields.complain(f"must be a behavior, `{NOTHING}` or `{KEEP}`, not {text!r}", key)
         return None
     use = _use(fields, text, key)
     return None if use is None else str(use)
@@ -192,7 +195,8 @@ def _feature(section: Fields, label: str, name: str, parameter: str) -> GroupFea
         fields.complain(
             f'"{name}" is the value of one subordinate: write `{name}(A):`'
             if not parameter
-            else f'"{name}({parameter})" sums up all: write `{name}:`, or use `value:`',
+            else f'"{name}({parameter})" is about all subordinates: write `{name}:` without a '
+            "parameter, or use `value:`",
         )
         return None
     role = fields.text("role", "")

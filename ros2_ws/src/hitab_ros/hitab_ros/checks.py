@@ -180,8 +180,8 @@ def _time_of_day(place: str, field: str) -> Check:
         number = getattr(message, field)
         if too_far_ahead(number):
             raise BadMessage(
-                f"{place} is {number}, more than {AHEAD_S / 3600.0:g} h ahead of this "
-                "machine's clock, ns; set the clocks of all machines"
+                f"{place} is {number} ns, more than {AHEAD_S / 3600.0:g} h ahead of this "
+                "machine's clock; set the clocks of all machines"
             )
 
     return time_of_day

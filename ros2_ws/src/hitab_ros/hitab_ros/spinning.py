@@ -143,7 +143,7 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
         return 1
     except (NameValidationException, ParameterException) as error:
         why = " ".join(str(error).split())
-        print(f"error: {why}; check the names and parameters given to it", file=sys.stderr)
+        print(f"error: {why}; check the names and parameters given to the node", file=sys.stderr)
         return 1
     except (KeyboardInterrupt, ExternalShutdownException):
         return 0

@@ -48,7 +48,7 @@ def declare_all_figures(node: Node, *kinds: type[Any]) -> tuple[Any, ...]:
     for override in getattr(node, "_parameter_overrides", {}):
         group, _, name = override.partition(".")
         if group == GROUP and name not in known:
-            raise HitabError(f'this world has no figure "{name}" {has(known, name)}')
+            raise HitabError(f'this world has no parameter "{name}" {has(known, name)}')
     try:
         return tuple(kind(**one) for kind, one in zip(kinds, values, strict=True))
     except ValueError as error:

@@ -42,7 +42,7 @@ class Player(Protocol):
     body: Any
 
     def begin(self, seed: int, episode: int) -> None:
-        """Begin an episode; whatever is drawn in it depends on the two alone."""
+        """Begin an episode; its random draws depend only on the seed and the episode."""
 
     def tick(self) -> None:
         """Act on the percept that the body has just sensed."""
@@ -125,8 +125,8 @@ def play(
         episodes: how many.
         between: see `cycle`.
         cycles_max: break an episode off after so many cycles; its result has ``ended == ""``.
-        first: number of the first episode; the next one by default, or the present one if it
-            has not been begun to be played.
+        first: number of the first episode; by default the next one, or the present one if nothing
+            of it has been played yet.
     """
     fresh = world.episode_cycle == 0 and not world.ended
     number = first if first is not None else world.episode + (0 if fresh else 1)

@@ -86,8 +86,8 @@ class KeeperBody:
                 self._first_taker = OTHERS + 2 * (keepers - 1)
                 return
         raise FeatureValueError(
-            f"{self.name}: a percept of {quantity(len(values), 'value')} is not one of keepaway; "
-            "is the agent linked to another world?"
+            f"{self.name}: a percept of {quantity(len(values), 'value')} is not from keepaway; "
+            "link the agent to a keepaway world"
         )
 
     def act(self) -> tuple[Sequence[float], str]:

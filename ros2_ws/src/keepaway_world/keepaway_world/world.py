@@ -143,7 +143,7 @@ class KeepawayWorld:
                 values, say = actions[name]
                 kind, amount, direction = action.parse(values)
             except (ValueError, TypeError) as error:
-                refused[name] = f"{name}: {error}; taken as no action"
+                refused[name] = f"{name}: {error}; treated as no action"
                 continue
             if kind == action.DASH:
                 physics.dash(keeper, amount)
@@ -311,6 +311,6 @@ def _check(placement: Placement, mover: Mover) -> None:
         math.isnan(placement.vx) and math.isnan(placement.vy)
     ):
         raise WorldError(
-            f"{placement.name}: a speed of {math.hypot(vx, vy):.2f} m/s is beyond its largest, "
+            f"{placement.name}: a speed of {math.hypot(vx, vy):.2f} m/s exceeds its maximum, "
             f"{fastest:g} m/s"
         )

@@ -187,9 +187,9 @@ def test_a_placement_can_begin_a_new_episode():
         (([math.nan], ""), "unknown kind of action"),
         (([3.0, 50.0], ""), "a kick has 3 values"),
         ((["dash", 100.0], ""), "unknown kind of action"),
-        (([1.0, "fast"], ""), "taken as no action"),
-        (None, "taken as no action"),
-        (([1.0, [2.0]], ""), "taken as no action"),
+        (([1.0, "fast"], ""), "treated as no action"),
+        (None, "treated as no action"),
+        (([1.0, [2.0]], ""), "treated as no action"),
     ],
 )
 def test_a_bad_action_is_named_and_counts_as_none(quiet, action, message):

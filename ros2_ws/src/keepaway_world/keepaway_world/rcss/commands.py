@@ -40,7 +40,7 @@ def commands_of(
             if command := command_of(values):
                 lines.append(command)
         except (ValueError, TypeError) as error:
-            refused[name] = f"{name}: {error}; taken as no action"
+            refused[name] = f"{name}: {error}; treated as no action"
             continue
         try:
             if message:

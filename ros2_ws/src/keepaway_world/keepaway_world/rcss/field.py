@@ -161,8 +161,8 @@ def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict
         )
         if math.hypot(vx, vy) > mover.speed_max * 1.001:
             raise WorldError(
-                f"{p.name}: a speed of {math.hypot(vx, vy) * CYCLES_PER_SECOND:.2f} m/s is beyond "
-                f"its largest, {mover.speed_max * CYCLES_PER_SECOND:g} m/s"
+                f"{p.name}: a speed of {math.hypot(vx, vy) * CYCLES_PER_SECOND:.2f} m/s exceeds "
+                f"its maximum, {mover.speed_max * CYCLES_PER_SECOND:g} m/s"
             )
         places[p.name] = x, y, math.remainder(heading, 2.0 * math.pi), vx, vy
     return places
