@@ -116,8 +116,8 @@ def main(
     agents: Annotated[str, typer.Option(help="Numbers of agents.")] = "100,1000,10000",
     cycles: Annotated[int, typer.Option(help="Cycles in each measurement.")] = 100,
     turns: Annotated[int, typer.Option(help="How often each is measured.")] = 5,
-    library: Annotated[Path | None, typer.Option(help="A trained library.")] = None,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    library: Annotated[Path | None, typer.Option(help="Folder of a trained library.")] = None,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Measure agent-ticks per second of the Keepaway automaton."""
     from hitab_bringup.shipped import shipped

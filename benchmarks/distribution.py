@@ -1,8 +1,9 @@
 """Measures how long a behavior takes from one agent to a thousand others, while they act.
 
 All are in a few host processes and act in real time at 10 Hz. One of them has learned a behavior
-of four automata and gives it to all others. The time is taken until the last has acknowledged
-that it is in its library and in its memory, and between the actions of each host.
+of four automata and gives it to all others. Measured are the time until the last agent has
+acknowledged that the behavior is in its library and in its memory, and the longest time between
+two actions of a host.
 
     scripts/python benchmarks/distribution.py --agents 1000 --hosts 2
 """
@@ -35,10 +36,10 @@ class Figures:
     """What was measured of one swarm; all times in ms.
 
     Attributes:
-        acked: from asking the source until the last acknowledgement came, per distribution.
-        gap: the longest time between two answers of a host in a minute's part without
-            distributions, and while each was under way.
-        late: actions that had not come when their cycle ended, while distributing.
+        acked: from the request until the last acknowledgement arrived, per distribution.
+        gap_before: the longest time between two answers of a host, without a distribution.
+        gap: the same during a distribution.
+        late: actions that had not arrived when their cycle ended, during the distributions.
         refused: the agents that refused it.
     """
 
@@ -259,12 +260,12 @@ def show(results: list[Figures], hosts: int) -> None:
 
 
 def main(
-    agents: Annotated[int, typer.Option(help="Receivers.")] = 1000,
-    hosts: Annotated[int, typer.Option(help="Processes that run them.")] = 2,
-    rounds: Annotated[int, typer.Option(help="Distributions, each of another version.")] = 5,
+    agents: Annotated[int, typer.Option(help="Number of receivers.")] = 1000,
+    hosts: Annotated[int, typer.Option(help="Processes that run the agents.")] = 2,
+    rounds: Annotated[int, typer.Option(help="Distributions, each of a new version.")] = 5,
     preferred: Annotated[
         bool,
-        typer.Option(help="Prefer the swarm to other work on this machine; needs privileges."),
+        typer.Option(help="Raise the priority of the swarm's processes; needs privileges."),
     ] = False,
 ) -> None:
     """Measure how a behavior spreads."""

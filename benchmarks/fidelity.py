@@ -76,10 +76,10 @@ def measure(case: Case, episodes: int, seed: int) -> dict[str, Any]:
 
 
 def main(
-    episodes: Annotated[int, typer.Option(help="In each case.")] = 200,
-    seed: Annotated[int, typer.Option(help="Of the runs.")] = 1,
+    episodes: Annotated[int, typer.Option(help="Episodes in each case.")] = 200,
+    seed: Annotated[int, typer.Option(help="Seed of the runs.")] = 1,
     only: Annotated[str, typer.Option(help="Only cases with this in their title.")] = "",
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Play all cases and print them beside the real simulator's figures."""
     print("| keepers | here: s | passes | out % | real: s | passes | out % |")

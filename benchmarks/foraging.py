@@ -189,16 +189,17 @@ def play_all(
 
 
 def main(
-    runs: Annotated[int, typer.Option(min=2, help="Seeded runs of each.")] = 30,
-    seconds: Annotated[float, typer.Option(help="Simulated seconds of a run.")] = 300.0,
+    runs: Annotated[int, typer.Option(min=2, help="Runs of each swarm on each field.")] = 30,
+    seconds: Annotated[float, typer.Option(help="Length of a run, simulated s.")] = 300.0,
     fields: Annotated[
-        list[str] | None, typer.Option("--field", help="Which of the fields; all by default.")
+        list[str] | None,
+        typer.Option("--field", help="Field to play on; repeat for several. All by default."),
     ] = None,
-    processes: Annotated[int, typer.Option(help="Runs at a time.")] = os.cpu_count() or 1,
-    first_seed: Annotated[int, typer.Option(help="Of the first run; they count up.")] = 1,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
-    read: Annotated[str, typer.Option(help="Play nothing; read what --json has written.")] = "",
-    plot: Annotated[str, typer.Option(help="Draw them here.")] = "",
+    processes: Annotated[int, typer.Option(help="Parallel runs.")] = os.cpu_count() or 1,
+    first_seed: Annotated[int, typer.Option(help="Seed of the first run; counts up.")] = 1,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+    read: Annotated[str, typer.Option(help="Play nothing; read this JSON file.")] = "",
+    plot: Annotated[str, typer.Option(help="File for a plot, PNG or SVG.")] = "",
 ) -> None:
     """Compare foragers without commanders, with one level and with two."""
     fields = fields or list(FIELDS)

@@ -56,9 +56,9 @@ def cycle_ms(foragers: int, cycles: int) -> float:
 
 
 def main(
-    foragers: Annotated[str, typer.Option(help="How many, with commas.")] = "50,200,1000,2000",
-    cycles: Annotated[int, typer.Option(help="Cycles of each.")] = 100,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    foragers: Annotated[str, typer.Option(help="Numbers of foragers.")] = "50,200,1000,2000",
+    cycles: Annotated[int, typer.Option(help="Cycles with each number.")] = 100,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Measure the time of a cycle."""
     figures: dict[str, Any] = {

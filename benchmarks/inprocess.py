@@ -23,8 +23,8 @@ from keepaway_world.world import KeepawayWorld
 def main(
     episodes: Annotated[int, typer.Option(help="Episodes in each measurement.")] = 50,
     turns: Annotated[int, typer.Option(help="How many measurements.")] = 5,
-    library: Annotated[Path | None, typer.Option(help="A trained library.")] = None,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    library: Annotated[Path | None, typer.Option(help="Folder of a trained library.")] = None,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Measure the speed of playing trained keepers in one process, on one core."""
     from hitab_bringup.shipped import shipped

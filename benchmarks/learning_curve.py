@@ -4,7 +4,7 @@ For the paper's set of automata and for that of keepers that look ahead, at a qu
 takers' speed and at full speed. The examples are those of the shipped libraries, in the order in
 which the lessons gave them. After each command (and the default example that comes with it) the
 automata are relearned from the examples so far, and all keepers perform the highest one that
-can be performed: one with an example that leaves Start.
+can be performed, that is, has an example that leaves Start.
 
     scripts/python benchmarks/learning_curve.py --episodes 200 --json curve.json --plot curve.png
     scripts/python benchmarks/learning_curve.py --again curve.json --plot curve.png
@@ -78,7 +78,7 @@ def learned(automaton: Automaton, domain: Domain, count: int) -> Automaton:
 def stages(
     automata: Sequence[Automaton], domain: Domain
 ) -> Iterator[tuple[int, str, dict[str, Automaton]]]:
-    """Yield, after each command, how many examples there are, and what can be performed by now."""
+    """After each command, yield the number of examples and what can be performed by then."""
     known: dict[str, Automaton] = {}
     before = 0
     for automaton in automata:
@@ -171,13 +171,13 @@ def draw(figures: dict[str, Any], path: Path) -> None:
 def main(
     episodes: Annotated[int, typer.Option(help="Episodes for each point.", min=2)] = 200,
     every: Annotated[
-        int, typer.Option(help="Commands between two measurements below the top level.", min=1)
+        int, typer.Option(help="Commands between two points, before the top level.", min=1)
     ] = 1,
-    seed: Annotated[int, typer.Option(help="Of the episodes.")] = 2026,
-    longest: Annotated[float, typer.Option(help="Cut an episode off after this many s.")] = 3600.0,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
-    plot: Annotated[str, typer.Option(help="Draw the curves here, PNG or SVG.")] = "",
-    again: Annotated[str, typer.Option(help="Draw these figures, measured before.")] = "",
+    seed: Annotated[int, typer.Option(help="Seed of the episodes.")] = 2026,
+    longest: Annotated[float, typer.Option(help="Cut longer episodes off, s.")] = 3600.0,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+    plot: Annotated[str, typer.Option(help="File for a plot, PNG or SVG.")] = "",
+    again: Annotated[str, typer.Option(help="Play nothing; read this JSON file.")] = "",
 ) -> None:
     """Measure hold time against the number of examples, and draw it."""
     if again:

@@ -126,9 +126,9 @@ def keepaway(library: Path) -> Iterator[Measure]:
 
 def main(
     seconds: Annotated[float, typer.Option(help="Length of each turn.")] = 1.5,
-    turns: Annotated[int, typer.Option(help="How often the two take turns.")] = 15,
-    library: Annotated[Path | None, typer.Option(help="A trained library.")] = None,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    turns: Annotated[int, typer.Option(help="Number of turns of each of the two.")] = 15,
+    library: Annotated[Path | None, typer.Option(help="Folder of a trained library.")] = None,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
     role: Annotated[str, typer.Option("--answer", hidden=True)] = "",
 ) -> None:
     """Compare keepaway in lockstep with a bare publish-and-wait-for-all loop."""

@@ -38,8 +38,8 @@ def rate(name: str, cycles: int, seed: int) -> tuple[float, int]:
 
 def main(
     cycles: Annotated[int, typer.Option(help="Cycles of each measurement.")] = 300,
-    turns: Annotated[int, typer.Option(help="How often the two take turns.")] = 3,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    turns: Annotated[int, typer.Option(help="Number of turns of each of the two.")] = 3,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Compare fifty foragers in lockstep with and without twelve commanders."""
     found: dict[str, list[float]] = {kind: [] for kind in SWARMS}

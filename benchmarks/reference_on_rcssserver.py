@@ -80,17 +80,17 @@ def passes_of(folder: Path, ends: list[int]) -> list[int]:
 
 
 def main(
-    player: Annotated[Path, typer.Option(help="UT Austin's keepaway_player.")],
-    taker: Annotated[Path | None, typer.Option(help="Another one for the takers.")] = None,
+    player: Annotated[Path, typer.Option(help="UT Austin's program keepaway_player.")],
+    taker: Annotated[Path | None, typer.Option(help="Another build, for the takers.")] = None,
     server: Annotated[str, typer.Option(help="The rcssserver program.")] = "rcssserver",
-    keepers: Annotated[str, typer.Option(help="Their policy: hand, rand or hold.")] = "hand",
-    fullstate: Annotated[bool, typer.Option(help="They see all exactly.")] = False,
-    seconds: Annotated[float, typer.Option(help="For how long to play.")] = 60.0,
-    port: Annotated[int, typer.Option(help="Of the server.")] = 6500,
+    keepers: Annotated[str, typer.Option(help="Policy: hand, rand or hold.")] = "hand",
+    fullstate: Annotated[bool, typer.Option(help="All players see everything exactly.")] = False,
+    seconds: Annotated[float, typer.Option(help="How long to play, s.")] = 60.0,
+    port: Annotated[int, typer.Option(help="Port of the server.")] = 6500,
     option: Annotated[
         list[str] | None, typer.Option(help="Another server option, as server::NAME=VALUE.")
     ] = None,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Play episodes of 3 against 2 and print hold time, passes and how episodes ended."""
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:

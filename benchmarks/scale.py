@@ -2,7 +2,7 @@
 
 Each agent and each commander is a ROS 2 node with its own automaton; a few host processes run
 them all. While the swarm plays at 10 Hz, an order is given to the commander at the root twice a
-second, and the time is taken until the last agent has reported that it performs it.
+second, and the time until the last agent reports that it performs the order is measured.
 
     scripts/python benchmarks/scale.py --sizes 10,100,1000 --json scale.json --plot scale.png
 """
@@ -39,9 +39,9 @@ class Figures:
     """What was measured of a swarm of one size; CPU is in cores, memory in MB.
 
     Attributes:
-        late_answers: actions that had not come when their cycle of 100 ms ended.
+        late_answers: actions that had not arrived when their cycle of 100 ms ended.
         behind: cycles that the world lost against the clock.
-        order_ms_...: from asking the root for it until the last agent's report came.
+        order_ms_...: from the request to the root until the last agent's report arrived.
     """
 
     agents: int
@@ -76,8 +76,8 @@ class Orders:
     """Gives orders to the root and records which agents perform them.
 
     Attributes:
-        missing: agents that have not reported yet that they perform the last order.
-        seen: of the world, when its status came: time, cycle, answers that were late so far.
+        missing: agents whose reports do not show yet that they perform the last order.
+        seen: from each status of the world: its time of arrival, the cycle, the late answers.
     """
 
     def __init__(self, link: Any, agents: int) -> None:
@@ -119,7 +119,7 @@ class Orders:
         return bool(self._link.spin_until(self._client.service_is_ready, timeout_s))
 
     def give(self, order: str) -> float:
-        """Give an order; return the time until the last agent has reported to perform it, s."""
+        """Give an order; return the time until the last agent reports that it performs it, s."""
         self._wanted, self.missing, self._done = order, set(self._agents), None
         began = time.perf_counter()
         self._client.call_async(self._kind.Request(behavior=order))
@@ -153,7 +153,7 @@ def _memory(processes: list[psutil.Process]) -> float:
 
 
 def _hurry(processes: list[psutil.Process]) -> None:
-    """Have processes preferred to whatever else this machine does."""
+    """Give processes priority over other work on this machine."""
     for process in processes:
         for thread in process.threads():
             os.sched_setscheduler(thread.id, os.SCHED_RR, os.sched_param(1))
@@ -286,14 +286,14 @@ def plot(results: list[Figures], path: Path) -> None:
 
 def main(
     sizes: Annotated[str, typer.Option(help="Numbers of agents.")] = SIZES,
-    per_host: Annotated[int, typer.Option(help="Agents in a process; at least two run.")] = 500,
-    seconds: Annotated[float, typer.Option(help="How long each is measured.")] = 60.0,
+    per_host: Annotated[int, typer.Option(help="Agents per host, of at least two.")] = 500,
+    seconds: Annotated[float, typer.Option(help="How long to measure each size, s.")] = 60.0,
     preferred: Annotated[
         bool,
-        typer.Option(help="Prefer the swarm to other work on this machine; needs privileges."),
+        typer.Option(help="Raise the priority of the swarm's processes; needs privileges."),
     ] = False,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
-    plot_to: Annotated[str, typer.Option("--plot", help="Draw them here.")] = "",
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+    plot_to: Annotated[str, typer.Option("--plot", help="File for a plot, PNG or SVG.")] = "",
 ) -> None:
     """Measure how swarms grow."""
     here = str(Path(__file__).resolve().parent)
@@ -304,7 +304,7 @@ def main(
         results.append(measure(size, hosts, seconds, preferred=preferred))
         show(results)
         if json:
-            # An order that the last agent never reported has taken no number of seconds.
+            # JSON has no infinity, which stands for an order that not all agents reported.
             figures = [
                 {k: None if v == math.inf else v for k, v in asdict(result).items()}
                 for result in results

@@ -45,7 +45,7 @@ def description(agents: int, hosts: int, world: str = "plain_world") -> str:
     ]
     for name, below, count in levels(agents):
         whom = below if count == 1 else f"{{{below}: {FAN_OUT}}}"
-        # Hosts of thousands discover each other's topics for long before they offer services.
+        # Hosts of thousands of agents are busy with discovery for a long time before they answer.
         where = ", host: headquarters" if name == "root" and agents > OWN_ROOT_ABOVE else ""
         lines.append(f"  {name}: {{kind: Leader, commands: {whom}{where}}}")
     return "\n".join(lines) + "\n"

@@ -165,9 +165,9 @@ def microseconds(body: KeeperBody, percepts: Percepts, tick: Callable[[], object
 
 def main(
     ticks: Annotated[int, typer.Option(help="Ticks in each measurement.")] = 5000,
-    turns: Annotated[int, typer.Option(help="How often the two take turns.")] = 7,
-    library: Annotated[Path | None, typer.Option(help="A trained library.")] = None,
-    json: Annotated[str, typer.Option(help="Write the figures here.")] = "",
+    turns: Annotated[int, typer.Option(help="Number of turns of each of the two.")] = 7,
+    library: Annotated[Path | None, typer.Option(help="Folder of a trained library.")] = None,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Compare a tick of the Keepaway automaton with one of an equivalent py_trees tree."""
     from hitab_bringup.shipped import shipped

@@ -58,7 +58,7 @@ FASTEST = 1000.0
 """Hz; the highest rate at which a commander may be asked to decide."""
 
 LONGEST = 1e6
-"""s; the longest time that is accepted. Its inverse is the shortest one, and the lowest rate, Hz."""
+"""s; the longest time accepted. Its inverse is the shortest time and the lowest rate, Hz."""
 
 
 def read_kind(path: Path) -> CommanderKind:
