@@ -159,7 +159,7 @@ class CommanderLink:
         if found in self._episodes and any(
             (other.seed, other.episode) != found for _, other in self.body.present()
         ):
-            return False  # a late report; a repeated episode would be reported by all
+            return False  # a late report: all would report an episode that is played again
         self._episode = found
         self._episodes = [*self._episodes[1 - EPISODES_KNOWN :], found]
         self._percept.seed, self._percept.episode = found

@@ -1,8 +1,8 @@
 """Play swarms with commanders in one process: the same bodies and engine, without ROS.
 
 Agents and commanders are those of `hitab_core` and of this package, and what is decided is the
-same, bit for bit, as over topics in lockstep (`hitab_commander.lockstep`): here reports and orders
-are handed over. Players are made for `hitab_world.inprocess`.
+same, bit for bit, as over topics in lockstep (`hitab_commander.lockstep`); reports and orders are
+passed as objects. The players are for the loop of `hitab_world.inprocess`.
 
 Example::
 

@@ -60,7 +60,7 @@ def refuse_other_definitions(node: Node) -> None:
 
 
 def _compare(node: Node, topic: str, kind: str, *, plain: bool) -> None:
-    """Compare the definitions of who uses a topic; ``plain``: it has a name of DDS, not of ROS."""
+    """Compare the definitions of a topic's endpoints; ``plain``: it is named as DDS names it."""
     ends = node.get_publishers_info_by_topic(topic, plain)
     for end in [*ends, *node.get_subscriptions_info_by_topic(topic, plain)]:
         if str(end.topic_type_hash) != own_hash(kind):

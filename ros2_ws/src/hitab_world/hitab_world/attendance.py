@@ -59,7 +59,8 @@ class Attendance:
         self._sequence = sequence
         self.answers = {}
         if self._silent >= self.present:
-            # They have stopped waiting for what held up all of them, such as a commander.
+            # All of them were late, so something held them up, such as a commander. By now they
+            # no longer wait for it.
             self._silent = set()
         self._awaited = self.present - self._silent
 

@@ -23,12 +23,12 @@ from hitab_world.world_services import WorldServices
 from hitab_world.world_topics import NANOSECONDS, WorldTopics
 
 STATUS_PERIOD_NS = NANOSECONDS
-FAULTS_PERIOD_NS = NANOSECONDS // 20  # until a change of the faults is published
+FAULTS_PERIOD_NS = NANOSECONDS // 20  # between a change of the faults and its publication
 LOOK_FOR_VIEWERS_EVERY = 50  # cycles
-LISTENER_S = 10.0  # to wait for the subscribers to the episodes after a restart
-NAMED_MAX = 10  # agents that an error names
+LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its episodes
+NAMED_MAX = 10  # most agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
-UNREAD_MAX = 100  # events that are handled after a deadline to find unread answers
+UNREAD_MAX = 100  # most events that are handled after a deadline, in search of unread answers
 
 
 class WorldNode(GuardedNode):

@@ -60,7 +60,7 @@ LANDMARKS: Mapping[tuple[str, ...], Point] = _landmarks()
 
 
 def locate(objects: Iterable[SeenObject]) -> Pose | None:
-    """Return the pose from which the landmarks are seen like this; None if fewer than two are.
+    """Return the pose from which the landmarks look like this; None if fewer than two are seen.
 
     It is the least-squares fit of the seen to the true positions, weighted by nearness, since the
     error of a distance grows with it.

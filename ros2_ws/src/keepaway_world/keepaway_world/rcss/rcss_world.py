@@ -143,7 +143,7 @@ class RcssWorld:
         self._game.begin()
 
     def _move(self, places: Mapping[str, Place]) -> None:
-        """Make the trainer put things somewhere; leave the server if it does not answer.
+        """Make the trainer move things; leave the server if it does not answer.
 
         Raises:
             WorldError: if that fails.

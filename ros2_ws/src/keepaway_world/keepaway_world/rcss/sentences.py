@@ -12,7 +12,7 @@ JOINED_LATE = (
 )
 STOPPED = 'the rcssserver at {} has stopped play ("{}"); start it with server::half_time=-1'
 NO_TRAINER = (
-    "an rcssserver lets only a trainer put things somewhere; start it with "
+    "an rcssserver lets only a trainer move things; start it with "
     "server::coach_w_referee=1 and this world with parameters.trainer_port:=6001"
 )
 NO_SNAPSHOT = (

@@ -151,8 +151,8 @@ class Sighting:
 def together(sightings: Iterable[Sighting], mode: str) -> FullState | None:
     """Return the field as several players know it together; None if no player knows anything.
 
-    The ball is where the player that sees it from closest by locates it. Each of these players is
-    where it locates itself; every other player is where the player nearest to the ball locates it.
+    The ball's place is that which the player closest to it sees. Each of these players gives its
+    own place; the places of all others are those which the player nearest to the ball gives.
     """
     by_nearness = sorted(sightings, key=lambda sighting: sighting.ball_seen_from)
     states = [state for s in by_nearness if (state := s.state(mode)) is not None]

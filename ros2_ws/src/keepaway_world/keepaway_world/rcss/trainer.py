@@ -1,4 +1,4 @@
-"""The trainer's connection, which can put things somewhere."""
+"""The trainer's connection, which can move things."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """A keeper that goes to where the ball is, not to where it will be.
 
-Modelled on a keeper recorded on the real simulator. It is simple enough to derive all of its
-decisions from the recording, so its figures here and there compare only the worlds: `ServoKeeper`
-repeats 623 of its 629 commands.
+Modelled on a keeper recorded on the real simulator, simple enough to derive its rules from the
+recording: `ServoKeeper` repeats 623 of its 629 commands. So where its results differ from those on
+the real simulator, the worlds differ.
 """
 
 from __future__ import annotations
