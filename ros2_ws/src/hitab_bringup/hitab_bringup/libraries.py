@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import tempfile
 from pathlib import Path
@@ -9,6 +10,9 @@ from pathlib import Path
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
 from hitab_commander import KIND_FILE, ORDERS_FILE, kind_text
+
+LIBRARIES = "libraries.json"
+"""File in a run folder: the library of each agent, by name."""
 
 
 def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
@@ -37,12 +41,23 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
     """
     fill_libraries(swarm, folder)
     write_rosters(swarm, folder)
+    used = {member.name: str(library_of(member, folder)) for member in swarm.members}
+    (folder / LIBRARIES).write_text(json.dumps(used, indent=1) + "\n", encoding="utf-8")
     for commander in swarm.commanders:
         text = kind_text(commander.kind)
         for file in (kind_file(commander, folder), library_of(commander, folder) / KIND_FILE):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
         (folder / "state" / commander.name / ORDERS_FILE).unlink(missing_ok=True)
+
+
+def libraries_of(folder: Path) -> dict[str, Path]:
+    """Return the library of each agent of the swarm that is up, or was last, in a run folder."""
+    try:
+        used = json.loads((folder / LIBRARIES).read_text(encoding="utf-8"))
+        return {agent: Path(library) for agent, library in used.items()}
+    except (OSError, ValueError, AttributeError, TypeError):
+        return {}
 
 
 def copy_library(source: Path, destination: Path) -> None:

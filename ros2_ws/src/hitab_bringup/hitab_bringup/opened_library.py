@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from hitab_commander import KIND_FILE, read_kind
@@ -17,20 +18,35 @@ def open_library(folder: Path) -> BehaviorLibrary:
     A library of commanders also has a file that describes their kind.
 
     Raises:
-        LibraryError: if there is no folder, or no behavior in it.
+        LibraryError: if there is no folder, or no file in it that names its domain.
         VocabularyError: if its domain is not installed.
     """
     if not folder.is_dir():
         raise LibraryError(f"{folder}: there is no such library folder")
-    name = None
-    for path in sorted(folder.glob(f"*{SUFFIX}")):
-        name = name or _domain_of(path)
     kind = folder / KIND_FILE
     if kind.exists():
         return BehaviorLibrary(folder, commander_domain(read_kind(kind)))
+    name = domain_in(folder)
     if name is None:
-        raise LibraryError(f"{folder}: has no behaviors (files whose names end in {SUFFIX})")
+        raise LibraryError(_without_domain(folder))
     return BehaviorLibrary(folder, load_domain(name))
+
+
+def domain_in(folder: Path) -> str | None:
+    """Return the name of a library's domain; None if no file in it says so.
+
+    That of a library of commanders is the name of their kind.
+    """
+    kind = folder / KIND_FILE
+    if kind.exists():
+        return read_kind(kind).name
+    return next(filter(None, map(_domain_of, _behavior_files(folder))), None)
+
+
+def _behavior_files(folder: Path) -> Iterator[Path]:
+    """Yield the behavior files, then their kept versions, the newest first."""
+    yield from sorted(folder.glob(f"*{SUFFIX}"))
+    yield from sorted(folder.glob(f".versions/*/*{SUFFIX}"), reverse=True)
 
 
 def _domain_of(path: Path) -> str | None:
@@ -39,3 +55,15 @@ def _domain_of(path: Path) -> str | None:
     except (HitabError, TypeError, KeyError):
         return None  # another file may name it; loading reports what is wrong with this one
     return name if isinstance(name, str) else None
+
+
+def _without_domain(folder: Path) -> str:
+    """Return why a folder cannot be opened."""
+    wrong = []
+    for path in sorted(folder.glob(f"*{SUFFIX}")):
+        try:
+            open_yaml(path)
+            wrong.append(f"{path}: does not name its domain; restore it from a copy")
+        except LibraryError as error:
+            wrong.append(str(error))
+    return "\n".join(wrong) or f"{folder}: has no behaviors (files whose names end in {SUFFIX})"

@@ -38,19 +38,34 @@ def up(
         str, typer.Option(help="lockstep or realtime; overrides the description.")
     ] = "",
     paused: Annotated[bool, typer.Option("--paused", help="Start with the world paused.")] = False,
+    library: Annotated[
+        str | None,
+        typer.Option(
+            "--library",
+            "-l",
+            metavar="LIBRARY",
+            help="A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to "
+            "save to. Default: folders of their own, which are kept for the next start.",
+            show_default=False,
+        ),
+    ] = None,
     run_dir: RunDir = None,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
 
-    Waits until every agent and the world answer. Killed processes are restarted.
+    Waits until every agent and the world answer. Killed processes are restarted. What the agents
+    learn is kept: the next start of the swarm goes on with it.
 
     Examples:
 
       hitab up keepaway
 
+      hitab up keepaway --library my_library
+
       hitab up my_swarm.yaml --pace lockstep --paused
     """
     from hitab_bringup.bringing_up import bring_up
+    from hitab_bringup.library_choice import with_library
     from hitab_bringup.shipped import find_file
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
@@ -63,6 +78,8 @@ def up(
         description = description.with_world(pace=pace)
     if paused:
         description = description.with_world(paused=True)
+    if library:
+        description = with_library(description, library)
     folder = RunFolder.of_swarm(description.name, run_dir)
     began = time.monotonic()
     with console.progress(f"starting {description.name}") as advance:

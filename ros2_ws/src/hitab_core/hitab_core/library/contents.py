@@ -25,11 +25,13 @@ class Losses:
 
     Attributes:
         reasons: why, as a sentence, by name.
-        faults: one per cause: what is wrong, what else cannot be used for it, and the way out.
+        faults: one per cause: what is wrong, what it is needed for, and the way out.
+        ways_out: of the causes, by name.
     """
 
     reasons: Mapping[str, str] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
+    ways_out: Mapping[str, str] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
         """Return whether anything is lost."""
@@ -103,12 +105,13 @@ class Contents:
             others = concerned.setdefault(way[-1], [])
             if way[-1] != name:
                 others.append(name)
-        faults = []
+        faults, ways_out = [], {}
         for cause, others in concerned.items():
             also = f"; it is needed for {', '.join(others)}" if others else ""
             number = sound_version(cause) if cause in self.unreadable else None
-            faults.append(f"{reasons[cause]}{also}; {way_out(cause, folder, number)}")
-        return Losses(reasons, tuple(faults))
+            ways_out[cause] = way_out(cause, folder, number)
+            faults.append(f"{reasons[cause]}{also}; {ways_out[cause]}")
+        return Losses(reasons, tuple(faults), ways_out)
 
     def _lost_parts(self, domain: Domain) -> dict[str, list[str]]:
         """Return what is lost, hand-written automata included, each with its lost parts."""

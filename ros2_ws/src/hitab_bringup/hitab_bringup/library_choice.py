@@ -1,0 +1,198 @@
+"""Which library a person means: a folder, one of a swarm that was up, or a shipped one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from hitab_bringup.libraries import libraries_of
+from hitab_bringup.opened_library import domain_in
+from hitab_bringup.shipped import shipped_folders
+from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
+from hitab_client import DescriptionError, RunFolder, SwarmError
+from hitab_client.run_folder import running_swarms, state_home
+from hitab_core import LibraryError, did_you_mean, has
+from hitab_core.library import SUFFIX
+
+NAMED_MAX = 12
+"""Maximum number of libraries that an error names."""
+
+
+def named_library(text: str) -> Path:
+    """Return the library that a text names.
+
+    Args:
+        text: a folder; ``SWARM/LIBRARY``, kept for a swarm between its runs; or the name of a
+            shipped library.
+
+    Raises:
+        LibraryError: naming the libraries that there are.
+    """
+    path = Path(text).expanduser()
+    if path.is_dir():
+        return path
+    known = known_libraries()
+    if text in known:
+        return known[text]
+    raise LibraryError(
+        f'"{text}" is neither a folder nor a known library; {_listed(known)}'
+        f"{did_you_mean(text, known)}"
+    )
+
+
+def known_libraries() -> dict[str, Path]:
+    """Return the libraries that have a name: those of swarms, kept between runs, and shipped."""
+    return _of_swarms() | shipped_libraries()
+
+
+def _of_swarms() -> dict[str, Path]:
+    home = state_home()
+    return {
+        f"{path.parent.parent.name}/{path.name}": path
+        for path in sorted(home.glob("*/libraries/*"))
+        if path.is_dir() and holds_behaviors(path)
+    }
+
+
+def holds_behaviors(folder: Path) -> bool:
+    """Return whether a folder has any behavior files."""
+    return any(folder.glob(f"*{SUFFIX}"))
+
+
+def shipped_libraries() -> dict[str, Path]:
+    """Return the libraries that come with HiTAB, by name."""
+    folders = shipped_folders("libraries")
+    return {path.name: path for folder in folders for path in sorted(folder.iterdir())}
+
+
+def _listed(known: Mapping[str, Path]) -> str:
+    names = list(known)
+    more = len(names) - NAMED_MAX
+    shown = ", ".join(names[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
+    return f"there are {shown}"
+
+
+def library_of_agent(agent: str, folder: RunFolder, swarm: str) -> Path:
+    """Return the library of an agent of a swarm that is up.
+
+    Raises:
+        SwarmError: if the swarm has no such agent.
+    """
+    libraries = libraries_of(folder.path)
+    if agent not in libraries:
+        raise SwarmError(f'no agent "{agent}" in swarm {swarm} {has(libraries, agent)}')
+    return libraries[agent]
+
+
+def libraries_in_use(folder: RunFolder) -> dict[Path, list[str]]:
+    """Return the libraries of a swarm that is up, each with the agents that use it."""
+    found: dict[Path, list[str]] = {}
+    for agent, library in libraries_of(folder.path).items():
+        found.setdefault(library, []).append(agent)
+    return found
+
+
+def the_only_one(libraries: Mapping[Path, list[str]], swarm: str) -> Path:
+    """Return the only library of a swarm, or one that all the others equal.
+
+    Raises:
+        LibraryError: if they differ; naming an agent of each.
+    """
+    if len({_files(folder) for folder in libraries}) == 1:
+        return next(iter(libraries))
+    owners = [agents[0] for agents in libraries.values()]
+    raise LibraryError(
+        f"the libraries of swarm {swarm} differ; choose one with --agent {_some(owners)}"
+    )
+
+
+def none_chosen() -> LibraryError:
+    """Return an error for when no library is named and no swarm is up."""
+    return LibraryError(f"no swarm is up; choose a library with -l; {_listed(known_libraries())}")
+
+
+def _some(names: list[str]) -> str:
+    more = len(names) - NAMED_MAX
+    rest = f" or one of {more} more" if more > 0 else ""
+    return ", ".join(names[:NAMED_MAX]) + rest
+
+
+def _files(folder: Path) -> frozenset[tuple[str, bytes]]:
+    return frozenset((path.name, path.read_bytes()) for path in folder.glob(f"*{SUFFIX}"))
+
+
+def users_of(library: Path) -> list[tuple[str, list[str]]]:
+    """Return the swarms that are up and use a library, each with the agents that do."""
+    library = library.resolve()
+    found = []
+    for folder, record in running_swarms():
+        agents = [a for a, used in libraries_of(folder.path).items() if used == library]
+        if agents:
+            found.append((record.swarm, agents))
+    return found
+
+
+def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
+    """Return a swarm whose agents use a library, reading and saving there.
+
+    Commanders are left out, unless it is a library of commanders: then the commanders of that kind
+    use it. A folder that does not exist is a new library.
+
+    Args:
+        swarm: the swarm.
+        text: the library, see `named_library`.
+
+    Raises:
+        DescriptionError: if it belongs to no member of the swarm.
+        LibraryError: if it is a shipped one, into which nothing is saved.
+    """
+    folder = Path(text).expanduser()
+    if not folder.is_dir():
+        folder = known_libraries().get(text, folder)
+    folder = folder.resolve()
+    if folder in {path.resolve() for path in shipped_libraries().values()}:
+        raise LibraryError(
+            f"{folder} is shipped with HiTAB, and the agents would save into it; copy it, and "
+            "give the copy to --library"
+        )
+    domain = domain_in(folder) if folder.is_dir() else None
+    members = _members_of(swarm, domain)
+    if not members:
+        theirs = sorted({member.domain for member in swarm.members})
+        raise DescriptionError(
+            f'{folder}: its behaviors are of domain "{domain}", and no agent of swarm '
+            f'"{swarm.name}" is {has(theirs)}'
+        )
+
+    def given(member: AgentDescription) -> bool:
+        return member.name in members
+
+    return replace(
+        swarm,
+        agents=tuple(replace(a, library=folder) if given(a) else a for a in swarm.agents),
+        commanders=tuple(replace(c, library=folder) if given(c) else c for c in swarm.commanders),
+    )
+
+
+def _members_of(swarm: SwarmDescription, domain: str | None) -> set[str]:
+    """Return the names of those that a library is for; without a domain: of all agents.
+
+    Raises:
+        DescriptionError: if a new library would be for agents of several domains.
+    """
+    if domain is not None:
+        return {member.name for member in swarm.members if member.domain == domain}
+    domains = sorted({agent.domain for agent in swarm.agents})
+    if len(domains) > 1:
+        raise DescriptionError(
+            f'the agents of swarm "{swarm.name}" are of several domains {has(domains)} and cannot '
+            "share a new library; write `library:` for each of them in its description"
+        )
+    return {agent.name for agent in swarm.agents}
+
+
+def named(agents: Iterable[str]) -> str:
+    """Return some of the names of agents, for a sentence."""
+    names = list(agents)
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

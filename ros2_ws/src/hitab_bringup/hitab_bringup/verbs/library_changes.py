@@ -1,0 +1,261 @@
+"""Verbs that change libraries: restore, accept, delete, rename, export, import, reload."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.library_options import Agent, Library, Name, chosen_folder, opened
+from hitab_client import console
+from hitab_client.command_options import SwarmName
+from hitab_core import quantity
+
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="The file to write. Default: NAME.bundle.yaml here.",
+        show_default=False,
+    ),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add these verbs to the group."""
+    app.command()(restore)
+    app.command()(accept)
+    app.command()(delete)
+    app.command()(rename)
+    app.command()(export)
+    app.command("import")(import_)
+    app.command()(reload)
+
+
+def restore(
+    name: Name,
+    version: Annotated[int, typer.Argument(help="Number of the version; see the list.")],
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Make an earlier version of a behavior the newest one, also if it was deleted or damaged.
+
+    Example:
+
+      hitab library restore Keepaway 2 --agent keeper_1
+    """
+    there = opened(library, agent, swarm)
+    path = there.restore(name, version)
+    console.say(f"restored version {version} of {name} to {path}")
+    _tell_users(there.folder)
+
+
+def accept(path: Annotated[Path, typer.Argument(help="A behavior file.")]) -> None:
+    """Accept a behavior file that was edited by hand: check it and update its digests.
+
+    Example:
+
+      hitab library accept my_library/ApproachBall.hfa.yaml
+    """
+    from hitab_bringup.opened_library import open_library
+    from hitab_core.library import accept_edit
+
+    console.say(f"accepted {accept_edit(path, open_library(path.parent).domain)}")
+    _tell_users(path.parent)
+
+
+def delete(
+    name: Name,
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Delete it even if others can no longer be used then.")
+    ] = False,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Delete a behavior. Its versions are kept and can be restored.
+
+    Example:
+
+      hitab library delete Chase --agent keeper_1
+    """
+    from hitab_core import LibraryError
+
+    there = opened(library, agent, swarm)
+    try:
+        users = there.remove(name, anyway=anyway)
+    except LibraryError as error:
+        if anyway or "could no longer be used" not in str(error):
+            raise
+        raise LibraryError(f"{error}, or give --anyway") from None
+    console.say(f"deleted {name} from {there.folder}")
+    if users:
+        console.say(f"{', '.join(users)} cannot be used until there is another {name}")
+    numbers = there.versions(name)
+    if numbers:
+        kept = quantity(len(numbers), "version")
+        at = shlex.quote(str(there.folder))
+        console.say(
+            f"kept {kept}; `hitab library restore {name} {numbers[-1]} -l {at}` brings the last "
+            "one back"
+        )
+    _tell_users(there.folder)
+
+
+def rename(
+    name: Name,
+    new: Annotated[str, typer.Argument(help="Its new name.")],
+    with_users: Annotated[
+        bool, typer.Option("--with-users", help="Rename it in the behaviors that use it, too.")
+    ] = False,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Rename a behavior, and on request in what uses it: all or nothing.
+
+    Swarm descriptions, lessons and kinds of commanders that name it stay as they are.
+
+    Example:
+
+      hitab library rename Chase ChaseBall --with-users --agent keeper_1
+    """
+    there = opened(library, agent, swarm)
+    users, otherwise = there.rename(name, new, with_users=with_users)
+    console.say(f"renamed {name} to {new} in {there.folder}")
+    if users:
+        console.say(f"changed {', '.join(users)}, which {_use(users)} it")
+    for user in otherwise:
+        console.note(
+            f"{user} decides differently now, where its examples contradict each other; see "
+            f"`hitab library diff {user} -l {shlex.quote(str(there.folder))}`"
+        )
+    _tell_users(there.folder)
+
+
+def _use(users: list[str]) -> str:
+    return "uses" if len(users) == 1 else "use"
+
+
+def export(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(help="The behaviors; what they are made of comes along. Default: all."),
+    ] = None,
+    output: Output = None,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Write behaviors, and everything they are made of, to one file.
+
+    Examples:
+
+      hitab library export Keepaway --agent keeper_1
+
+      hitab library export -l my_library -o trained.bundle.yaml
+    """
+    from hitab_core.library import bundle_text
+    from hitab_core.library.durable_files import file_errors, write_durably
+
+    there = opened(library, agent, swarm)
+    there.load()
+    wanted = names or there.names()
+    text = bundle_text(there.files, wanted, there.domain.name)
+    path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
+    with file_errors(path, "write"):
+        write_durably(path, text.encode())
+    console.say(f"wrote {', '.join(wanted)} and what they are made of to {path}")
+
+
+def import_(
+    file: Annotated[Path, typer.Argument(help="A file that `hitab library export` wrote.")],
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only say what it would replace.")
+    ] = False,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Read behaviors from a file into a library: all or none. What they replace is kept.
+
+    A folder that does not exist is a new library.
+
+    Examples:
+
+      hitab library import Keepaway.bundle.yaml -l my_library --dry-run
+
+      hitab library import Keepaway.bundle.yaml --agent keeper_1
+    """
+    from hitab_bringup.opened_library import domain_in, open_library
+    from hitab_core import BehaviorLibrary, load_domain
+    from hitab_core.library import read_bundle_file, read_bundled
+
+    bundle = read_bundle_file(file)
+    folder = chosen_folder(library, agent, swarm, new=True)
+    there = (
+        BehaviorLibrary(folder, load_domain(bundle.domain))
+        if not folder.is_dir() or domain_in(folder) is None
+        else open_library(folder)
+    )
+    read = read_bundled(bundle, there.editions)
+    would = "would be " if dry_run else ""
+    with there.change() as change:
+        changed = change.install(bundle.texts)
+        replaced = {name: change.replaced(name) for name in changed}
+        if not dry_run:
+            change.commit()
+    for behavior in read:
+        if behavior.name not in changed:
+            console.say(f"{behavior.name}: the same is there already")
+        elif replaced[behavior.name]:
+            console.say(f"{behavior.name}: {would}{replaced[behavior.name]}")
+        else:
+            console.say(f"{behavior.name}: {would}new")
+    if changed and not dry_run:
+        console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
+        _tell_users(folder)
+
+
+def reload(
+    agents: Annotated[
+        list[str] | None, typer.Argument(help="The agents. Default: all of the swarm.")
+    ] = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Have agents read their libraries again, after a change by other means.
+
+    What an agent performs begins again at Start.
+
+    Example:
+
+      hitab library reload keeper_1
+    """
+    from hitab_client import SwarmError
+
+    with connection(swarm) as swarm_up:
+        wrong = []
+        for agent in agents or swarm_up.agents.await_agents():
+            try:
+                console.say(f"{agent}: {swarm_up.agents.load_library(agent).message}")
+            except SwarmError as error:
+                wrong.append(str(error))
+    if wrong:
+        raise SwarmError("\n".join(wrong))
+
+
+def _tell_users(folder: Path) -> None:
+    """Say which agents use a library that has changed."""
+    from hitab_bringup.library_choice import named, users_of
+
+    for swarm, agents in users_of(folder):
+        console.say(
+            f"{named(agents)} of swarm {swarm} {'uses' if len(agents) == 1 else 'use'} this "
+            f"library, as it was; `hitab library reload --swarm {swarm}` has them read it again"
+        )

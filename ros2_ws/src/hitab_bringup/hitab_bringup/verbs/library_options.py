@@ -1,0 +1,83 @@
+"""Options and arguments of the verbs for libraries, and the library that they mean."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from hitab_client import console
+
+Library = Annotated[
+    str | None,
+    typer.Option(
+        "--library",
+        "-l",
+        metavar="LIBRARY",
+        envvar="HITAB_LIBRARY",
+        help="A folder, SWARM/LIBRARY of a swarm that was up, or a shipped library. Default: that "
+        "of the swarm that is up.",
+        show_default=False,
+    ),
+]
+Agent = Annotated[
+    str | None,
+    typer.Option("--agent", help="The agent whose library to use; its swarm must be up."),
+]
+Name = Annotated[str, typer.Argument(help="Name of a behavior.")]
+
+
+def opened(library: str | None, agent: str | None, swarm: str | None = None) -> Any:
+    """Return the library that the options mean; see `chosen_folder`."""
+    from hitab_bringup.opened_library import open_library
+
+    return open_library(chosen_folder(library, agent, swarm))
+
+
+def chosen_folders(library: str | None, agent: str | None, swarm: str | None) -> list[Path]:
+    """Return the folders that the options mean: without any, all of the swarm that is up."""
+    from hitab_bringup import library_choice as choice
+    from hitab_client.domain_ids import chosen_by_user
+    from hitab_client.swarm_choice import find_meant
+
+    found = None if library or agent else find_meant(swarm, chosen_by_user())
+    if found is None:
+        return [chosen_folder(library, agent, swarm)]
+    # A library to which nothing was saved yet has nothing to check.
+    return [f for f in choice.libraries_in_use(found[0]) if choice.holds_behaviors(f)]
+
+
+def chosen_folder(
+    library: str | None, agent: str | None, swarm: str | None, *, new: bool = False
+) -> Path:
+    """Return the folder of the library that the options mean.
+
+    Args:
+        library: a folder or a name, see `hitab_bringup.library_choice.named_library`.
+        agent: of the swarm that is up.
+        swarm: the swarm, if several are up.
+        new: whether a folder that does not exist may be meant.
+
+    Raises:
+        LibraryError, SwarmError: if there is none, or several; naming those that there are.
+    """
+    from hitab_bringup import library_choice as choice
+    from hitab_client.domain_ids import chosen_by_user
+    from hitab_client.swarm_choice import find_meant
+
+    if library is not None:
+        if new and library not in choice.known_libraries():
+            return Path(library).expanduser()
+        return choice.named_library(library)
+    found = find_meant(swarm, chosen_by_user())
+    if found is None:
+        raise choice.none_chosen()
+    folder, record = found
+    if agent is not None:
+        return choice.library_of_agent(agent, folder, record.swarm)
+    libraries = choice.libraries_in_use(folder)
+    chosen = choice.the_only_one(libraries, record.swarm)
+    if len(libraries) > 1:
+        console.note(f"the library of {libraries[chosen][0]}, which the others of the swarm equal")
+    return chosen

@@ -1,0 +1,277 @@
+"""`hitab library`: which library is meant, and what is done to it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from hitab_bringup import read_swarm
+from hitab_bringup.libraries import prepare
+from hitab_bringup.library_choice import known_libraries, with_library
+from hitab_bringup.main import make_app
+from hitab_bringup.shipped import find_file, shipped
+from hitab_client import DescriptionError, RunFolder, RunRecord
+from hitab_core import BehaviorLibrary, LibraryError, load_domain
+
+KEEPAWAY = ["ApproachBall", "ControlBall", "GotoBall", "Keepaway"]
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Keep away from the user's own swarms."""
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.delenv("HITAB_LIBRARY", raising=False)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path / "home"
+
+
+@pytest.fixture
+def lib(tmp_path: Path) -> Path:
+    """Return a library of one's own: the shipped one of soccer."""
+    folder = tmp_path / "lib"
+    shutil.copytree(shipped("libraries", "keepaway"), folder)
+    return folder
+
+
+def hitab(*arguments: str) -> Any:
+    return CliRunner().invoke(make_app(), list(arguments), env={"COLUMNS": "300", "TERM": "dumb"})
+
+
+def said(result: Any) -> str:
+    return re.sub(r"\s+", " ", result.output)
+
+
+def done(*arguments: str) -> str:
+    result = hitab(*arguments)
+    assert result.exit_code == 0, result.output
+    return said(result)
+
+
+def refused(*arguments: str) -> str:
+    result = hitab(*arguments)
+    assert result.exit_code == 1, result.output
+    return said(result)
+
+
+def run_before(home: Path, swarm: str = "keepaway_trained") -> RunFolder:
+    """Make what a swarm leaves behind, as if it had been up."""
+    description = read_swarm(find_file(swarm, "swarms", "swarm"))
+    folder = RunFolder(home / description.name)
+    folder.prepare()
+    prepare(description, folder.path)
+    return folder
+
+
+@pytest.fixture
+def up(home: Path, monkeypatch: pytest.MonkeyPatch) -> RunFolder:
+    """Have a swarm be up, as far as the registry knows."""
+    folder = run_before(home)
+    record = RunRecord(
+        "keepaway_trained", "", 7, "", ("keeper_1", "keeper_2", "keeper_3"), True, 1, "", "k-1"
+    )
+    folder.write(record, register=True)
+    monkeypatch.setattr(RunFolder, "supervisor", lambda self, record: object())
+    return folder
+
+
+def library_of(folder: Path) -> BehaviorLibrary:
+    return BehaviorLibrary(folder, load_domain("keepaway"))
+
+
+# -- which library ----------------------------------------------------------------------------
+
+
+def test_with_nothing_up_and_none_named_it_says_which_libraries_there_are(home: Path) -> None:
+    run_before(home)
+    text = refused("library", "list")
+    assert "no swarm is up; choose a library with -l; there are" in text
+    assert "keepaway_trained/keeper_1, keepaway_trained/keeper_2" in text
+    assert "foraging" in text
+    assert "ApproachBall" not in text
+
+
+@pytest.mark.parametrize("name", ["keepaway_trained/keeper_2", "keepaway", "lib", "./lib"])
+def test_a_library_is_named_by_its_folder_its_swarm_or_the_name_that_it_ships_with(
+    home: Path, lib: Path, name: str
+) -> None:
+    run_before(home)
+    assert "ApproachBall" in done("library", "list", "-l", name)
+
+
+def test_a_name_that_is_none_gets_the_closest_one(home: Path) -> None:
+    text = refused("library", "list", "-l", "keepawy")
+    assert '"keepawy" is neither a folder nor a known library' in text
+    assert 'Did you mean "keepaway"?' in text
+
+
+def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_same(
+    up: RunFolder,
+) -> None:
+    text = done("library", "show", "ApproachBall")
+    assert "the library of keeper_1, which the others of the swarm equal" in text
+    library_of(up.path / "libraries" / "keeper_2").remove("Keepaway")
+    text = refused("library", "show", "ApproachBall")
+    assert "the libraries of swarm keepaway_trained differ" in text
+    assert "--agent keeper_1, keeper_2, keeper_3" in text
+    assert "Keepaway" not in done("library", "list", "--agent", "keeper_2")
+    assert 'Did you mean "keeper_2"?' in refused("library", "list", "--agent", "keper_2")
+
+
+def test_all_libraries_of_the_swarm_that_is_up_are_checked(up: RunFolder) -> None:
+    assert done("library", "check").count("nothing is wrong") == 3
+    (up.path / "libraries" / "keeper_2" / "GotoBall.hfa.yaml").write_text("nothing")
+    text = refused("library", "check")
+    assert text.count("nothing is wrong") == 2
+    assert "GotoBall.hfa.yaml:1: " in text
+    where = up.path / "libraries" / "keeper_2"
+    assert f"`hitab library delete GotoBall -l {where}`" in text
+
+
+def test_a_library_whose_only_file_is_damaged_is_not_called_empty(tmp_path: Path) -> None:
+    folder = tmp_path / "one"
+    folder.mkdir()
+    (folder / "Chase.hfa.yaml").write_text("name: [")
+    assert "one/Chase.hfa.yaml:2: not YAML" in refused("library", "check", "-l", "one")
+
+
+def test_a_library_whose_only_file_is_damaged_can_be_restored(lib: Path) -> None:
+    for name in ("Keepaway", "ControlBall", "GotoBall", "ApproachBall"):
+        library_of(lib).remove(name)
+    (lib / "ApproachBall.hfa.yaml").write_text("nothing")
+    assert "restore ApproachBall 1" in refused("library", "check", "-l", "lib")
+    done("library", "restore", "ApproachBall", "1", "-l", "lib")
+    assert sorted(library_of(lib).load()) == ["ApproachBall"]
+
+
+def test_showing_a_behavior_that_is_lost_says_why(lib: Path) -> None:
+    (lib / "GotoBall.hfa.yaml").write_text("nothing")
+    assert 'uses behavior "GotoBall", which cannot be used itself' in refused(
+        "library", "show", "ControlBall", "-l", "lib"
+    )
+
+
+# -- changing ---------------------------------------------------------------------------------
+
+
+def test_what_others_use_is_deleted_only_on_request(lib: Path) -> None:
+    text = refused("library", "delete", "GotoBall", "-l", "lib")
+    assert "ControlBall, Keepaway could no longer be used" in text
+    assert "or give --anyway" in text
+    text = done("library", "delete", "GotoBall", "--anyway", "-l", "lib")
+    assert "ControlBall cannot be used until there is another GotoBall" in text
+    command = re.search(r"`hitab (library restore GotoBall 1 -l \S+)`", text)
+    assert command
+    done(*command[1].split())
+    assert sorted(library_of(lib).load()) == KEEPAWAY
+
+
+def test_a_behavior_is_renamed_in_what_uses_it(lib: Path) -> None:
+    assert "give --with-users" in refused("library", "rename", "GotoBall", "Reach", "-l", "lib")
+    text = done("library", "rename", "GotoBall", "Reach", "--with-users", "-l", "lib")
+    assert "renamed GotoBall to Reach" in text
+    assert "changed ControlBall, which uses it" in text
+    assert sorted(library_of(lib).load()) == ["ApproachBall", "ControlBall", "Keepaway", "Reach"]
+
+
+def test_what_is_exported_is_imported_elsewhere_with_what_it_is_made_of(
+    lib: Path, tmp_path: Path
+) -> None:
+    text = done("library", "export", "GotoBall", "-l", "lib")
+    assert "wrote GotoBall and what they are made of to GotoBall.bundle.yaml" in text
+    text = done("library", "import", "GotoBall.bundle.yaml", "-l", "new")
+    assert "ApproachBall: new GotoBall: new imported 2 behaviors into new" in text
+    assert sorted(library_of(tmp_path / "new").load()) == ["ApproachBall", "GotoBall"]
+    text = done("library", "import", "GotoBall.bundle.yaml", "-l", "new")
+    assert "ApproachBall: the same is there already" in text
+    assert "imported" not in text
+
+
+def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: Path) -> None:
+    done("library", "export", "-l", "lib", "-o", "all.yaml")
+    other = tmp_path / "other"
+    shutil.copytree(lib, other)
+    path = other / "Keepaway.hfa.yaml"
+    path.write_text(path.read_text().replace('description: "', 'description: "Ours. '))
+    assert "accepted other/Keepaway.hfa.yaml" in done(
+        "library", "accept", "other/Keepaway.hfa.yaml"
+    )
+    number = library_of(other).versions("Keepaway")[-1]
+    replaced = f"version {number + 1}, replaces version {number} (8 examples)"
+    before = {path: path.read_bytes() for path in other.rglob("*") if path.is_file()}
+    text = done("library", "import", "all.yaml", "-l", "other", "--dry-run")
+    assert f"Keepaway: would be {replaced}" in text
+    assert {path: path.read_bytes() for path in other.rglob("*") if path.is_file()} == before
+    assert f"Keepaway: {replaced}" in done("library", "import", "all.yaml", "-l", "other")
+
+
+def test_a_damaged_export_changes_nothing(lib: Path, tmp_path: Path) -> None:
+    done("library", "export", "-l", "lib", "-o", "all.yaml")
+    path = tmp_path / "all.yaml"
+    path.write_text(path.read_text().replace("GoFast", "GoSlow", 1))
+    assert "its digest does not fit" in refused("library", "import", "all.yaml", "-l", "new")
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_again(
+    up: RunFolder,
+) -> None:
+    text = done("library", "delete", "Keepaway", "--agent", "keeper_2")
+    assert "keeper_2 of swarm keepaway_trained uses this library, as it was" in text
+    assert "`hitab library reload --swarm keepaway_trained` has them read it again" in text
+
+
+# -- for a swarm ------------------------------------------------------------------------------
+
+
+def swarm(name: str) -> Any:
+    return read_swarm(find_file(name, "swarms", "swarm"))
+
+
+def test_a_swarm_can_use_a_library_for_all_its_agents(lib: Path, home: Path) -> None:
+    description = with_library(swarm("keepaway"), "lib")
+    assert {agent.library for agent in description.agents} == {lib}
+    prepare(description, home)
+    assert sorted(library_of(lib).load()) == KEEPAWAY
+
+
+def test_what_a_swarm_learned_before_can_be_used_by_another(home: Path) -> None:
+    before = run_before(home)
+    description = with_library(swarm("keepaway"), "keepaway_trained/keeper_1")
+    assert {a.library for a in description.agents} == {before.path / "libraries" / "keeper_1"}
+
+
+def test_a_new_folder_is_filled_as_the_description_says(tmp_path: Path, home: Path) -> None:
+    description = with_library(swarm("keepaway_trained"), "mine")
+    prepare(description, home)
+    assert sorted(library_of(tmp_path / "mine").load()) == KEEPAWAY
+
+
+def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:
+    with pytest.raises(DescriptionError, match=r'of domain "keepaway", and no agent .* foraging'):
+        with_library(swarm("foraging"), "lib")
+    description = with_library(swarm("keepaway_captain"), "lib")
+    assert [c.library for c in description.commanders] == [None]
+
+
+def test_a_library_of_commanders_is_for_those_of_its_kind(tmp_path: Path) -> None:
+    folder = tmp_path / "squad"
+    shutil.copytree(shipped("libraries", "foraging_squad"), folder)
+    description = with_library(swarm("foraging_commanders"), "squad")
+    assert {c.library for c in description.commanders} == {folder}
+    assert {a.library for a in description.agents} == {None}
+
+
+def test_nothing_is_saved_into_a_shipped_library() -> None:
+    with pytest.raises(LibraryError, match="is shipped with HiTAB"):
+        with_library(swarm("keepaway"), "keepaway")
+
+
+def test_libraries_without_behaviors_are_not_listed(home: Path) -> None:
+    run_before(home, "keepaway")
+    assert not any(name.startswith("keepaway/") for name in known_libraries())
