@@ -26,7 +26,7 @@ STATE_COLORS = (
     "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
     "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
 )  # fmt: skip
-"""As in static/field.js."""
+"""As in static/drawing.js."""
 
 SHAPES = {
     msg.Look.DISC: Marker.CYLINDER,

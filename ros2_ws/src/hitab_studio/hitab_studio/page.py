@@ -70,6 +70,7 @@ class Page:
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(Panel("overlay"))
+                ui.element("div").props('id="field-told" role="status"').classes("unseen")
         ui.on("studio", lambda event: self._wishes.add(event.args))
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)

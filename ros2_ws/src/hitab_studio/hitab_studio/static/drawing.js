@@ -1,0 +1,296 @@
+// Draws the field: the ground, what is in it, what is said, and what lies beyond the view.
+import { Labels } from "./labels.js";
+
+// As in markers.py.
+export const STATE_COLORS = [
+  "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
+  "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
+];
+const NAMED = 26; // things; with more, names are shown for chosen ones only
+export const MANY = 120; // things; with more, they are drawn smaller
+const HANDLE = 24; // px; from a thing's edge to the knob that turns it
+const EDGE = 15; // px; from the edge of the view to the middle of an arrow
+
+export function draw(field) {
+  const { context: c, now } = field;
+  if (!field.width) return;
+  const time = performance.now();
+  field.drawn += 1;
+  c.setTransform(field.ratio, 0, 0, field.ratio, 0, 0);
+  c.clearRect(0, 0, field.width, field.height);
+  const footer = drawGround(field, c);
+  if (!now) return;
+  const at = (time - now.at) / now.gap;
+  const screen = new Float32Array(3 * now.n);
+  for (let i = 0; i < now.n; i++) {
+    const [x, y, heading] = field.place(i, at);
+    const [px, py] = field.toScreen(x, y);
+    screen.set([px, py, heading], 3 * i);
+  }
+  if (field.trails) drawTrails(field, c);
+  drawOrders(field, c, screen, time);
+  drawThings(field, c, screen);
+  drawHandles(field, c, screen);
+  drawNames(field, c, screen, footer);
+  drawCalls(field, c, screen, time);
+  drawArrows(field, c, screen);
+  if (at < 1 || field.calls.length || field.orders.length) field.redraw();
+}
+
+// Returns the box of the text below the ground.
+function drawGround(field, c) {
+  const [w, h] = field.roster.size;
+  const [left, top] = field.toScreen(-w / 2, h / 2);
+  const { scale } = field.view;
+  const [width, height] = [w * scale, h * scale];
+  c.fillStyle = field.colors.field;
+  c.fillRect(left, top, width, height);
+  c.lineWidth = 1;
+  c.strokeStyle = field.colors.grid;
+  const step = [1, 2, 5, 10, 20, 50, 100, 200].find((s) => s * scale >= 42) || 500;
+  c.beginPath();
+  for (let x = Math.ceil(-w / 2 / step) * step; x <= w / 2; x += step) {
+    const px = Math.round(field.toScreen(x, 0)[0]) + 0.5;
+    c.moveTo(px, top);
+    c.lineTo(px, top + height);
+  }
+  for (let y = Math.ceil(-h / 2 / step) * step; y <= h / 2; y += step) {
+    const py = Math.round(field.toScreen(0, y)[1]) + 0.5;
+    c.moveTo(left, py);
+    c.lineTo(left + width, py);
+  }
+  c.stroke();
+  c.strokeStyle = field.colors.line;
+  c.lineWidth = 1.5;
+  c.strokeRect(left, top, width, height);
+  if (!field.now) return null;
+  c.fillStyle = field.colors.faint;
+  c.font = `11px ${field.font}`;
+  c.textAlign = "right";
+  c.textBaseline = "top";
+  const text = `${w.toFixed(0)} × ${h.toFixed(0)} m · grid ${step} m`;
+  c.fillText(text, left + width, top + height + 4);
+  const wide = c.measureText(text).width;
+  return [left + width - wide, top + height + 4, wide, 13];
+}
+
+export function fill(field, i) {
+  const color = field.now.colors[i];
+  return color !== 255 ? STATE_COLORS[color] : field.looks[i].color;
+}
+
+function drawThings(field, c, screen) {
+  const { now } = field;
+  const many = now.n > MANY;
+  for (const i of field.order) {
+    const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
+    if (px < -30 || py < -30 || px > field.width + 30 || py > field.height + 30) continue;
+    const radius = field.radius(i);
+    const look = field.looks[i];
+    const mode = now.modes[i];
+    if (mode === 3 || mode === 4) {
+      c.strokeStyle = mode === 3 ? field.colors.training : field.colors.testing;
+      c.lineWidth = 3;
+      c.beginPath();
+      c.arc(px, py, radius + 4.5, 0, 2 * Math.PI);
+      c.stroke();
+    }
+    c.fillStyle = fill(field, i);
+    c.globalAlpha = look.opacity;
+    c.beginPath();
+    if (look.shape === "square") c.rect(px - radius, py - radius, 2 * radius, 2 * radius);
+    else if (look.faces && many) dart(c, px, py, 1.5 * radius, -heading);
+    else c.arc(px, py, radius, 0, 2 * Math.PI);
+    c.fill();
+    c.globalAlpha = 1;
+    if (look.shape === "ball") {
+      c.strokeStyle = field.colors.ink;
+      c.lineWidth = 1;
+      c.stroke();
+    }
+    if (look.faces && !many) {
+      c.strokeStyle = field.colors.ink;
+      c.lineWidth = 2;
+      c.lineCap = "round";
+      c.beginPath();
+      c.moveTo(px + 0.35 * radius * Math.cos(heading), py - 0.35 * radius * Math.sin(heading));
+      c.lineTo(px + 1.65 * radius * Math.cos(heading), py - 1.65 * radius * Math.sin(heading));
+      c.stroke();
+    }
+    const chosen = field.chosen.has(field.roster.names[i]);
+    if (chosen || i === field.hovered) {
+      c.strokeStyle = chosen ? field.colors.accent : field.colors.faint;
+      c.lineWidth = 2;
+      c.setLineDash(chosen ? [] : [3, 3]);
+      c.beginPath();
+      c.arc(px, py, radius + (mode > 2 ? 8.5 : 5), 0, 2 * Math.PI);
+      c.stroke();
+      c.setLineDash([]);
+    }
+  }
+}
+
+// An arrowhead: among many, robots differ from round things by it, and show where they look.
+function dart(c, x, y, size, angle) {
+  const corner = (turn, away) => [
+    x + away * size * Math.cos(angle + turn),
+    y + away * size * Math.sin(angle + turn),
+  ];
+  c.moveTo(...corner(0, 1.25));
+  c.lineTo(...corner(2.45, 1));
+  c.lineTo(...corner(Math.PI, 0.35));
+  c.lineTo(...corner(-2.45, 1));
+  c.closePath();
+}
+
+// The knobs by which a finger or a mouse turns what is chosen.
+function drawHandles(field, c, screen) {
+  field.handles = [];
+  for (const name of field.chosen) {
+    const i = field.index?.get(name);
+    if (i === undefined || i >= field.now.n || !field.looks[i].faces) continue;
+    const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
+    const away = field.radius(i) + HANDLE;
+    const [x, y] = [px + away * Math.cos(heading), py - away * Math.sin(heading)];
+    field.handles.push({ i, x, y });
+    c.strokeStyle = field.colors.accent;
+    c.fillStyle = field.colors.paper;
+    c.lineWidth = 1.5;
+    c.beginPath();
+    c.moveTo(px + (away - 16) * Math.cos(heading), py - (away - 16) * Math.sin(heading));
+    c.lineTo(x, y);
+    c.stroke();
+    c.beginPath();
+    c.arc(x, y, 4.5, 0, 2 * Math.PI);
+    c.fill();
+    c.stroke();
+  }
+}
+
+function drawNames(field, c, screen, footer) {
+  const { now } = field;
+  const few = now.n <= NAMED;
+  const { names } = field.roster;
+  const important = (i) => (field.chosen.has(names[i]) ? 2 : i === field.hovered ? 1 : 0);
+  const wanted = [];
+  const labels = new Labels();
+  if (footer) labels.block(...footer);
+  for (let i = 0; i < now.n; i++) {
+    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
+    const radius = field.radius(i);
+    if (few) labels.block(px - radius, py - radius, 2 * radius, 2 * radius);
+    if ((few && field.looks[i].labelled) || important(i)) wanted.push(i);
+  }
+  wanted.sort((a, b) => important(b) - important(a) || a - b);
+  field.labels = [];
+  c.textAlign = "center";
+  c.textBaseline = "top";
+  for (const i of wanted) {
+    const chosen = field.chosen.has(names[i]);
+    c.font = `${chosen ? 600 : 400} 11px ${field.font}`;
+    const width = c.measureText(names[i]).width;
+    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
+    const gap = field.radius(i) + (now.modes[i] > 2 || chosen ? 10 : 7);
+    const place = labels.place(px, py, gap, width, 13, important(i) > 0);
+    if (!place) continue;
+    field.labels.push([...place, width, 13]);
+    c.fillStyle = chosen ? field.colors.ink : field.colors.faint;
+    c.fillText(names[i], place[0] + width / 2, place[1] + 1);
+  }
+}
+
+function drawTrails(field, c) {
+  c.lineWidth = 1.5;
+  for (const [i, trail] of field.trails) {
+    if (i >= field.now.n) continue;
+    c.strokeStyle = fill(field, i);
+    c.globalAlpha = 0.45;
+    c.beginPath();
+    trail.forEach(([x, y], k) => c[k ? "lineTo" : "moveTo"](...field.toScreen(x, y)));
+    c.stroke();
+  }
+  c.globalAlpha = 1;
+}
+
+function drawOrders(field, c, screen, time) {
+  field.orders = field.orders.filter((order) => order.until > time);
+  for (const order of field.orders) {
+    const ids = order.to.map((name) => field.index?.get(name)).filter((i) => i !== undefined);
+    if (!ids.length) continue;
+    const x = ids.reduce((sum, i) => sum + screen[3 * i], 0) / ids.length;
+    const y = ids.reduce((sum, i) => sum + screen[3 * i + 1], 0) / ids.length;
+    c.globalAlpha = Math.min(1, (order.until - time) / 900);
+    c.strokeStyle = field.colors.accent;
+    c.lineWidth = 1.2;
+    c.beginPath();
+    for (const i of ids) {
+      c.moveTo(x, y);
+      c.lineTo(screen[3 * i], screen[3 * i + 1]);
+    }
+    c.stroke();
+    if (field.orders.length <= 6) {
+      const { accent, paper } = field.colors;
+      bubble(field, c, `${order.from}: ${order.order}`, x, y, accent, paper);
+    }
+    c.globalAlpha = 1;
+  }
+}
+
+function drawCalls(field, c, screen, time) {
+  field.calls = field.calls.filter((call) => call.until > time && call.i < field.now.n);
+  for (const { i, text, until } of field.calls) {
+    c.globalAlpha = Math.min(1, (until - time) / 400);
+    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
+    const { ink, paper } = field.colors;
+    bubble(field, c, `“${text}”`, px, py - field.radius(i) - 16, ink, paper);
+    c.globalAlpha = 1;
+  }
+}
+
+function bubble(field, c, text, x, y, back, front) {
+  c.font = `600 11px ${field.font}`;
+  const width = c.measureText(text).width + 14;
+  c.fillStyle = back;
+  c.beginPath();
+  c.roundRect(x - width / 2, y - 10, width, 20, 10);
+  c.fill();
+  c.fillStyle = front;
+  c.textAlign = "center";
+  c.textBaseline = "middle";
+  c.fillText(text, x, y);
+}
+
+// At the edge of the view, where what moves by itself and is out of sight would be; among many,
+// only what is chosen.
+function drawArrows(field, c, screen) {
+  field.arrows = [];
+  const [top, bottom] = field.margins();
+  const [left, right] = [EDGE, field.width - EDGE - 38]; // beside the buttons
+  const [high, low] = [top - 16, field.height - bottom + 10];
+  const [mx, my] = [(left + right) / 2, (high + low) / 2];
+  for (let i = 0; i < field.now.n; i++) {
+    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
+    if (px >= 0 && py >= 0 && px <= field.width && py <= field.height) continue;
+    const name = field.roster.names[i];
+    const chosen = field.chosen.has(name);
+    const moves = field.looks[i].faces || field.looks[i].shape === "ball";
+    if (!chosen && (!moves || field.now.n > MANY)) continue;
+    const [dx, dy] = [px - mx, py - my];
+    const far = Math.max(Math.abs(dx) / (right - mx), Math.abs(dy) / (low - my));
+    const [x, y] = [mx + dx / far, my + dy / far];
+    field.arrows.push({ i, x, y });
+    c.fillStyle = fill(field, i);
+    c.strokeStyle = chosen ? field.colors.accent : field.colors.ink;
+    c.lineWidth = chosen ? 2 : 1;
+    c.beginPath();
+    dart(c, x, y, 9, Math.atan2(dy, dx));
+    c.fill();
+    c.stroke();
+    if (i !== field.hovered && !chosen) continue;
+    c.fillStyle = field.colors.ink;
+    c.font = `600 11px ${field.font}`;
+    c.textAlign = x > mx ? "right" : "left";
+    c.textBaseline = "middle";
+    c.fillText(name, x + (x > mx ? -14 : 14), y);
+  }
+}

@@ -1,0 +1,243 @@
+// What a person does in the field, with a mouse, fingers or the keyboard: chooses things, moves and
+// turns them, and looks closer.
+const FINGER = 16; // px; how far beside a thing a finger still touches it
+const HOLD_MS = 500; // a finger that stays for so long chooses several
+const STEP = 0.5; // m, of an arrow key; a fifth of it with Shift
+const TURN = Math.PI / 12; // of a key
+const SOON_MS = 1500;
+
+export function listen(field) {
+  const { canvas } = field;
+  const pointers = new Map();
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    field.zoom(Math.exp(-event.deltaY * 0.0015), event.offsetX, event.offsetY);
+  }, { passive: false });
+  canvas.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return; // a menu opens, or the page scrolls
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    if (pointers.size === 2) beginPinch(field, pointers);
+    else beginDrag(field, event);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    if (field.pinch) movePinch(field, pointers);
+    else if (field.drag) moveDrag(field, event);
+    else hover(field, event);
+  });
+  const end = (event) => {
+    if (!pointers.delete(event.pointerId)) return;
+    if (field.pinch) field.pinch = pointers.size ? field.pinch : null;
+    else if (field.drag && event.type === "pointerup") endDrag(field, event);
+    else cancelDrag(field);
+  };
+  // Only letting go puts a thing somewhere. The capture is lost after each of the others, too,
+  // and alone when the page is left or something else takes the pointer.
+  for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) {
+    canvas.addEventListener(name, end);
+  }
+  canvas.addEventListener("contextmenu", (event) => event.pointerType === "touch" && event.preventDefault());
+  window.addEventListener("blur", () => cancelDrag(field));
+  canvas.addEventListener("dblclick", () => field.fit());
+  canvas.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || !byKey(field, event)) return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  document.addEventListener("click", (event) => {
+    if (event.target.closest("#trails")) field.toggleTrails();
+    else if (event.target.closest("#fit")) field.fit();
+    else if (event.target.closest("#zoom-in")) field.zoom(1.25);
+    else if (event.target.closest("#zoom-out")) field.zoom(0.8);
+  });
+}
+
+const near = (marks, px, py, within) =>
+  marks.find(({ x, y }) => Math.hypot(px - x, py - y) < within);
+
+function hover(field, event) {
+  const arrow = near(field.arrows, event.offsetX, event.offsetY, 14);
+  const found = arrow ? arrow.i : field.thingAt(event.offsetX, event.offsetY);
+  if (found !== field.hovered) {
+    field.hovered = found;
+    field.canvas.style.cursor = arrow ? "pointer" : found >= 0 ? "grab" : "default";
+    field.redraw();
+  }
+}
+
+function beginDrag(field, event) {
+  const from = [event.offsetX, event.offsetY];
+  const finger = event.pointerType === "touch";
+  const slack = finger ? FINGER : 6;
+  const arrow = near(field.arrows, ...from, 8 + slack);
+  const handle = near(field.handles, ...from, 5 + slack);
+  // A knob may lie on another thing: who touches a thing itself means the thing.
+  const thing = arrow ? -1 : field.thingAt(...from, handle ? 0 : slack);
+  const turning = thing < 0 ? !!handle : event.altKey;
+  const i = thing < 0 && handle ? handle.i : thing;
+  const starts = new Map();
+  if (i >= 0) {
+    const name = field.roster.names[i];
+    const together = field.chosen.has(name) ? [...field.chosen] : [name];
+    for (const other of together) {
+      const k = field.index.get(other);
+      if (k !== undefined) starts.set(k, [...field.now.places.subarray(3 * k, 3 * k + 2)]);
+    }
+  }
+  const drag = {
+    i, from, starts, turning, arrow, places: new Map(), headings: new Map(),
+    moved: false, least: finger ? 9 : 4, view: { ...field.view },
+  };
+  field.drag = drag;
+  if (finger && i >= 0 && !turning) {
+    drag.hold = setTimeout(() => {
+      if (field.drag !== drag || drag.moved) return;
+      cancelDrag(field);
+      window.studioTell("choose", { name: field.roster.names[i], more: true });
+    }, HOLD_MS);
+  }
+}
+
+function moveDrag(field, event) {
+  const { drag } = field;
+  const [dx, dy] = [event.offsetX - drag.from[0], event.offsetY - drag.from[1]];
+  if (!drag.moved && Math.hypot(dx, dy) < drag.least) return;
+  drag.moved = true;
+  field.canvas.style.cursor = "grabbing";
+  if (drag.i < 0) {
+    const { view } = drag;
+    field.view = { ...view, x: view.x + dx, y: view.y + dy, fitted: false };
+  } else if (drag.turning) {
+    const [x, y] = field.toField(event.offsetX, event.offsetY);
+    for (const [k, [x0, y0]] of drag.starts) drag.headings.set(k, Math.atan2(y - y0, x - x0));
+  } else {
+    const [w, h] = field.roster.size;
+    for (const [k, [x, y]] of drag.starts) {
+      const to = [x + dx / field.view.scale, y - dy / field.view.scale];
+      drag.places.set(k, [clamp(to[0], w / 2), clamp(to[1], h / 2)]);
+    }
+  }
+  field.redraw();
+}
+
+function endDrag(field, event) {
+  const { drag } = field;
+  const { names } = field.roster;
+  clearTimeout(drag.hold);
+  field.drag = null;
+  field.canvas.style.cursor = "default";
+  if (drag.arrow && !drag.moved) {
+    field.lookAt(drag.arrow.i);
+    window.studioTell("choose", { name: names[drag.arrow.i], more: event.shiftKey });
+  } else if (drag.i < 0) {
+    if (!drag.moved) window.studioTell("deselect");
+  } else if (!drag.moved) {
+    if (!drag.turning) window.studioTell("choose", { name: names[drag.i], more: event.shiftKey });
+  } else {
+    put(field, drag.places, drag.headings);
+  }
+  field.redraw();
+}
+
+// Shows things there at once, and tells the world, whose answer follows.
+function put(field, places, headings) {
+  const things = {};
+  const { names } = field.roster;
+  const shown = [field.now, field.before].filter(Boolean);
+  for (const [k, [x, y]] of places) {
+    things[names[k]] = { x, y, vx: 0, vy: 0 };
+    for (const moment of shown) moment.places.set([x, y], 3 * k);
+  }
+  for (const [k, heading] of headings) {
+    things[names[k]] = { ...things[names[k]], heading };
+    for (const moment of shown) moment.places[3 * k + 2] = heading;
+  }
+  window.studioTell("place", { things });
+}
+
+// Gives up a drag as if it had not begun; tells whether there was one.
+export function cancelDrag(field) {
+  const { drag } = field;
+  if (!drag) return false;
+  clearTimeout(drag.hold);
+  field.drag = null;
+  if (drag.i < 0 && drag.moved) field.view = drag.view;
+  field.canvas.style.cursor = "default";
+  field.redraw();
+  return true;
+}
+
+const MOVES = {
+  ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
+};
+
+// Does what a key means in the field; tells whether it means anything.
+function byKey(field, event) {
+  if (!field.now) return false;
+  const fine = event.shiftKey ? 0.2 : 1;
+  if (event.key === "PageDown" || event.key === "PageUp") {
+    chooseNext(field, event.key === "PageDown" ? 1 : -1);
+  } else if (event.key in MOVES) {
+    const [dx, dy] = MOVES[event.key].map((step) => fine * STEP * step);
+    const [w, h] = field.roster.size;
+    const to = ([x, y]) => [clamp(x + dx, w / 2), clamp(y + dy, h / 2)];
+    forChosen(field, (places, _, k, at) => places.set(k, to(at)));
+  } else if (event.key === "," || event.key === ".") {
+    const turn = (event.key === "," ? 1 : -1) * TURN;
+    forChosen(field, (_, headings, k, at) => headings.set(k, at[2] + turn));
+  } else {
+    return false;
+  }
+  field.redraw();
+  return true;
+}
+
+// A key that follows soon goes on from where the last one has put a thing: the world may show it there
+// only later.
+function forChosen(field, change) {
+  const [places, headings] = [new Map(), new Map()];
+  const now = performance.now();
+  if (!(now - field.keyed?.at < SOON_MS)) field.keyed = { things: new Map() };
+  field.keyed.at = now;
+  for (const name of field.chosen) {
+    const k = field.index.get(name);
+    if (k === undefined) continue;
+    const at = field.keyed.things.get(name) ?? [...field.now.places.subarray(3 * k, 3 * k + 3)];
+    change(places, headings, k, at);
+    const [x, y] = places.get(k) ?? at;
+    field.keyed.things.set(name, [x, y, headings.get(k) ?? at[2]]);
+  }
+  if (places.size || headings.size) put(field, places, headings);
+}
+
+function chooseNext(field, step) {
+  const { names } = field.roster;
+  const last = [...field.chosen].pop();
+  const here = last === undefined ? (step > 0 ? -1 : 0) : field.index.get(last) ?? -1;
+  const i = (here + step + names.length) % names.length;
+  window.studioTell("choose", { name: names[i] });
+  const [x, y] = field.now.places.subarray(3 * i, 3 * i + 2);
+  const told = document.getElementById("field-told");
+  if (told) told.textContent = `${names[i]}, x ${x.toFixed(1)} m, y ${y.toFixed(1)} m`;
+}
+
+function beginPinch(field, pointers) {
+  cancelDrag(field);
+  field.pinch = { apart: apart(pointers) };
+}
+
+function movePinch(field, pointers) {
+  if (pointers.size < 2) return;
+  const now = apart(pointers);
+  const [[ax, ay], [bx, by]] = [...pointers.values()];
+  field.zoom(now / field.pinch.apart, (ax + bx) / 2, (ay + by) / 2);
+  field.pinch.apart = now;
+}
+
+const clamp = (value, most) => Math.min(Math.max(value, -most), most);
+
+function apart(pointers) {
+  const [[ax, ay], [bx, by]] = [...pointers.values()];
+  return Math.max(1, Math.hypot(ax - bx, ay - by));
+}

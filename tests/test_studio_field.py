@@ -1,0 +1,188 @@
+"""Everything in the field is found, chosen, moved and turned: with a mouse, a finger or keys."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Any
+
+import pytest
+from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser
+
+
+def field(person: Person, what: str) -> Any:
+    return person.page.evaluate(f"(() => {{ const f = window.studioField; return {what}; }})()")
+
+
+def shown_at(person: Person, name: str, x: float, y: float) -> None:
+    person.waits_until(
+        lambda: math.dist(person.place_of(name), (x, y)) < 0.2, f"{name} is shown there"
+    )
+
+
+# -- seeing -----------------------------------------------------------------------------------
+
+
+@needs_browser
+def test_no_name_lies_on_another_one(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    crowd = {
+        name: {"x": 0.1 * i, "y": 0.15 * i, "vx": 0.0, "vy": 0.0}
+        for i, name in enumerate(("keeper_1", "keeper_2", "keeper_3", "taker_1", "taker_2"))
+    }
+    swarm.world.changed(lambda: swarm.world.place(crowd))
+    shown_at(person, "taker_2", 0.4, 0.6)
+    person.waits_until(lambda: len(field(person, "f.labels")) >= 2, "some are named")
+    for (ax, ay, aw, ah), (bx, by, bw, bh) in combinations(field(person, "f.labels"), 2):
+        assert ax >= bx + bw or bx >= ax + aw or ay >= by + bh or by >= ay + ah
+
+
+@needs_browser
+def test_what_is_out_of_sight_has_an_arrow_that_leads_to_it(swarm, person):
+    away_from_everybody(swarm, 6.0)
+    shown_at(person, ONE, -6.0, 0.0)
+    field(person, "f.zoom(6, ...f.toScreen(8, 9))")
+    index = field(person, f"f.index.get('{ONE}')")
+    person.waits_until(
+        lambda: any(a["i"] == index for a in field(person, "f.arrows")), "it has an arrow"
+    )
+    arrow = next(a for a in field(person, "f.arrows") if a["i"] == index)
+    box = person.page.locator("canvas#field").bounding_box()
+    assert 0 < arrow["x"] < box["width"]
+    assert 0 < arrow["y"] < box["height"]
+    person.page.mouse.click(box["x"] + arrow["x"], box["y"] + arrow["y"])
+    person.sees("banner", ONE)
+    x, y = person.on_screen(*person.place_of(ONE))
+    assert box["x"] < x < box["x"] + box["width"]
+    assert box["y"] < y < box["y"] + box["height"]
+
+
+@needs_browser
+def test_the_field_stays_where_it_is_when_an_agent_is_chosen_and_trained(swarm, person):
+    away_from_everybody(swarm, 6.0)
+    before = field(person, "[f.width, f.height, f.view.scale, f.view.x, f.view.y]")
+    person.page.mouse.click(*person.on_screen(*person.place_of(TWO)))
+    person.sees("banner", TWO)
+    person.sees("behaviors")
+    swarm.agents.begin(TWO, "Still", features=["DistanceTo(ball)"], discard=True)
+    person.sees("mode", "Training")
+    person.page.wait_for_timeout(400)
+    assert field(person, "[f.width, f.height, f.view.scale, f.view.x, f.view.y]") == before
+
+
+# -- fingers ----------------------------------------------------------------------------------
+
+
+class Finger:
+    """A finger on the page."""
+
+    def __init__(self, page: Any) -> None:
+        self._page = page
+        self._cdp = page.context.new_cdp_session(page)
+
+    def _send(self, kind: str, *places: tuple[float, float]) -> None:
+        points = [{"x": x, "y": y} for x, y in places]
+        self._cdp.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    def taps(self, place: tuple[float, float]) -> None:
+        self._send("touchStart", place)
+        self._send("touchEnd")
+
+    def drags(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        self._send("touchStart", start)
+        for part in (0.25, 0.5, 0.75, 1.0):
+            x, y = (a + part * (b - a) for a, b in zip(start, end, strict=True))
+            self._send("touchMove", (x, y))
+        self._send("touchEnd")
+
+    def holds(self, place: tuple[float, float], until: Any) -> None:
+        self._send("touchStart", place)
+        until()
+        self._send("touchEnd")
+
+
+@pytest.fixture
+def tablet(chrome, url) -> Iterator[Person]:
+    """Somebody with a tablet that is held upright."""
+    context = chrome.new_context(viewport={"width": 820, "height": 1180}, has_touch=True)
+    someone = Person(context.new_page(), url)
+    someone.sees_field()
+    yield someone
+    context.close()
+    assert someone.complaints == []
+
+
+@needs_browser
+def test_a_finger_chooses_drags_and_turns(swarm, tablet):
+    away_from_everybody(swarm, 6.0)
+    shown_at(tablet, ONE, -6.0, 0.0)
+    finger = Finger(tablet.page)
+    x, y = tablet.on_screen(*tablet.place_of(ONE))
+    finger.taps((x + 10, y + 10))  # beside it, as fingers do
+    tablet.sees("banner", ONE)
+    finger.drags(tablet.on_screen(*tablet.place_of(ONE)), tablet.on_screen(-3.0, 4.0))
+    tablet.waits_until(lambda: abs(entity(swarm, ONE).x + 3.0) < 0.3, "it was moved")
+    shown_at(tablet, ONE, entity(swarm, ONE).x, entity(swarm, ONE).y)
+    tablet.waits_until(lambda: field(tablet, "f.handles.length") == 1, "it has a knob")
+    box = tablet.page.locator("canvas#field").bounding_box()
+    knob = field(tablet, "f.handles[0]")
+    start = (box["x"] + knob["x"], box["y"] + knob["y"])
+    place = entity(swarm, ONE)
+    finger.drags(start, tablet.on_screen(place.x, place.y + 5.0))
+    tablet.waits_until(
+        lambda: abs(entity(swarm, ONE).heading - math.pi / 2) < 0.2, "it was turned"
+    )
+    assert entity(swarm, ONE).x == pytest.approx(place.x, abs=0.05)
+
+
+@needs_browser
+def test_a_finger_that_stays_chooses_several(swarm, tablet):
+    away_from_everybody(swarm, 6.0)
+    shown_at(tablet, ONE, -6.0, 0.0)
+    finger = Finger(tablet.page)
+    finger.taps(tablet.on_screen(*tablet.place_of(ONE)))
+    tablet.sees("banner", ONE)
+    finger.holds(
+        tablet.on_screen(*tablet.place_of(TWO)),
+        lambda: tablet.waits_until(lambda: field(tablet, "f.chosen.size") == 2, "both are chosen"),
+    )
+    assert set(field(tablet, "[...f.chosen]")) == {ONE, TWO}
+
+
+@needs_browser
+def test_on_a_tablet_list_connection_and_episode_stay_in_sight(swarm, tablet):
+    tablet.click(f"agent-{ONE}")
+    tablet.sees("banner", ONE)
+    for part in (f'[data-test="agent-{ONE}"]', ".where", ".when", ".pane", "canvas#field"):
+        box = tablet.page.locator(part).bounding_box()
+        assert box is not None, part
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= 820
+        assert box["y"] + box["height"] <= 1180
+
+
+# -- the keyboard -----------------------------------------------------------------------------
+
+
+@needs_browser
+def test_the_keyboard_chooses_moves_and_turns_things(swarm, person):
+    away_from_everybody(swarm, 6.0)
+    shown_at(person, ONE, -6.0, 0.0)
+    keys = person.page.keyboard
+    person.page.focus("canvas#field")
+    for _ in range(len(field(person, "f.roster.names"))):
+        if field(person, "[...f.chosen]") == [ONE]:
+            break
+        before = field(person, "[...f.chosen]")
+        keys.press("PageDown")
+        person.waits_until(lambda b=before: field(person, "[...f.chosen]") != b, "the next one")
+    assert ONE in person.page.inner_text("#field-told")
+    heading = entity(swarm, ONE).heading
+    for key in ("ArrowRight", "ArrowRight", "ArrowUp", ","):
+        keys.press(key)
+    person.waits_until(lambda: abs(entity(swarm, ONE).x + 5.0) < 0.1, "it was moved")
+    person.waits_until(lambda: abs(entity(swarm, ONE).y - 0.5) < 0.1, "it was moved up")
+    person.waits_until(
+        lambda: abs(entity(swarm, ONE).heading - heading - math.pi / 12) < 0.05, "it was turned"
+    )
