@@ -120,7 +120,7 @@ def main(
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Measure agent-ticks per second of the Keepaway automaton."""
-    from hitab_bringup.shipped import shipped
+    from hitab_client.shipped import shipped
 
     trained = BehaviorLibrary(library or shipped("libraries", "keepaway"), DOMAIN)
     repertoire = Repertoire(DOMAIN, trained.load())

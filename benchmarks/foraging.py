@@ -25,7 +25,7 @@ from scipy.stats import t as student_t
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_bringup.shipped import shipped
+from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind import CommanderKind

@@ -27,7 +27,7 @@ def main(
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Measure the speed of playing trained keepers in one process, on one core."""
-    from hitab_bringup.shipped import shipped
+    from hitab_client.shipped import shipped
 
     trained = BehaviorLibrary(library or shipped("libraries", "keepaway"), DOMAIN)
     repertoire = Repertoire(DOMAIN, trained.load())

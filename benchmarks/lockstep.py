@@ -134,7 +134,7 @@ def main(
     """Compare keepaway in lockstep with a bare publish-and-wait-for-all loop."""
     if role:
         answer(role)
-    from hitab_bringup.shipped import shipped
+    from hitab_client.shipped import shipped
     from hitab_client.domain_ids import reserved
 
     trained = library or shipped("libraries", "keepaway")

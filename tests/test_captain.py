@@ -7,7 +7,7 @@ import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.opened_library import open_library
-from hitab_bringup.shipped import find_file, shipped
+from hitab_client.shipped import find_file, shipped
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.command_view import CommandView
 from hitab_client.lessons.lesson_file import read_lesson

@@ -9,7 +9,7 @@ from hitab_msgs.msg import Order
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.shipped import find_file, shipped
+from hitab_client.shipped import find_file, shipped
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.lessons.lesson_file import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer

@@ -13,7 +13,7 @@ from hitab_msgs.srv import Control
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.shipped import find_file, shipped
+from hitab_client.shipped import find_file, shipped
 from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm

@@ -156,7 +156,7 @@ def test_every_status_gives_the_identity(place):
 
 
 def test_a_commanders_status_gives_the_identity(home):
-    from hitab_bringup.shipped import find_file
+    from hitab_client.shipped import find_file
     from hitab_bringup.swarm_file import read_swarm
 
     groups: list[CommanderStatus] = []

@@ -1,5 +1,4 @@
 from . import plots as plots
-from . import shipped as shipped
 from .bringing_up import RunningSwarm as RunningSwarm
 from .bringing_up import temporary_swarm as temporary_swarm
 from .libraries import copy_library as copy_library

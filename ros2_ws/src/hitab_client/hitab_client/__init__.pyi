@@ -4,6 +4,7 @@ from . import dds_profile as dds_profile
 from . import domain_ids as domain_ids
 from . import identity as identity
 from . import run_folder as run_folder
+from . import shipped as shipped
 from . import swarm_choice as swarm_choice
 from .command_view import Branch as Branch
 from .command_view import CommandView as CommandView

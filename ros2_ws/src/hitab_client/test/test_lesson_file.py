@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.shipped import find_file
+from hitab_client.shipped import find_file
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import Active, Comparison, Passed
 from hitab_client.lessons.lesson import (

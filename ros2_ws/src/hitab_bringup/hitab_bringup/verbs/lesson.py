@@ -50,7 +50,7 @@ def run(
 
       hitab lesson run approach_ball goto_ball control_ball keepaway --json lessons.json
     """
-    from hitab_bringup.shipped import find_file
+    from hitab_client.shipped import find_file
     from hitab_client.lessons import LessonPlayer, read_lesson
 
     read = [read_lesson(find_file(name, "lessons", "lesson")) for name in lessons]
@@ -101,7 +101,7 @@ def _left(player: LessonPlayer) -> list[str]:
 @app.command("list")
 def list_lessons() -> None:
     """List the shipped lessons."""
-    from hitab_bringup.shipped import shipped_folders
+    from hitab_client.shipped import shipped_folders
     from hitab_client.lessons import read_lesson
 
     found = [
@@ -120,7 +120,7 @@ def list_lessons() -> None:
 @app.command()
 def check(lessons: Files) -> None:
     """Check lesson files without playing them."""
-    from hitab_bringup.shipped import find_file
+    from hitab_client.shipped import find_file
     from hitab_client import LessonError
     from hitab_client.lessons import read_lesson
 

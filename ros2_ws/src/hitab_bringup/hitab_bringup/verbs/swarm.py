@@ -66,7 +66,7 @@ def up(
     """
     from hitab_bringup.bringing_up import bring_up
     from hitab_bringup.library_choice import with_library
-    from hitab_bringup.shipped import find_file
+    from hitab_client.shipped import find_file
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
     from hitab_client import RunFolder

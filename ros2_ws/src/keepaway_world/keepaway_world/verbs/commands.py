@@ -92,7 +92,7 @@ def evaluate(
 
       hitab keepaway evaluate --keepers hand --taker-speed 1.0 --set kick_noise=0
     """
-    from hitab_bringup.shipped import shipped
+    from hitab_client.shipped import shipped
     from keepaway_world.verbs.evaluation import (
         KEEPERS,
         PACES,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_bringup import RunningSwarm, copy_library, open_library, temporary_swarm
-from hitab_bringup.shipped import find_file
+from hitab_client.shipped import find_file
 from hitab_client import console
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
 from hitab_core import HitabError
