@@ -13,8 +13,10 @@ Act = Callable[[], None]
 class RoundGate:
     """Calls a function in each round once all commanders have given their order for it.
 
-    A commander that misses a round is not waited for until it gives an order again. No clock is
-    involved: a round is over when the next one begins.
+    A commander that misses a round is not waited for until it gives an order again, or until a
+    round is played after one in which agents only look: a run that is played without a commander
+    must cost a deadline, which marks it. No clock is involved: a round is over when the next one
+    begins.
     """
 
     def __init__(self, orders: OrderSubscriptions) -> None:
@@ -24,17 +26,22 @@ class RoundGate:
         self._awaited: set[str] = set()
         self._silent: set[str] = set()
         self._spoken: dict[str, int] = {}
+        self._looked = True
 
-    def begin(self, number: int, commanders: Collection[str], act: Act) -> None:
+    def begin(self, number: int, commanders: Collection[str], act: Act, *, look: bool) -> None:
         """Begin a round; drop what was held back in the previous one.
 
         Args:
             number: of the round.
             commanders: the topics of the orders to wait for.
             act: what to do then; called at once if there is no order to wait for.
+            look: whether agents only look in it.
         """
-        if self._act is not None:
+        if self._looked and not look:
+            self._silent.clear()
+        elif self._act is not None:
             self._silent |= self._awaited
+        self._looked = look
         for commander in commanders:
             if commander not in self._spoken:
                 self._spoken[commander] = 0

@@ -56,7 +56,9 @@ class WorldLink:
         self._take_in(percept)
         awaited = self._awaited_orders() if percept.lockstep else ()
         if awaited:
-            self._gate.begin(percept.sequence, awaited, lambda: self._act(percept))
+            self._gate.begin(
+                percept.sequence, awaited, lambda: self._act(percept), look=percept.look
+            )
         else:
             self._act(percept)
 

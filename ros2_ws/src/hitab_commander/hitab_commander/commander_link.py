@@ -180,7 +180,10 @@ class CommanderLink:
         with self._outbox.at_once():
             self._take_in(percept)
         self._gate.begin(
-            present.number, self._awaited_orders(), lambda: self._decide_round(present)
+            present.number,
+            self._awaited_orders(),
+            lambda: self._decide_round(present),
+            look=present.look,
         )
 
     def _decide_round(self, present: Round) -> None:

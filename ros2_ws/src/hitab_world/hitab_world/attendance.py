@@ -11,7 +11,9 @@ class Attendance:
     """Records the answers to one round of percepts.
 
     An agent that misses a deadline is not waited for until it answers again: a dead one must not
-    slow the others down for longer than one deadline.
+    slow the others down for longer than one deadline. In the first round that is played after
+    rounds in which the agents only look, all are waited for, so that a run in which an agent takes
+    no part has a missed deadline.
     """
 
     def __init__(self, agents: Iterable[str], joined: Callable[[str], bool]) -> None:
@@ -30,6 +32,7 @@ class Attendance:
         self._silent: set[str] = set()
         self._awaited: set[str] = set()
         self._sequence = 0
+        self._looked = True
 
     @property
     def missing(self) -> list[str]:
@@ -54,10 +57,13 @@ class Attendance:
         self.present = present
         return changed
 
-    def begin(self, sequence: int) -> None:
-        """Begin a round: forget the previous answers."""
+    def begin(self, sequence: int, *, look: bool = False) -> None:
+        """Begin a round, in which the agents may only ``look``: forget the previous answers."""
         self._sequence = sequence
         self.answers = {}
+        if self._looked and not look:
+            self._silent = set()
+        self._looked = look
         if self._silent >= self.present:
             # All of them were late, so something held them up, such as a commander. By now they
             # no longer wait for it.

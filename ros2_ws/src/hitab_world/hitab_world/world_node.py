@@ -140,6 +140,8 @@ class WorldNode(GuardedNode):
         if now >= self._next_status_ns:
             self._next_status_ns = now + STATUS_PERIOD_NS
             changed = self.look_who_is_there()
+            if changed and not self.control.at_rest:
+                self.course.in_real_time = True  # another time, they come at another cycle
             if changed or (self.attendance.silent and self.control.paused):
                 self.course.disturbed = True  # shown again, so that late agents may answer
             self._topics.publish_status()
@@ -202,7 +204,7 @@ class WorldNode(GuardedNode):
     def _send_percepts(self, *, look: bool) -> None:
         world = self.world
         self._sequence += 1
-        self.attendance.begin(self._sequence)
+        self.attendance.begin(self._sequence, look=look)
         common = {
             "stamp": time_of(world.cycle * world.cycle_seconds),
             "sequence": self._sequence,

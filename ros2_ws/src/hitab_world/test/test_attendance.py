@@ -109,3 +109,19 @@ def test_who_leaves_and_comes_back_begins_anew(attendance, nodes):
     attendance.begin(2)
     attendance.take("ann", 2, ANSWER)
     assert not attendance.complete, "bob is waited for again"
+
+
+def test_who_was_given_up_on_in_a_pause_is_waited_for_when_play_begins(attendance):
+    attendance.begin(1, look=True)
+    attendance.take("ann", 1, ANSWER)
+    attendance.give_up_on_late()
+    attendance.begin(2, look=True)
+    attendance.take("ann", 2, ANSWER)
+    assert attendance.complete, "a pause is not slowed down again and again"
+    attendance.begin(3)
+    attendance.take("ann", 3, ANSWER)
+    assert attendance.count_late(exclude=True) == ["bob"]
+    assert attendance.missed_deadlines == 1
+    attendance.begin(4)
+    attendance.take("ann", 4, ANSWER)
+    assert attendance.complete

@@ -167,7 +167,10 @@ class HostLink:
         if batch.lockstep:
             commanders.update(*(perceiver.awaited_orders() for perceiver in acting))
         self._gate.begin(
-            batch.sequence, commanders, lambda: self._answer(batch, acting, perceived)
+            batch.sequence,
+            commanders,
+            lambda: self._answer(batch, acting, perceived),
+            look=batch.look,
         )
 
     def _answer(
