@@ -128,14 +128,25 @@ def learned_of(answer: Any) -> Learned:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What can be commanded, perceived and targeted, from `GetVocabulary`."""
+    """What can be commanded, perceived and targeted, from `GetVocabulary`.
+
+    Attributes:
+        domain: whose vocabulary it is.
+        behaviors, features, targets: with their parameters, such as ``DistanceTo(X)``.
+        behavior_descriptions: by the names of the behaviors, without parameters.
+        units, kinds, feature_descriptions: by the names of the features, without parameters.
+        trained, one_shot: names of behaviors.
+    """
 
     domain: str = ""
     behaviors: tuple[str, ...] = ()
+    behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
     features: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    kinds: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    feature_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     targets: tuple[str, ...] = ()
 
     @classmethod
@@ -144,17 +155,33 @@ class Vocabulary:
         return cls(
             domain=answer.domain,
             behaviors=tuple(answer.behaviors),
+            behavior_descriptions=_by_name(answer.behaviors, answer.behavior_descriptions),
             trained=frozenset(answer.trained),
             one_shot=frozenset(answer.one_shot),
             features=tuple(answer.features),
-            units=MappingProxyType(
-                {
-                    Use.parse(f).name: unit
-                    for f, unit in zip(answer.features, answer.feature_units, strict=True)
-                }
-            ),
+            units=_by_name(answer.features, answer.feature_units),
+            kinds=_by_name(answer.features, answer.feature_kinds),
+            feature_descriptions=_by_name(answer.features, answer.feature_descriptions),
             targets=tuple(answer.targets),
         )
+
+
+def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use]]:
+    """Return behaviors or features with each choice of targets, each after its label without."""
+    found = []
+    for label in labels:
+        use = Use.parse(label)
+        choices: list[tuple[str, ...]] = [()]
+        for _ in use.arguments:
+            choices = [(*c, a) for c in choices for a in arguments]
+        found += [(label, Use(use.name, choice)) for choice in choices]
+    return found
+
+
+def _by_name(labels: Sequence[str], values: Sequence[str]) -> Mapping[str, str]:
+    """Return what is said of each label, by name; nothing if the agent says nothing at all."""
+    pairs = zip(labels, values, strict=True) if values else ()
+    return MappingProxyType({Use.parse(label).name: value for label, value in pairs})
 
 
 def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:

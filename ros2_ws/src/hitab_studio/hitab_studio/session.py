@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from hitab_core import Use
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.jobs import Connected
+from hitab_studio.keys import Keys
 from hitab_studio.known import natural
 from hitab_studio.learned import Learned
 from hitab_studio.locks import Holder, Locks
@@ -62,6 +64,7 @@ class Shared:
         link: to the swarm.
         store: what is known.
         locks: who holds which agent.
+        keys: which key commands which behavior.
         present: the field as it is now.
         sessions: the pages that are open, by their ids.
         chosen_states: for each agent the automaton that was begun here, and what may be commanded
@@ -72,6 +75,7 @@ class Shared:
         self.link = link
         self.store = Store()
         self.locks = Locks()
+        self.keys = Keys()
         self.present = Present(self.store.palette)
         self.sessions: dict[str, Session] = {}
         self.chosen_states: dict[str, tuple[str, tuple[str, ...]]] = {}
@@ -150,6 +154,16 @@ class Session:
         """Whether another demonstrator holds the agent."""
         holder = self.shared.locks.holder(self.agent)
         return holder is not None and holder.session != self.id
+
+    def seconds_since(self, name: str) -> int:
+        """Return for how long a silent agent, or the world, has given no sign of life, s."""
+        return round(time.monotonic() - self.shared.store.known.silent[name])
+
+    def close_dialog(self) -> None:
+        """Close the dialog, if one is open."""
+        if self.dialog.get("kind") == "new":
+            self.shared.link.probe(self.dialog["agent"], on=False)
+        self.dialog = {}
 
     def look_at(self, agent: str) -> None:
         """View an agent; none if empty."""

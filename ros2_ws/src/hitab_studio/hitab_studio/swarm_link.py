@@ -117,6 +117,10 @@ class SwarmLink:
         """Ask a watched agent for a behavior of its library."""
         self._requests.put(lambda: self._with_watch(agent, lambda watch: watch.want(behavior)))
 
+    def probe(self, agent: str, *, on: bool) -> None:
+        """Ask a watched agent for the values of all its features from now on, or no longer."""
+        self._requests.put(lambda: self._with_watch(agent, lambda watch: watch.probe(on=on)))
+
     def refresh(self, agent: str) -> None:
         """Ask for the examples of an agent again."""
         self._requests.put(lambda: self._with_watch(agent, Watch.refresh))

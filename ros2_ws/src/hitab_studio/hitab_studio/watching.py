@@ -14,13 +14,21 @@ from types import MappingProxyType
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus, TransitionEvent
-from hitab_msgs.srv import GetBehavior, GetVocabulary, ReadFeatures
+from hitab_msgs.srv import GetBehavior, GetVocabulary, ListExamples, ReadFeatures
 
 from hitab_client import RosLink
 from hitab_core import FLAGS, START, Use
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.learned import NOTHING, Effect, Learned, Vocabulary, effect, learned_of
+from hitab_studio.learned import (
+    NOTHING,
+    Effect,
+    Learned,
+    Vocabulary,
+    effect,
+    learned_of,
+    uses,
+)
 
 HISTORY = 120
 """Number of values of a feature that are kept for its curve."""
@@ -28,9 +36,25 @@ HISTORY = 120
 EVENTS = 60
 """Number of state changes that are kept."""
 
+PROBED_MAX = 200
+"""Features with targets whose values are asked for at once."""
+
 READ_SECONDS = 0.15
 REFRESH_SECONDS = 2.0
 PATIENCE_SECONDS = 5.0
+
+
+@dataclass(frozen=True)
+class History:
+    """What undo and redo would change, each in words, oldest first.
+
+    Attributes:
+        done: the last one is undone next.
+        undone: the first one is redone next.
+    """
+
+    done: tuple[str, ...] = ()
+    undone: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -40,16 +64,20 @@ class Watched:
     Attributes:
         vocabulary: what it can be commanded.
         training: what is being trained, if anything.
+        history: what undo and redo would change in the training.
         behaviors: what is in its library and was needed, by name.
         readings: automaton, feature and its last values, oldest first.
+        probed: the present values of all features, while a page asks for them.
         transitions: the last state changes, newest last.
         change: what the last change of examples did, and the number of examples before it.
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
     training: Learned | None = None
+    history: History = field(default_factory=History)
     behaviors: Mapping[str, Learned] = field(default_factory=lambda: NOTHING)
     readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NOTHING)
+    probed: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
     silent: bool = False
@@ -89,6 +117,8 @@ class Watch:
         self._digest = ""
         self._training_key: tuple[Any, ...] = ()
         self._wanted: set[str] = set()
+        self._probing = False
+        self._history_of: Learned | None = None
         self._transitions = link.subscribe(
             TransitionEvent, names.of_agent(agent, names.TRANSITIONS), self._take_event, qos.EVENTS
         )
@@ -103,6 +133,11 @@ class Watch:
     def want(self, name: str) -> None:
         """Ask for a behavior of the library, to be known from now on."""
         self._wanted.add(name)
+
+    def probe(self, *, on: bool) -> None:
+        """Ask for the values of all features with all targets from now on, or no longer."""
+        self._probing = on
+        self._next_read = 0.0
 
     def look(self) -> None:
         """Request what may have changed."""
@@ -128,13 +163,25 @@ class Watch:
             if status.examples or training:
                 self._ask("training", GetBehavior, "get_behavior", {}, self._take_training)
             elif self.known.training is not None:
-                self._know(training=None)
+                self._know(training=None, history=History())
                 self._changed()
+        trained = self.known.training
+        if (
+            trained is not None
+            and trained is not self._history_of
+            and self._ask("history", ListExamples, "list_examples", {}, self._take_history)
+        ):
+            self._history_of = trained
         for name in self._needed(status) - self.known.behaviors.keys():
             self._ask(name, GetBehavior, "get_behavior", {"name": name}, self._take_behavior)
         if now >= self._next_read:
             self._next_read = now + READ_SECONDS
-            self._ask("features", ReadFeatures, "read_features", {}, self._take_features)
+            words = self.known.vocabulary
+            also = (
+                [str(u) for _, u in uses(words.features, words.targets)] if self._probing else []
+            )
+            fields = {"also": also[:PROBED_MAX]}
+            self._ask("features", ReadFeatures, "read_features", fields, self._take_features)
 
     def refresh(self) -> None:
         """Ask for the training again, since examples were edited."""
@@ -164,15 +211,16 @@ class Watch:
 
     def _ask(
         self, key: str, kind: Any, service: str, fields: dict[str, Any], take: Callable[..., None]
-    ) -> None:
+    ) -> bool:
+        """Call a service, unless an answer is awaited; return whether it was called."""
         if key in self._pending:
-            return
+            return False
         client = self._clients.get(service)
         if client is None:
             name = names.of_agent(self._agent, service)
             client = self._clients[service] = self._link.node.create_client(kind, name)
         if not client.service_is_ready():
-            return
+            return False
         future = client.call_async(kind.Request(**fields))
         self._pending[key] = (time.monotonic(), client, future)
 
@@ -190,9 +238,12 @@ class Watch:
                 )
 
         future.add_done_callback(answered)
+        return True
 
     def _forget_unanswered(self, now: float) -> None:
         old = [k for k, (when, _, _) in self._pending.items() if now > when + PATIENCE_SECONDS]
+        if "history" in old:
+            self._history_of = None
         for key in old:
             _, client, future = self._pending.pop(key)
             client.remove_pending_request(future)
@@ -222,6 +273,11 @@ class Watch:
         self._know(training=after, change=change)
         self._changed()
 
+    def _take_history(self, answer: Any) -> None:
+        if answer.success:
+            self._know(history=History(tuple(answer.done), tuple(answer.undone)))
+            self._changed()
+
     def _take_behavior(self, answer: Any, asked: str) -> None:
         if answer.success:
             behaviors = {**self.known.behaviors, asked: learned_of(answer)}
@@ -234,8 +290,11 @@ class Watch:
             return
         there = zip(answer.automata, answer.features, answer.values, strict=True)
         before = self.known.readings
-        readings = {
-            (automaton, feature): (*before.get((automaton, feature), ()), value)[-HISTORY:]
-            for automaton, feature, value in there
-        }
-        self._know(readings=MappingProxyType(readings))
+        readings, probed = {}, {}
+        for automaton, feature, value in there:
+            if automaton:
+                past = before.get((automaton, feature), ())
+                readings[automaton, feature] = (*past, value)[-HISTORY:]
+            else:
+                probed[feature] = value
+        self._know(readings=MappingProxyType(readings), probed=MappingProxyType(probed))

@@ -15,6 +15,13 @@ async def undo(session: Session, data: Data) -> None:
     session.tell("taken back")
 
 
+@action("redo", repeats=True)
+async def redo(session: Session, data: Data) -> None:
+    """Redo what was undone last."""
+    await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "redo"))
+    session.tell("done again")
+
+
 @action("mark", repeats=True)
 async def mark(session: Session, data: Data) -> None:
     """Select or deselect an example."""

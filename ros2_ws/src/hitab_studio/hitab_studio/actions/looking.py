@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from hitab_studio import reasons
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.actions.teaching import give_target, targets_meant
+from hitab_studio.actions.teaching import discard, give_target, targets_meant
 from hitab_studio.session import TABS, Session
+
+MOST_REASON = 300
+"""Characters."""
 
 
 @action("choose", repeats=True)
@@ -90,7 +94,7 @@ async def show_help(session: Session, data: Data) -> None:
 @action("close", repeats=True)
 async def close(session: Session, data: Data) -> None:
     """Close the dialog."""
-    session.dialog = {}
+    session.close_dialog()
 
 
 @action("message-close", repeats=True)
@@ -99,15 +103,25 @@ async def message_close(session: Session, data: Data) -> None:
     session.messages.close(int(data["number"]))
 
 
+@action("why", repeats=True)
+async def why(session: Session, data: Data) -> None:
+    """Say why something does nothing at present."""
+    session.tell(str(data["reason"])[:MOST_REASON])
+
+
 @action("escape", repeats=True)
 async def escape(session: Session, data: Data) -> None:
     """Close whatever is in front."""
     if session.dialog:
-        session.dialog = {}
+        session.close_dialog()
     elif session.asked is not None:
         session.asked = None
     elif session.player is not None:
         session.player = None
         session.show_again()
-    else:
+    elif session.lost is not None:
+        session.lost = None
+    elif session.table.marked:
         session.table.marked.clear()
+    elif session.is_training and not reasons.agent(session):
+        await discard(session, data)

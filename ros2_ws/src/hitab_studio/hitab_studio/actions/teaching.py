@@ -8,6 +8,7 @@ from typing import Any
 
 from hitab_client import SwarmError
 from hitab_core import Use
+from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost, is_answered
@@ -186,6 +187,34 @@ async def new(session: Session, data: Data) -> None:
         "resume": str(data.get("resume", "")),
         "parameter": "",
     }
+    session.shared.link.probe(session.agent, on=True)
+
+
+@action("discard")
+async def discard(session: Session, data: Data) -> None:
+    """Give up the training; ask first if examples would be lost."""
+    status = session.status
+    if status is None or not session.is_training:
+        return
+    if status.examples:
+        session.dialog = {
+            "kind": "discard",
+            "agent": session.agent,
+            "name": status.behavior,
+            "examples": status.examples,
+        }
+    else:
+        await discard_now(session, data)
+
+
+@action("discard-now")
+async def discard_now(session: Session, data: Data) -> None:
+    """Give up the training and its examples."""
+    answer = await session.ask_agent(lambda swarm, agent: swarm.agents.discard(agent))
+    session.dialog = {}
+    session.lost = session.asked = None
+    session.shared.chosen_states.pop(session.agent, None)
+    session.tell(answer.message)
 
 
 @action("new-parameter", repeats=True)
@@ -216,8 +245,10 @@ async def begin(session: Session, data: Data) -> None:
     answer = await session.ask_agent(
         lambda swarm, agent: swarm.agents.begin(agent, name, **fields)
     )
+    if values.get("pause") == "on" and await session.ask_world(paused):
+        session.tell("the world is paused; Space lets it run")
     session.shared.chosen_states[session.agent] = (name, tuple(fields["states"]))
-    session.dialog = {}
+    session.close_dialog()
     session.tab = "teach"
     session.level = session.state = ""
     session.tell(answer.message)

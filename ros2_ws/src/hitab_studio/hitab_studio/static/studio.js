@@ -4,6 +4,7 @@
 //   data-change="name" when a control changes, with its value
 //   data-submit="name" when a form is sent, with all its values
 //   data-hotkey="k"    pressing the key clicks the element
+//   data-off="why"     it does nothing at present, and says why
 const told = (what, more = {}) => window.emitEvent("studio", { do: what, ...more });
 window.studioTell = told;
 
@@ -29,6 +30,12 @@ document.addEventListener("click", (event) => (again = event.detail > 1), true);
 document.addEventListener("keydown", () => (again = false), true);
 
 document.addEventListener("click", (event) => {
+  const off = event.target.closest("[data-off]");
+  if (off) {
+    event.preventDefault();
+    told("why", { reason: off.dataset.off });
+    return;
+  }
   const element = event.target.closest("[data-do]");
   if (!element || element.disabled) return;
   const form = element.closest("form");

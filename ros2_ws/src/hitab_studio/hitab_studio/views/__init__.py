@@ -9,6 +9,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from hitab_core import quantity
+from hitab_studio.reasons import off
 from hitab_studio.session import Session
 from hitab_studio.views import agents, dialog, overlay, side, top
 
@@ -60,6 +61,7 @@ _environment = Environment(
     lstrip_blocks=True,
 )
 _environment.filters |= {"number": number, "curve": curve, "clock": clock, "quantity": quantity}
+_environment.globals["off"] = off
 
 
 def render(panel: str, session: Session) -> str:

@@ -24,7 +24,7 @@ class Row:
     state: str
     color: str
     chosen: bool
-    gone: bool
+    absence: str
     lock: str
     order: str
     faults: str
@@ -71,6 +71,14 @@ def _ordered(session: Session) -> Iterator[tuple[str, int]]:
             yield from under(name, 0)
 
 
+def _absence(session: Session, name: str) -> str:
+    """Return one word for how an agent is absent; empty if it answers."""
+    known = session.shared.store.known
+    if known.answers(name):
+        return ""
+    return "silent" if name in known.silent and name not in known.gone else "not there"
+
+
 def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
     store = session.shared.store
     status = statuses.get(name)
@@ -85,7 +93,7 @@ def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
         state=state or (status.behavior if status is not None else ""),
         color="" if index == NO_COLOR else STATE_COLORS[index],
         chosen=name == session.agent,
-        gone=status is None or (session.player is None and name in store.known.gone),
+        absence=_absence(session, name) if session.player is None else "",
         lock="" if holder is None else ("you" if holder.session == session.id else holder.name),
         order=group.order if group is not None else "",
         faults="\n".join(status.faults) if status is not None else "",

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core import FLAGS, Use
+from hitab_core import FLAGS, START, Use
+from hitab_ros.names import WORLD
+from hitab_studio import reasons
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
-
-KEYS = "1234567890qweyiopasdghjkzxcvbm"
-"""Keys of behaviors; other keys have other meanings."""
 
 MODE_WORDS = {
     "idle": ("Idle", "no behavior runs"),
@@ -26,6 +25,7 @@ class Button:
     """A behavior to be commanded."""
 
     behavior: str
+    description: str
     key: str
     kind: str
     active: bool
@@ -36,14 +36,27 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the overlay shows."""
     status = session.status
     holder = session.shared.locks.holder(session.agent) if session.agent else None
-    store = session.shared.store
+    live = session.player is None
     mode = status.mode if status is not None else ""
+    empty = _empty(session)
+    world_absent = reasons.absence(session, WORLD) if live else ""
+    history = session.watched.history
     return {
+        "absent": reasons.absence(session, session.agent) if live and session.agent else "",
+        "world_absent": world_absent,
+        "stale": live and bool(world_absent or empty[0]),
+        "lost": session.lost,
+        "lost_off": _lost_off(session),
+        "agent_off": reasons.agent(session),
+        "undo_off": reasons.undoing(session),
+        "test_off": reasons.testing(session),
+        "save_off": reasons.saving(session),
+        "last_done": history.done[-1] if history.done else "",
+        "stuck": _stuck(session),
         "agent": session.agent,
         "status": status,
         "mode": mode,
         "mode_words": MODE_WORDS.get(mode, ("", "")),
-        "gone": bool(session.agent) and not store.known.answers(session.agent),
         "path": list(status.active_path) if status is not None else [],
         "lock": None if holder is None or holder.session == session.id else holder.name,
         "buttons": _buttons(session),
@@ -51,10 +64,36 @@ def context(session: Session) -> dict[str, Any]:
         "targets": _targets(session),
         "legend": _legend(session),
         "player": session.player,
-        "empty": _empty(session),
+        "empty": empty,
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
+
+
+def _lost_off(session: Session) -> str:
+    """Return why a lost command cannot be sent again now."""
+    lost = session.lost
+    absent = reasons.absence(session, lost.agent) if lost is not None else ""
+    return f"{lost.agent} {absent}: wait until it answers." if lost and absent else ""
+
+
+def _stuck(session: Session) -> str:
+    """Say why nothing happens while what was learned is tested, if nothing does."""
+    status, training = session.status, session.watched.training
+    if status is None or status.mode != "testing" or training is None or session.player:
+        return ""
+    world = session.shared.store.known.world
+    state = status.active_path[0] if status.active_path else START
+    if state != START and state not in FLAGS:
+        leads_to = {e.next_state for e in training.examples if e.state == state}
+        if leads_to <= {state}:
+            return (
+                f"It is in {state}, and no example leads out of {state}: it stays there. Press "
+                "From Start, or take over (T) and show what comes next."
+            )
+    if world is not None and world.mode == "paused":
+        return "The world is paused: press Space, and it does what it has learned."
+    return ""
 
 
 def _legend(session: Session) -> list[tuple[str, str]]:
@@ -95,14 +134,16 @@ def _buttons(session: Session) -> list[Button]:
         return []
     names = list(vocabulary.behaviors)
     names.sort(key=lambda b: (Use.parse(b).name in vocabulary.trained, b))
+    keys = session.shared.keys
+    keys.give(vocabulary.domain, names)
     if session.is_training and training is not None:
-        # Always in the same order, so that people learn the keys.
         automaton, chosen = session.shared.chosen_states.get(session.agent, ("", ()))
         if automaton == training.name and chosen:
             names = [s for s in chosen if s not in FLAGS]
         else:
             bound = [s for s in training.states if s not in names and s not in FLAGS]
             names = [b for b in [*names, *bound] if Use.parse(b).name != training.name]
+        keys.give(vocabulary.domain, names)
         names += FLAGS
     active = status.active_path[0] if status.active_path else ""
     if status.mode == "performing":
@@ -110,12 +151,13 @@ def _buttons(session: Session) -> list[Button]:
     return [
         Button(
             behavior=name,
-            key=KEYS[i] if i < len(KEYS) else "",
+            description=vocabulary.behavior_descriptions.get(Use.parse(name).name, ""),
+            key=keys.of(vocabulary.domain, name),
             kind=_kind(name, vocabulary.trained),
             active=name == active,
             one_shot=Use.parse(name).name in vocabulary.one_shot,
         )
-        for i, name in enumerate(names)
+        for name in names
     ]
 
 

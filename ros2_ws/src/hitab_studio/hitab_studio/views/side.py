@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hitab_studio import reasons
 from hitab_studio.session import Session
 from hitab_studio.views import examples, learned, library, record, swarm, teach
 
@@ -20,12 +21,17 @@ TABS = (
 def context(session: Session) -> dict[str, Any]:
     """Return what the panel shows."""
     training = session.watched.training
+    live = session.agent and session.player is None
+    absent = reasons.absence(session, session.agent) if live else ""
     shown = next(t for t in TABS if t[0] == session.tab)
     return {
         "tabs": [(name, title) for name, title, _ in TABS],
         "tab": session.tab,
         "agent": session.agent,
         "training": training,
+        "absent": absent,
+        "agent_off": reasons.agent(session),
+        "asks": bool(session.agent) and not session.watched.vocabulary.domain,
         "example_count": len(training.examples) if training is not None else 0,
         **shown[2](session),
     }

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from hitab_ros.names import WORLD
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
@@ -42,7 +43,7 @@ def context(session: Session) -> dict[str, Any]:
         "modes": Counter(s.mode for s in store.known.statuses.values()),
         "groups": list(_groups(store.known.groups)),
         "libraries": len(digests),
-        "gone": sorted(store.known.gone),
+        "gone": sorted({*store.known.gone, *store.known.silent} - {WORLD}),
         "errors": [(n, s.last_error) for n, s in store.known.statuses.items() if s.last_error][:6],
     }
 

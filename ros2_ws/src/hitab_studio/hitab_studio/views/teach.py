@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core import Example
+from hitab_core import FLAGS, Example, FeatureKind
+from hitab_studio import reasons
 from hitab_studio.session import Session
+
+SHOWN = 6
+"""Edits of the history that are shown on either side of now."""
 
 
 @dataclass(frozen=True)
@@ -19,13 +22,15 @@ class Reading:
     feature: str
     value: float
     unit: str
+    description: str
     history: Sequence[float]
     boolean: bool
 
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
-    training = session.watched.training
+    watched = session.watched
+    training = watched.training
     examples = training.examples if training is not None else ()
     last = max((e.command for e in examples), default=0)
     return {
@@ -35,6 +40,10 @@ def context(session: Session) -> dict[str, Any]:
         "readings": readings(session),
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
+        "last_edits": [(text, False) for text in watched.history.done[-SHOWN:]]
+        + [(text, True) for text in watched.history.undone[:SHOWN]],
+        "undo_off": reasons.undoing(session),
+        "redo_off": reasons.redoing(session),
     }
 
 
@@ -48,14 +57,14 @@ def _values(session: Session, example: Example) -> list[tuple[str, float, str]]:
 def readings(session: Session) -> list[Reading]:
     """Return what the agent perceives, level by level."""
     found = []
-    units = session.watched.vocabulary.units
+    vocabulary = session.watched.vocabulary
     for (automaton, feature), values in list(session.watched.readings.items()):
         history = list(values)
         if not history:
             continue
         name = feature.partition("(")[0]
-        known = [v for v in history if not math.isnan(v)]
-        boolean = all(v in (0.0, 1.0) for v in known) and not units.get(name)
-        unit = units.get(name, "")
-        found.append(Reading(automaton, feature, history[-1], unit, history, boolean))
+        unit = vocabulary.units.get(name, "")
+        about = vocabulary.feature_descriptions.get(name, "")
+        boolean = name in FLAGS or vocabulary.kinds.get(name) == FeatureKind.BOOLEAN
+        found.append(Reading(automaton, feature, history[-1], unit, about, history, boolean))
     return found

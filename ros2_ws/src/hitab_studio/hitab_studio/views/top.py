@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from hitab_ros import names
+from hitab_studio import reasons
 from hitab_studio.session import Session
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
@@ -13,6 +15,7 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the bar shows."""
     store = session.shared.store
     world, scene = store.known.world, store.known.scene
+    world_off = reasons.world(session)
     pace = ""
     if world is not None:
         pace = "lockstep" if world.pace == "lockstep" else f"{world.factor:g}"
@@ -26,6 +29,9 @@ def context(session: Session) -> dict[str, Any]:
         "speeds": SPEEDS,
         "missing": list(world.missing) if world is not None else [],
         "pages": sum(other.connected for other in session.shared.sessions.values()),
-        "undoable": len(store.placements),
         "replaying": session.player is not None,
+        "world_off": world_off,
+        "unplace_off": world_off or ("" if store.placements else "Nothing was placed yet."),
+        "absent": reasons.absence(session, names.WORLD) if world is not None else "",
+        "silent": len(store.known.silent.keys() - {names.WORLD}),
     }

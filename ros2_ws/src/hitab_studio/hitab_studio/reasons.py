@@ -1,0 +1,91 @@
+"""Why something on the page does nothing at present; empty: it does something."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jinja2.utils import markupsafe
+
+from hitab_core import START, quantity
+from hitab_ros import names
+from hitab_studio.session import Session
+
+
+def off(reason: str) -> markupsafe.Markup:
+    """Return the attributes of a button that does nothing at present and says why when pressed.
+
+    It can be reached with the keyboard, unlike a disabled one. Place them before ``title``.
+    """
+    if not reason:
+        return markupsafe.Markup()
+    return markupsafe.Markup('aria-disabled="true" title="{0}" data-off="{0}"').format(reason)
+
+
+def world(session: Session) -> str:
+    """Return why the world cannot be controlled."""
+    known = session.shared.store.known
+    if session.player is not None:
+        return "This is a recording: close it first (Esc)."
+    if known.world is None:
+        return "No world is up."
+    if names.WORLD in known.silent:
+        return "The world gives no sign of life."
+    return ""
+
+
+def agent(session: Session) -> str:
+    """Return why the agent cannot be commanded."""
+    name, known = session.agent, session.shared.store.known
+    if session.player is not None:
+        return "This is a recording: close it first (Esc)."
+    if not name:
+        return "Choose an agent first, in the list or in the field."
+    if not known.answers(name):
+        return f"{name} {absence(session, name)}."
+    holder = session.shared.locks.holder(name)
+    if holder is not None and holder.session != session.id:
+        return f"{holder.name} holds {name}: take it over first."
+    return ""
+
+
+def absence(session: Session, name: str) -> str:
+    """Say how an agent, or the world, is absent; empty if it answers."""
+    known = session.shared.store.known
+    if name in known.gone:
+        return "has ended"
+    if name in known.silent:
+        return f"has given no sign of life for {quantity(session.seconds_since(name), 'second')}"
+    if name != names.WORLD and name not in known.statuses:
+        return "has not answered yet"
+    return ""
+
+
+def undoing(session: Session) -> str:
+    """Return why nothing can be undone."""
+    watched = session.watched
+    if watched.training is not None and not watched.history.done:
+        return "There is nothing to undo: no command and no edit was made yet."
+    return agent(session)
+
+
+def redoing(session: Session) -> str:
+    """Return why nothing can be redone."""
+    if not session.watched.history.undone:
+        return "There is nothing to redo: nothing was undone, or something else was done since."
+    return agent(session)
+
+
+def testing(session: Session) -> str:
+    """Return why what was learned cannot be tested."""
+    training = session.watched.training
+    if training is not None and not any(e.state == START for e in training.examples):
+        return "There is nothing to test yet: command the behavior that it should begin with."
+    return agent(session)
+
+
+def saving(session: Session) -> str:
+    """Return why a training cannot be saved."""
+    status: Any = session.status
+    if status is not None and not status.examples:
+        return "There is nothing to save yet: no example was recorded."
+    return testing(session)
