@@ -134,8 +134,8 @@ def main(
     """Compare keepaway in lockstep with a bare publish-and-wait-for-all loop."""
     if role:
         answer(role)
-    from hitab_client.shipped import shipped
     from hitab_client.domain_ids import reserved
+    from hitab_client.shipped import shipped
 
     trained = library or shipped("libraries", "keepaway")
     loops, games, missed = [], [], 0

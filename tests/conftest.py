@@ -13,9 +13,9 @@ from browsing import Person, browser, studio
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.libraries import copy_library
-from hitab_client.shipped import find_file
 from hitab_client.lessons.lesson_file import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer, LessonReport
+from hitab_client.shipped import find_file
 from keepaway_world.verbs.evaluation import trained_keepers
 
 LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")

@@ -7,11 +7,11 @@ import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.opened_library import open_library
-from hitab_client.shipped import find_file, shipped
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.command_view import CommandView
 from hitab_client.lessons.lesson_file import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_client.shipped import find_file, shipped
 
 KEEPERS = {"keeper_1": (-7.0, 6.0), "keeper_2": (-3.0, 7.0), "keeper_3": (-5.0, 3.0)}
 SECONDS = 60.0

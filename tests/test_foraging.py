@@ -9,10 +9,10 @@ from hitab_msgs.msg import Order
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_client.shipped import find_file, shipped
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.lessons.lesson_file import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_client.shipped import find_file, shipped
 from hitab_client.world_client import WorldClient
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind_reader import KIND_FILE, read_kind

@@ -7,9 +7,9 @@ import pytest
 
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.opened_library import open_library
-from hitab_client.shipped import find_file, shipped
 from hitab_client.lessons.lesson_file import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_client.shipped import find_file, shipped
 from keepaway_world.verbs.evaluation import trained_keepers
 
 LESSONS = ("take_ball", "pass_ball", "play_ball", "keepaway")

@@ -17,10 +17,8 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "nicegui", "jinja2", "mcap", "numpy"],
-    extras_require={
-        "test": ["pytest", "playwright", "axe-playwright-python", "mcap-ros2-support"],
-    },
+    install_requires=["setuptools", "nicegui", "jinja2", "mcap", "mcap-ros2-support", "numpy"],
+    extras_require={"test": ["pytest", "playwright", "axe-playwright-python"]},
     entry_points={"hitab.verbs": ["studio = hitab_studio.command"]},
     python_requires=">=3.11",
     zip_safe=False,

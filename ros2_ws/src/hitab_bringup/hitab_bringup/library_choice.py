@@ -8,10 +8,10 @@ from pathlib import Path
 
 from hitab_bringup.libraries import libraries_of
 from hitab_bringup.opened_library import domain_in
-from hitab_client.shipped import shipped_folders
 from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
 from hitab_client import DescriptionError, RunFolder, SwarmError
 from hitab_client.run_folder import running_swarms, state_home
+from hitab_client.shipped import shipped_folders
 from hitab_core import LibraryError, did_you_mean, has
 from hitab_core.library import SUFFIX
 

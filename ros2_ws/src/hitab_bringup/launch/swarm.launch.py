@@ -14,12 +14,12 @@ from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration
 
 from hitab_bringup.libraries import prepare
-from hitab_client.shipped import find_file
 from hitab_bringup.swarm_file import read_swarm
 from hitab_bringup.swarm_processes import processes
 from hitab_client.dds_profile import choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import RunFolder
+from hitab_client.shipped import find_file
 from hitab_ros.exit_codes import FINAL
 from launch import LaunchContext, LaunchDescription
 

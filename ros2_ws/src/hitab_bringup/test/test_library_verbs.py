@@ -14,8 +14,8 @@ from hitab_bringup import read_swarm
 from hitab_bringup.libraries import prepare
 from hitab_bringup.library_choice import known_libraries, with_library
 from hitab_bringup.main import make_app
-from hitab_client.shipped import find_file, shipped
 from hitab_client import DescriptionError, RunFolder, RunRecord
+from hitab_client.shipped import find_file, shipped
 from hitab_core import BehaviorLibrary, LibraryError, load_domain
 
 KEEPAWAY = ["ApproachBall", "ControlBall", "GotoBall", "Keepaway"]

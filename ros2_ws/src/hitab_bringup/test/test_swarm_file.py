@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from hitab_client.shipped import find_file
 from hitab_bringup.swarm_file import parse_swarm, read_swarm
 from hitab_bringup.swarm_processes import library_of, processes
 from hitab_client.errors import DescriptionError
+from hitab_client.shipped import find_file
 from hitab_core.errors import HitabError
 
 HERE = Path("/somewhere/team.yaml")

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from hitab_client.shipped import find_file
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import Active, Comparison, Passed
 from hitab_client.lessons.lesson import (
@@ -19,6 +18,7 @@ from hitab_client.lessons.lesson import (
     Until,
 )
 from hitab_client.lessons.lesson_file import parse_lesson, read_lesson
+from hitab_client.shipped import find_file
 from hitab_core.use import Use
 
 HERE = Path("lessons/dance.yaml")
