@@ -100,9 +100,9 @@ def test_the_closest_are_found_among_equals_by_the_lowest_number(quiet, put):
 def test_a_body_refuses_the_percept_of_another_world():
     with pytest.raises(HitabError, match="keeper_1: a percept of 7 values"):
         KeeperBody("keeper_1").sense([0.0] * 7, [])
-    with pytest.raises(HitabError, match="another world"):
+    with pytest.raises(HitabError, match="link the agent to a keepaway world"):
         KeeperBody("keeper_1").sense([], [])
-    with pytest.raises(HitabError, match="another world"):
+    with pytest.raises(HitabError, match="link the agent to a keepaway world"):
         KeeperBody("keeper_1").sense([math.nan] * percept_length(3, 2), [])
 
 
