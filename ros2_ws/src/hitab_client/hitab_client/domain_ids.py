@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import os
+import socket
 from collections.abc import Iterator
 
 from hitab_client.run_folder import running_swarms
+
+
+LOOKED_AT = 10
+"""Participants whose ports are tried."""
 
 
 def chosen_by_user() -> int | None:
@@ -24,9 +29,33 @@ def for_swarm() -> int:
     return next(number for number in range(102) if number not in taken)
 
 
+def is_used_here(number: int) -> bool:
+    """Return whether a program on this machine takes part in a ROS domain.
+
+    Each DDS participant listens on two ports of its own, numbered from the lowest that are free,
+    and most on one that they share (DDSI-RTPS 2.5, section 9.6.1). A domain seems unused if only
+    participants beyond the first `LOOKED_AT` are left.
+    """
+    base = 7400 + 250 * number
+    return any(map(_is_bound, (base, *range(base + 10, base + 10 + 2 * LOOKED_AT, 2))))
+
+
+def _is_bound(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(("", port))
+        except OSError:
+            return True
+    return False
+
+
 @contextlib.contextmanager
 def reserved() -> Iterator[int]:
-    """Reserve a domain id that is free on this machine, for the duration of the context."""
+    """Reserve a domain id that is free on this machine, for the duration of the context.
+
+    Programs that chose a domain by hand are looked for; those that reserve one, as this does, are
+    kept off it.
+    """
     from domain_coordinator import domain_id
 
     taken = {record.domain_id for _, record in running_swarms()} | {chosen_by_user()}
@@ -34,7 +63,7 @@ def reserved() -> Iterator[int]:
         while True:
             stack = contextlib.ExitStack()
             number = stack.enter_context(domain_id())
-            if number not in taken:
+            if number not in taken and not is_used_here(number):
                 break
             refused.push(stack)
         with stack:
