@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 from hitab_client.run_folder import running_swarms
 
-
 LOOKED_AT = 10
 """Participants whose ports are tried."""
 
