@@ -18,7 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
-from keepaway_world.inprocess import play
+from hitab_world.inprocess import play
 from keepaway_world.parameters import variant
 from keepaway_world.reference_keepers import reference_players
 from keepaway_world.verbs.evaluation import mean_and_error

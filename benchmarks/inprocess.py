@@ -15,8 +15,8 @@ from report import tell
 
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
+from hitab_world.inprocess import perform, play
 from keepaway_world.domain import DOMAIN
-from keepaway_world.inprocess import perform, play
 from keepaway_world.world import KeepawayWorld
 
 

@@ -6,8 +6,15 @@ import sys
 from pathlib import Path
 
 import pytest
+from ament_index_python.packages import get_packages_with_prefixes
 
 SOURCES = Path(__file__).parents[1] / "ros2_ws" / "src"
+CALLED = {"yaml": "PyYAML", "sklearn": "scikit-learn", "mcap_ros2": "mcap-ros2-support"}
+"""Names on PyPI of modules that have another name there."""
+
+STARTED = {"setuptools", "supervisor"}
+"""What packages need without importing it."""
+
 PACKAGES = sorted(path.parent.parent for path in SOURCES.glob("*/*/__init__.py"))
 
 
@@ -38,3 +45,12 @@ def test_a_package_depends_on_no_other_of_this_workspace_without_need(package):
     ours = {path.name for path in PACKAGES} & {*declared}
     started = {"hitab_agent"}  # as processes of their own, not imported
     assert ours - imports(package) - started == set()
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
+def test_a_package_tells_pip_what_it_imports_from_pypi_and_nothing_else(package):
+    from_ros = {*get_packages_with_prefixes()} | {path.name for path in PACKAGES}
+    wanted = {CALLED.get(name, name) for name in imports(package) - from_ros}
+    told = re.search(r"install_requires=\[(.*?)\]", (package / "setup.py").read_text(), re.DOTALL)
+    assert told is not None
+    assert {*re.findall(r"[\w-]+", told[1])} - STARTED == wanted

@@ -17,10 +17,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=[
-        "setuptools",
-        "lazy_loader",
-    ],
+    install_requires=["setuptools", "lazy_loader", "PyYAML"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={

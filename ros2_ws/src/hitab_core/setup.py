@@ -17,7 +17,15 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "lazy_loader", "jsonschema", "numpy", "PyYAML"],
+    install_requires=[
+        "setuptools",
+        "jsonschema",
+        "lazy_loader",
+        "matplotlib",
+        "numpy",
+        "PyYAML",
+        "scikit-learn",
+    ],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
 )

@@ -32,7 +32,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
         *[entry for folder in DATA for entry in shipped(folder)],
     ],
-    install_requires=["setuptools", "numpy", "pymunk"],
+    install_requires=["setuptools", "matplotlib", "numpy", "pymunk", "rich", "typer"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={

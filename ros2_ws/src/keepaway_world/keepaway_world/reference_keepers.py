@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from random import Random
 
 from hitab_core import agent_seed
+from hitab_world.inprocess import Player
 from keepaway_world import action
-from keepaway_world.inprocess import Player
 from keepaway_world.interception import Order
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.reference.ball_handling import BallHandling
@@ -95,7 +95,7 @@ class _Mouthpiece:
 
 
 class ReferencePlayer:
-    """Plays a keeper by a reference policy; see `keepaway_world.inprocess.Player`."""
+    """Plays a keeper by a reference policy; see `hitab_world.inprocess.Player`."""
 
     def __init__(self, world: KeepawayWorld, name: str, policy: Policy) -> None:
         self.body = _Mouthpiece()
@@ -120,7 +120,7 @@ class ReferencePlayer:
 
 
 class ServoPlayer:
-    """Plays a keeper that servoes on the ball; see `keepaway_world.inprocess.Player`."""
+    """Plays a keeper that servoes on the ball; see `hitab_world.inprocess.Player`."""
 
     def __init__(self, world: KeepawayWorld, name: str) -> None:
         self.body = _Mouthpiece()

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hitab_world.inprocess import PolicyPlayer, cycle
 from hitab_world.world import Placement
 from keepaway_world import behaviors, features
 from keepaway_world.body import KeeperBody
 from keepaway_world.domain import DOMAIN
-from keepaway_world.inprocess import PolicyPlayer, cycle
 from keepaway_world.kicking import pass_speed
 from keepaway_world.parameters import PAPER, variant
 from keepaway_world.world import KeepawayWorld

@@ -9,10 +9,10 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.seeding import agent_seed
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
+from hitab_world.inprocess import PolicyPlayer, perform, play, play_on
 from hitab_world.world import Placement
 from keepaway_world.body import KeeperBody
 from keepaway_world.domain import DOMAIN
-from keepaway_world.inprocess import PolicyPlayer, perform, play, play_on
 from keepaway_world.parameters import variant
 from keepaway_world.world import KeepawayWorld
 

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hitab_world.inprocess import PolicyPlayer, cycle
 from hitab_world.world import Placement
 from keepaway_world.domain import DOMAIN as KEEPAWAY
-from keepaway_world.inprocess import PolicyPlayer, cycle
 from keepaway_world.parameters import PAPER, variant
 from keepaway_world.percept import BALL
 from keepaway_world.predictive import behaviors, features

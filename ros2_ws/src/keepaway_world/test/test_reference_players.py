@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from keepaway_world.inprocess import play
+from hitab_world.inprocess import play
 from keepaway_world.parameters import variant
 from keepaway_world.physics import Physics
 from keepaway_world.reference.eyes import Eyes
