@@ -89,9 +89,14 @@ def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) ->
     try:
         for key, mine in _origin(world, version).items():
             if snapshot.get(key) != mine:
+                way_out = (
+                    "another version of HiTAB took it: take it anew"
+                    if key == "version"
+                    else "restore it in a world like the one it was taken from"
+                )
                 raise WorldError(
                     f"the snapshot's {key} is {snapshot.get(key)}, this world's is {mine}; "
-                    "restore it in a world like the one it was taken from"
+                    f"{way_out}"
                 )
         yield Moment.of(snapshot)
     except WorldError:
