@@ -1,5 +1,6 @@
 """The lessons, played through the public topics, teach within the paper's budgets, every time."""
 
+import re
 import signal
 import subprocess
 import sys
@@ -108,6 +109,18 @@ def test_a_lesson_that_fails_says_what_it_leaves_and_discards_it_when_asked_to(
     assert "still training" not in refused.stderr  # it is not this lesson's
     done = hitab("lesson", "run", lesson, "--discard")
     assert done.returncode == 0, done.stderr
+
+
+def test_a_lesson_that_replaces_a_behavior_says_so(keepers, hitab, tmp_path):
+    lesson = lesson_file(tmp_path, "  - save: true\n")
+    for _ in range(2):
+        done = hitab("lesson", "run", lesson, "--discard")
+        assert done.returncode == 0, done.stderr
+    assert re.search(r"\n    version (\d+), replaces version \d+ \(2 examples\)\n", done.stdout)
+    keepers.agents.begin("keeper_1", "Stand", features=["BallIsKickable"])
+    keepers.agents.command("keeper_1", "Stop")
+    message = keepers.agents.save("keeper_1").message
+    assert re.search(r"; version \d+, replaces version \d+ \(2 examples\)$", message)
 
 
 def test_a_lesson_that_saves_nothing_says_so(keepers, hitab, tmp_path):

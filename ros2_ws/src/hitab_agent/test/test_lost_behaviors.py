@@ -95,6 +95,7 @@ def walkers(process: Any, tmp_path: Path) -> Walkers:
 
 def teach(node: AgentNode, name: str, *states: str) -> None:
     node.agent.begin(Curriculum(name, (Use("X"),)))
+    node.agent.sense([0.0], [])
     for state in states:
         node.agent.command(Use(state))
     node.agent.save()

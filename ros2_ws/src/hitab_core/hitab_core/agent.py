@@ -14,7 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import NamedTuple
 
-from hitab_core.automaton import Automaton
+from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.example import Example
@@ -330,6 +330,7 @@ class Agent:
 
         Raises:
             TrainingError: if the agent is not in training mode.
+            FeatureValueError: if it has perceived nothing yet.
         """
         session = self._session()
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
@@ -337,6 +338,8 @@ class Agent:
                 f"{self.name} is not in training mode but {self.mode}; "
                 "go to training mode before commanding"
             )
+        if any(feature.name not in FLAGS for feature in session.curriculum.features):
+            self._context.senses.check_perceived()
         return session.command(use, self.cycle)
 
     def test(self, *, restart: bool = False) -> None:
@@ -441,7 +444,7 @@ class Agent:
         """
         session = self._session()
         classifier = session.curriculum.classifier
-        learned = session.automaton()
+        learned = session.automaton("saved")
         if name or description:
             learned = replace(learned, name=name or learned.name, description=description)
         if bindings:

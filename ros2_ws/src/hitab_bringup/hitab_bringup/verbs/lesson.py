@@ -50,8 +50,8 @@ def run(
 
       hitab lesson run approach_ball goto_ball control_ball keepaway --json lessons.json
     """
-    from hitab_client.shipped import find_file
     from hitab_client.lessons import LessonPlayer, read_lesson
+    from hitab_client.shipped import find_file
 
     read = [read_lesson(find_file(name, "lessons", "lesson")) for name in lessons]
     reports = []
@@ -69,6 +69,8 @@ def run(
                 f"({report.default_examples} default), {quantity(report.commands, 'command')}, "
                 f"{report.simulated_s:.1f} s of training in {report.wall_s:.1f} s"
             )
+            if report.note:
+                console.say(f"    {report.note}")
     console.write_json(json, [asdict(report) for report in reports])
 
 
@@ -101,8 +103,8 @@ def _left(player: LessonPlayer) -> list[str]:
 @app.command("list")
 def list_lessons() -> None:
     """List the shipped lessons."""
-    from hitab_client.shipped import shipped_folders
     from hitab_client.lessons import read_lesson
+    from hitab_client.shipped import shipped_folders
 
     found = [
         (path, place) for place in shipped_folders("lessons") for path in place.rglob("*.yaml")
@@ -120,9 +122,9 @@ def list_lessons() -> None:
 @app.command()
 def check(lessons: Files) -> None:
     """Check lesson files without playing them."""
-    from hitab_client.shipped import find_file
     from hitab_client import LessonError
     from hitab_client.lessons import read_lesson
+    from hitab_client.shipped import find_file
 
     wrong = []
     for name in lessons:

@@ -53,6 +53,7 @@ class LessonReport:
         simulated_s: training time as the robots see it, s.
         wall_s: elapsed wall time, s.
         digest: of the saved file.
+        note: what saving said besides, such as which version it replaces.
     """
 
     lesson: str
@@ -64,6 +65,7 @@ class LessonReport:
     wall_s: float = 0.0
     digest: str = ""
     path: str = ""
+    note: str = ""
     trimmed: list[str] = field(default_factory=list)
     checks: list[str] = field(default_factory=list)
 
@@ -286,6 +288,7 @@ class LessonPlayer:
         self.report.default_examples = sum(e.kind == e.DEFAULT for e in examples)
         self.report.digest = answer.digest
         self.report.path = answer.path
+        self.report.note = answer.message.partition("; ")[2]
         self.report.trimmed = list(answer.trimmed)
 
     def _distribute(self, step: Distribute) -> None:

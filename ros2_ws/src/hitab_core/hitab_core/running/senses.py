@@ -34,12 +34,17 @@ class Senses:
 
     ``values[slot]`` is None until :meth:`read` is called in this tick. So a decision reads only
     the features that it needs, and each feature is read once however many levels use it.
+
+    Attributes:
+        values: of the features, by slot.
+        perceived: whether there was a percept yet.
     """
 
-    __slots__ = ("_blank", "_body", "_domain", "_readers", "_slots", "values")
+    __slots__ = ("_blank", "_body", "_domain", "_readers", "_slots", "perceived", "values")
 
     def __init__(self, body: Any, domain: Domain) -> None:
         self.values: Values = []
+        self.perceived = False
         self._blank: Values = []
         self._readers: list[Callable[[], float] | None] = []
         self._slots: dict[Use, int] = {}
@@ -99,7 +104,20 @@ class Senses:
 
     def forget(self) -> None:
         """Clear all values, for a new percept."""
+        self.perceived = True
         self.values[:] = self._blank
+
+
+    def check_perceived(self) -> None:
+        """Check that there was a percept.
+
+        Raises:
+            FeatureValueError: if there was none: all values would be those of an empty body.
+        """
+        if not self.perceived:
+            raise FeatureValueError(
+                "nothing perceived yet; let the world run, or wait for the robot's sensors"
+            )
 
 
 def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) -> float:
@@ -121,11 +139,17 @@ def checked(read: Callable[[], float], name: str, categories: int) -> float:
     Raises:
         FeatureValueError: if the value is missing, not a number or not a category.
     """
-    value = read()
-    if value is None or value != value:
-        raise FeatureValueError(f'feature "{name}" has no value (got {value}); check its sensor')
+    read_value: Any = read()
+    try:
+        value = float(read_value)
+    except (TypeError, ValueError, OverflowError):
+        value = math.nan
+    if value != value:
+        raise FeatureValueError(
+            f'feature "{name}" has no value (got {repr(read_value)[:50]}); check its sensor'
+        )
     if categories and not (0 <= value < categories and value == int(value)):
         raise FeatureValueError(
-            f'feature "{name}" has value {value}, not one of its {categories} categories'
+            f'feature "{name}" has value {value:g}, not one of its {categories} categories'
         )
-    return float(value)
+    return value

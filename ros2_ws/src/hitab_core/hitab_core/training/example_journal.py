@@ -113,7 +113,7 @@ class ExampleJournal:
         try:
             kept = json.loads(json.dumps(record, allow_nan=False))
         except (TypeError, ValueError, RecursionError) as error:
-            raise LibraryError(f"{self.path}: cannot hold {record}: {error}") from None
+            raise LibraryError(f"{self.path}: cannot hold this record: {error}") from None
         data = _line(number, kept)
         with file_errors(self.path, "write to"):
             if not os.fstat(self._open()).st_nlink:

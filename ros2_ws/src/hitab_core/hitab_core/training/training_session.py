@@ -5,12 +5,13 @@ Source: the paper, section 3, "Training with HiTAB".
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.errors import TrainingError, VocabularyError
+from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions, learner
@@ -220,7 +221,7 @@ class TrainingSession:
         Raises:
             TrainingError: in testing mode, or if the behavior is not among the chosen ones.
             VocabularyError: if there is no such behavior or target.
-            FeatureValueError: if a feature has no value now.
+            FeatureValueError: if a feature has no value now, or one that is not finite.
         """
         if self.testing:
             raise TrainingError(
@@ -233,6 +234,7 @@ class TrainingSession:
         source = START if running.active in FLAGS else running.active
         again = label == source
         features = tuple(running.peek_features())
+        self._check_finite(features)
         taught = self.log.preview(
             source,
             features,
@@ -248,6 +250,14 @@ class TrainingSession:
         running.add_state(state)
         running.go_to(label)
         return taught
+
+    def _check_finite(self, values: Iterable[float]) -> None:
+        for feature, value in zip(self.curriculum.features, values, strict=True):
+            if not math.isfinite(value):
+                raise FeatureValueError(
+                    f'feature "{feature}" is {value} but must be finite in an example; have it '
+                    "return a large number instead, such as the range of its sensor"
+                )
 
     def test(self, *, restart: bool = False) -> None:
         """Learn the transition functions and let them decide.
@@ -328,18 +338,21 @@ class TrainingSession:
         self.running.raised.discard(str(edit.left))
         self.running.go_to(edit.entered)
 
-    def automaton(self) -> Automaton:
+    def automaton(self, done: str = "tested") -> Automaton:
         """Return what has been learned so far, untrimmed.
+
+        Args:
+            done: what is to be done with it, for the refusal.
 
         Raises:
             TrainingError: if no example leaves Start.
         """
-        return self._learned(self.log.examples)
+        return self._learned(self.log.examples, done)
 
-    def _learned(self, examples: tuple[Example, ...]) -> Automaton:
+    def _learned(self, examples: tuple[Example, ...], done: str = "tested") -> Automaton:
         if not any(e.state == START for e in examples):
             raise TrainingError(
-                f'"{self.curriculum.name}" cannot be tested: no example leaves {START}; '
+                f'"{self.curriculum.name}" cannot be {done}: no example leaves {START}; '
                 "command the behavior that it should begin with"
             )
         repertoire = self.context.repertoire

@@ -1,0 +1,106 @@
+"""A feature without a usable value is refused by name, and nothing is recorded."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hitab_core.agent import Agent
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
+from hitab_core.errors import FeatureValueError, TrainingError
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.training.training_session import Curriculum
+from hitab_core.use import Use
+
+
+class Body:
+    """A body that reads its feature from a percept that may be missing."""
+
+    def __init__(self, name: str) -> None:
+        self.values: Any = []
+
+    def sense(self, values: Any, heard: Any) -> None:
+        self.values = values
+
+    def act(self) -> tuple[list[float], str]:
+        return [], ""
+
+
+@pytest.fixture
+def agent(tmp_path: Path) -> Agent:
+    domain = Domain.of(
+        "sensors",
+        "1",
+        Body,
+        behaviors=[BasicBehavior("Go"), BasicBehavior("Stop")],
+        features=[
+            Feature("Range", lambda body: body.values[0], unit="m"),
+            Feature(
+                "Kind",
+                lambda body: body.values[0],
+                FeatureKind.CATEGORICAL,
+                categories=("near", "far"),
+            ),
+        ],
+    )
+    return Agent("ann", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
+
+
+def refusal(agent: Agent, feature: str = "Range") -> str:
+    if agent.session is None:
+        agent.begin(Curriculum("New", (Use(feature),)))
+    with pytest.raises(FeatureValueError) as refused:
+        agent.command(Use("Go"))
+    assert agent.session is not None
+    assert len(agent.session.log) == 0
+    return str(refused.value)
+
+
+@pytest.mark.parametrize("value", [math.inf, -math.inf])
+def test_an_example_holds_only_finite_values(agent: Agent, value: float) -> None:
+    agent.sense([value], [])
+    assert refusal(agent) == (
+        f'feature "Range" is {value} but must be finite in an example; have it return a large '
+        "number instead, such as the range of its sensor"
+    )
+    agent.sense([30.0], [])
+    assert len(agent.command(Use("Go"))) == 2
+
+
+@pytest.mark.parametrize("value", [None, math.nan, "near", [1.0, 2.0], 10**400])
+def test_a_value_that_is_no_number_is_none(agent: Agent, value: Any) -> None:
+    agent.sense([value], [])
+    assert refusal(agent).startswith('feature "Range" has no value (got ')
+    assert len(refusal(agent)) < 120
+
+
+def test_a_value_outside_its_categories_is_named(agent: Agent) -> None:
+    agent.sense([2.0], [])
+    assert refusal(agent, "Kind") == 'feature "Kind" has value 2, not one of its 2 categories'
+
+
+def test_a_command_before_the_first_percept_is_refused(agent: Agent) -> None:
+    assert refusal(agent) == (
+        "nothing perceived yet; let the world run, or wait for the robot's sensors"
+    )
+    agent.sense([1.0], [])
+    agent.command(Use("Go"))
+
+
+def test_what_is_learned_without_looking_needs_no_percept(agent: Agent) -> None:
+    agent.begin(Curriculum("Blind", (Use("Done"),)))
+    assert len(agent.command(Use("Go"))) == 2
+
+
+def test_a_training_without_examples_cannot_be_saved(agent: Agent) -> None:
+    agent.begin(Curriculum("New", (Use("Range"),)))
+    missing = "no example leaves Start; command the behavior that it should begin with"
+    with pytest.raises(TrainingError, match=f'"New" cannot be saved: {missing}'):
+        agent.save()
+    with pytest.raises(TrainingError, match=f'"New" cannot be saved: {missing}'):
+        agent.preview_save()
+    with pytest.raises(TrainingError, match=f'"New" cannot be tested: {missing}'):
+        agent.test()
