@@ -6,6 +6,7 @@ import json
 import urllib.error
 import urllib.request
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -279,6 +280,10 @@ def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
     person.page.click('.pane [data-test="record"]')
     person.click("replay-file")
     person.sees("replay")
+    # It is not taken for the swarm: another frame, and nothing that would act.
+    person.sees("replay-band", "Replay")
+    for live in ("pause", "step", "new", "behaviors", "tab-teach"):
+        person.does_not_see(live)
     person.page.evaluate(
         "() => { const line = document.querySelector('[data-test=timeline]');"
         " line.value = line.max; line.dispatchEvent(new Event('input', { bubbles: true })); }"
@@ -286,6 +291,14 @@ def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
     person.waits_until(lambda: abs(person.place_of(ONE)[0] + 9.0) < 0.3, "its last moment")
     person.page.keyboard.press("Escape")
     person.does_not_see("replay")
+    person.sees("pause")
+    recorded, (path,) = path_and_download(person, home)
+    assert recorded == path.read_bytes()
+    person.click(f"rename-{path.name}")
+    person.type("recording-name", "the last one")
+    person.click("rename-now")
+    person.sees("download-the last one.mcap")
+    assert (home / "recordings" / "the last one.mcap").read_bytes() == recorded
 
     from mcap.reader import make_reader
     from mcap_ros2.decoder import DecoderFactory
@@ -299,6 +312,18 @@ def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
     assert {"/world/state", "/world/status", f"/{ONE}/status"} <= topics
     states = [message for _, c, _, message in decoded if c.topic == "/world/state"]
     assert any(abs(e.x + 9.0) < 0.1 for e in states[-1].entities if e.name == ONE)
+    person.click("delete-the last one.mcap")
+    person.click("delete-now")
+    person.does_not_see("download-the last one.mcap")
+    assert list((home / "recordings").glob("*")) == []
+
+
+def path_and_download(person: Person, home: Path) -> tuple[bytes, list[Path]]:
+    """Return what the page gives for download, and the recordings that there are."""
+    paths = list((home / "recordings").glob("*.mcap"))
+    with person.page.expect_download() as download:
+        person.click(f"download-{paths[0].name}")
+    return Path(download.value.path()).read_bytes(), paths
 
 
 @needs_browser

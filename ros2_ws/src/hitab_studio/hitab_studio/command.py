@@ -53,6 +53,7 @@ def studio(
     """
     from hitab_studio.finding import find_target
     from hitab_studio.guard import new_token
+    from hitab_studio.launching import startable_swarms
     from hitab_studio.server import Address, serve
 
     address = Address(host, port, new_token(host, token))
@@ -61,4 +62,11 @@ def studio(
     def ready() -> None:
         console.note(f"The studio is at {address.url}\nCtrl-C ends it.")
 
-    serve(lambda: find_target(swarm or chosen, run_dir), address, show=browser, ready=ready)
+    name = swarm or chosen
+    serve(
+        lambda: find_target(name, run_dir),
+        address,
+        startable=() if run_dir else startable_swarms(name),
+        show=browser,
+        ready=ready,
+    )

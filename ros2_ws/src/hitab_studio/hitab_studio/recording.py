@@ -24,7 +24,6 @@ from rclpy.qos import QoSProfile
 from visualization_msgs.msg import MarkerArray
 
 from hitab_client import RosLink, SwarmError
-from hitab_client.run_folder import state_home
 from hitab_ros import qos
 from hitab_studio.message_text import definition, type_name
 
@@ -48,17 +47,6 @@ METADATA = "hitab"
 
 FORMAT = 1
 """The format version that is written."""
-
-
-def recordings_folder() -> Path:
-    """Return the folder of recordings."""
-    return state_home() / "recordings"
-
-
-def new_recording(swarm: str) -> Path:
-    """Return the path of the next recording."""
-    stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
-    return recordings_folder() / f"{swarm or 'swarm'}_{stamp}.mcap"
 
 
 class Recorder:

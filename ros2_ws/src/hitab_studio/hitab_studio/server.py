@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import logging
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from fastapi import WebSocket
+from fastapi import HTTPException, WebSocket
+from fastapi.responses import FileResponse
 
 from hitab_client import SwarmError
 from hitab_studio.finding import Target
 from hitab_studio.guard import Guard, is_loopback
+from hitab_studio.launching import Startable
+from hitab_studio.recordings import recording
 
 TITLE = "HiTAB studio"
 ICON = (
@@ -70,6 +73,7 @@ def serve(
     find: Callable[[], Target],
     address: Address,
     *,
+    startable: Sequence[Startable] = (),
     show: bool = False,
     ready: Callable[[], None] | None = None,
 ) -> None:
@@ -78,6 +82,7 @@ def serve(
     Args:
         find: returns the swarm to connect to.
         address: where to serve it.
+        startable: the swarms that pages may start.
         show: whether to open a browser.
         ready: called once the page can be opened.
 
@@ -92,13 +97,21 @@ def serve(
     from hitab_studio.studio import Studio
 
     logging.getLogger("nicegui").setLevel(logging.ERROR)
-    studio = Studio(find)
+    studio = Studio(find, startable)
     app.add_static_files("/studio", STATIC, max_cache_age=0)
     app.add_middleware(Guard, host=address.host, token=address.token)
 
     @app.websocket("/field")
     async def field(socket: WebSocket, session: str = "") -> None:
         await stream(studio, socket, session)
+
+    @app.get("/recordings/{name}")
+    def download(name: str) -> FileResponse:
+        try:
+            path = recording(name)
+        except SwarmError as error:
+            raise HTTPException(404, str(error)) from None
+        return FileResponse(path, filename=path.name)
 
     @ui.page("/", title=TITLE, response_timeout=10.0)
     def index(client: Client) -> None:

@@ -7,7 +7,7 @@ import json
 import logging
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -18,6 +18,7 @@ from hitab_ros.answering import what_went_wrong
 from hitab_studio.jobs import Connected
 from hitab_studio.keys import Keys
 from hitab_studio.known import natural
+from hitab_studio.launching import Launcher, Startable
 from hitab_studio.learned import Learned
 from hitab_studio.locks import Holder, Locks
 from hitab_studio.lost import Lost
@@ -65,15 +66,17 @@ class Shared:
         store: what is known.
         locks: who holds which agent.
         keys: which key commands which behavior.
+        launcher: starts and stops swarms.
         present: the field as it is now.
         sessions: the pages that are open, by their ids.
         chosen_states: for each agent the automaton that was begun here, and what may be commanded
             in it; nothing: everything.
     """
 
-    def __init__(self, link: SwarmLink) -> None:
+    def __init__(self, link: SwarmLink, startable: Sequence[Startable] = ()) -> None:
         self.link = link
         self.store = Store()
+        self.launcher = Launcher(startable, self.store.touch)
         self.locks = Locks()
         self.keys = Keys()
         self.present = Present(self.store.palette)
@@ -197,6 +200,7 @@ class Session:
         It is sent even if the page had it before: the page may show something else by now.
         """
         self.sent = b""
+        self.send({"t": "replay", "on": self.player is not None})
         if self.player is not None:
             self.show_moment()
         elif self.shared.present.roster:

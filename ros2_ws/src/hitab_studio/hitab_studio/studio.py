@@ -14,6 +14,7 @@ from typing import Any
 
 from hitab_studio.finding import Target
 from hitab_studio.known import Known, Trouble
+from hitab_studio.launching import Startable
 from hitab_studio.mailbox import Mailbox
 from hitab_studio.scene import Scene, said_message
 from hitab_studio.session import Session, Shared
@@ -25,12 +26,16 @@ REPLAY_SECONDS = 0.1
 class Studio:
     """Keeps the shared state up to date, and passes news to the pages.
 
+    Args:
+        find: returns the swarm to connect to.
+        startable: the swarms that pages may start.
+
     Attributes:
         shared: what the pages share; the other attributes are parts of it.
     """
 
-    def __init__(self, find: Callable[[], Target]) -> None:
-        self.shared = shared = Shared(SwarmLink(find, self._hear))
+    def __init__(self, find: Callable[[], Target], startable: Sequence[Startable] = ()) -> None:
+        self.shared = shared = Shared(SwarmLink(find, self._hear), startable)
         self.link = shared.link
         self.store = shared.store
         self.locks = shared.locks

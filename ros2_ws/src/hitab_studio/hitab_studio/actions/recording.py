@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 
 from hitab_client import SwarmError
+from hitab_studio import recordings
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.recording import new_recording, recordings_folder
 from hitab_studio.replay import Player, Recording
 from hitab_studio.session import Session
 
@@ -19,7 +19,9 @@ async def record(session: Session, data: Data) -> None:
         path = await session.ask(lambda _: link.stop_recording())
         session.tell(f"recorded to {path}")
     else:
-        path = str(new_recording(store.known.target.swarm if store.known.target else ""))
+        path = str(
+            recordings.new_recording(store.known.target.swarm if store.known.target else "")
+        )
         await session.ask(lambda _: link.start_recording(path, session.id))
     session.tab = "record"
 
@@ -27,10 +29,7 @@ async def record(session: Session, data: Data) -> None:
 @action("replay")
 async def replay(session: Session, data: Data) -> None:
     """Open a recording."""
-    name = str(data["name"])
-    path = recordings_folder() / name
-    if path.parent != recordings_folder() or not path.is_file():
-        raise SwarmError(f'There is no recording "{name}".')
+    path = recordings.recording(str(data["name"]))
     session.busy += 1
     session.touch()
     try:
@@ -38,6 +37,43 @@ async def replay(session: Session, data: Data) -> None:
     finally:
         session.busy -= 1
     session.show_again()
+
+
+@action("recording-rename-dialog")
+async def rename_dialog(session: Session, data: Data) -> None:
+    """Ask for another name."""
+    session.dialog = {"kind": "rename-recording", "name": str(data["name"])}
+
+
+@action("recording-rename")
+async def rename(session: Session, data: Data) -> None:
+    """Give a recording another name."""
+    name = session.dialog["name"]
+    _not_being_recorded(session, name)
+    path = recordings.rename(name, str(data["values"].get("name", "")))
+    session.close_dialog()
+    session.tell(f"{name} is called {path.name} now")
+
+
+@action("recording-delete-dialog")
+async def delete_dialog(session: Session, data: Data) -> None:
+    """Ask whether a recording is to be deleted."""
+    session.dialog = {"kind": "delete-recording", "name": str(data["name"])}
+
+
+@action("recording-delete")
+async def delete(session: Session, data: Data) -> None:
+    """Delete a recording."""
+    name = session.dialog["name"]
+    _not_being_recorded(session, name)
+    recordings.delete(name)
+    session.close_dialog()
+    session.tell(f"{name} is deleted")
+
+
+def _not_being_recorded(session: Session, name: str) -> None:
+    if session.shared.store.known.recording.endswith(f"/{name}"):
+        raise SwarmError(f"{name} is being recorded: stop that first.")
 
 
 @action("replay-play")

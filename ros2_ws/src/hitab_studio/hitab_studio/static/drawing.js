@@ -146,6 +146,7 @@ function dart(c, x, y, size, angle) {
 // The knobs by which a finger or a mouse turns what is chosen.
 function drawHandles(field, c, screen) {
   field.handles = [];
+  if (field.replay) return;
   for (const name of field.chosen) {
     const i = field.index?.get(name);
     if (i === undefined || i >= field.now.n || !field.looks[i].faces) continue;

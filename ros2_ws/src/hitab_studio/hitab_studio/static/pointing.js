@@ -79,7 +79,7 @@ function beginDrag(field, event) {
   const starts = new Map();
   if (i >= 0) {
     const name = field.roster.names[i];
-    const together = field.chosen.has(name) ? [...field.chosen] : [name];
+    const together = field.replay ? [] : field.chosen.has(name) ? [...field.chosen] : [name];
     for (const other of together) {
       const k = field.index.get(other);
       if (k !== undefined) starts.set(k, [...field.now.places.subarray(3 * k, 3 * k + 2)]);
@@ -134,7 +134,7 @@ function endDrag(field, event) {
     if (!drag.moved) window.studioTell("deselect");
   } else if (!drag.moved) {
     if (!drag.turning) window.studioTell("choose", { name: names[drag.i], more: event.shiftKey });
-  } else {
+  } else if (drag.starts.size) {
     put(field, drag.places, drag.headings);
   }
   field.redraw();
@@ -208,7 +208,7 @@ function forChosen(field, change) {
     const [x, y] = places.get(k) ?? at;
     field.keyed.things.set(name, [x, y, headings.get(k) ?? at[2]]);
   }
-  if (places.size || headings.size) put(field, places, headings);
+  if (!field.replay && (places.size || headings.size)) put(field, places, headings);
 }
 
 function chooseNext(field, step) {

@@ -26,6 +26,9 @@ TITLES = {
     "distribute": "Distribute a behavior",
     "round": "Next round",
     "snapshots": "Snapshots",
+    "rename-recording": "Rename a recording",
+    "delete-recording": "Delete a recording",
+    "stop": "Stop the swarm",
 }
 
 

@@ -9,6 +9,7 @@ from hitab_core import FLAGS, START, Use
 from hitab_ros.names import WORLD
 from hitab_studio import reasons
 from hitab_studio.actions.teaching import targets_meant
+from hitab_studio.launching import Startable
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 
@@ -41,6 +42,7 @@ def context(session: Session) -> dict[str, Any]:
     empty = _empty(session)
     world_absent = reasons.absence(session, WORLD) if live else ""
     history = session.watched.history
+    known = session.shared.store.known
     return {
         "absent": reasons.absence(session, session.agent) if live and session.agent else "",
         "world_absent": world_absent,
@@ -65,6 +67,10 @@ def context(session: Session) -> dict[str, Any]:
         "legend": _legend(session),
         "player": session.player,
         "empty": empty,
+        "expected": len(known.target.agents) if known.target is not None else 0,
+        "there": sum(map(known.answers, known.agents)),
+        "launch": session.shared.launcher.launch,
+        "startable": () if session.shared.launcher.is_busy else _startable(session),
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
@@ -113,6 +119,12 @@ def _empty(session: Session) -> tuple[str, str, str]:
     if session.player is not None or store.known.scene is not None:
         return ("", "", "")
     target = store.known.target
+    if target is not None and target.problem.endswith("is not up."):
+        how = (
+            "Start it here or in a terminal." if _startable(session) else "Start it in a terminal."
+        )
+        name = target.swarm or "The swarm"
+        return (f"{name} is not up", f"{how} This page finds it by itself.", f"hitab up {name}")
     if target is not None and target.problem:
         return ("Which swarm?", target.problem, "hitab studio NAME")
     if store.known.statuses:
@@ -121,9 +133,18 @@ def _empty(session: Session) -> tuple[str, str, str]:
         return (f"Waiting for {target.swarm}", "It is up but does not answer yet.", "")
     return (
         "No swarm is up",
-        "Start one in a terminal. This page finds it by itself.",
+        "Start one here or in a terminal. This page finds it by itself."
+        if _startable(session)
+        else "Start one in a terminal. This page finds it by itself.",
         "hitab up keepaway",
     )
+
+
+def _startable(session: Session) -> tuple[Startable, ...]:
+    """Return the swarms that may be started now: none if one is up."""
+    known = session.shared.store.known
+    up = known.target is not None and known.target.swarm and not known.target.problem
+    return () if up or known.scene or known.statuses else session.shared.launcher.startable
 
 
 def _buttons(session: Session) -> list[Button]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from hitab_studio.recording import recordings_folder
+from hitab_studio.recordings import recordings, recordings_folder
 from hitab_studio.session import Session
 
 MOST = 30
@@ -13,22 +13,16 @@ MOST = 30
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
-    store = session.shared.store
-    found = []
-    for path in recordings_folder().glob("*.mcap"):
-        try:
-            stat = path.stat()
-        except OSError:
-            continue
-        found.append((stat.st_mtime, path.name, stat.st_size / 1e6))
-    found.sort(reverse=True)
+    known = session.shared.store.known
+    done = [r for r in recordings() if not known.recording.endswith(f"/{r.name}")]
     return {
-        "recording": store.known.recording,
-        "recorded": store.known.recorded,
+        "recording": known.recording,
+        "recorded": known.recorded,
         "folder": str(recordings_folder()),
         "files": [
-            (name, time.strftime("%d %b %H:%M", time.localtime(when)), size)
-            for when, name, size in found[:MOST]
-            if not store.known.recording.endswith(name)
+            (r.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), r.size / 1e6)
+            for r in done[:MOST]
         ],
+        "more": max(0, len(done) - MOST),
+        "shown": session.player.recording.path.name if session.player is not None else "",
     }

@@ -17,16 +17,20 @@ TABS = (
     ("record", "Record", record.context),
 )
 
+IN_REPLAY = ("learned", "record")
+"""Tabs that show a recording; the others are about the swarm as it is now."""
+
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the panel shows."""
     training = session.watched.training
     live = session.agent and session.player is None
     absent = reasons.absence(session, session.agent) if live else ""
-    shown = next(t for t in TABS if t[0] == session.tab)
+    tabs = [t for t in TABS if session.player is None or t[0] in IN_REPLAY]
+    shown = next((t for t in tabs if t[0] == session.tab), tabs[0])
     return {
-        "tabs": [(name, title) for name, title, _ in TABS],
-        "tab": session.tab,
+        "tabs": [(name, title) for name, title, _ in tabs],
+        "tab": shown[0],
         "agent": session.agent,
         "training": training,
         "absent": absent,

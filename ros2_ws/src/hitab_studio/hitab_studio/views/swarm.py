@@ -43,9 +43,18 @@ def context(session: Session) -> dict[str, Any]:
         "modes": Counter(s.mode for s in store.known.statuses.values()),
         "groups": list(_groups(store.known.groups)),
         "libraries": len(digests),
+        "stoppable": _stoppable(session),
         "gone": sorted({*store.known.gone, *store.known.silent} - {WORLD}),
         "errors": [(n, s.last_error) for n, s in store.known.statuses.items() if s.last_error][:6],
     }
+
+
+def _stoppable(session: Session) -> str:
+    """Return the swarm that may be stopped here; "" if there is none."""
+    target, launcher = session.shared.store.known.target, session.shared.launcher
+    if target is None or target.problem or not target.identity or launcher.is_busy:
+        return ""
+    return target.swarm if launcher.startable else ""
 
 
 def _color(index: int) -> str:

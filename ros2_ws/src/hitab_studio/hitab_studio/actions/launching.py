@@ -1,0 +1,44 @@
+"""Starting and stopping swarms."""
+
+from __future__ import annotations
+
+from hitab_client import SwarmError
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.session import Session
+
+
+@action("swarm-start")
+async def swarm_start(session: Session, data: Data) -> None:
+    """Start a swarm."""
+    name = str(data["values"].get("swarm", ""))
+    launcher = session.shared.launcher
+    if name not in {swarm.name for swarm in launcher.startable}:
+        raise SwarmError(f'"{name}" is not a swarm that can be started here.')
+    launcher.run("up", name)
+
+
+@action("swarm-stop-dialog")
+async def swarm_stop_dialog(session: Session, data: Data) -> None:
+    """Ask whether the swarm is to be stopped."""
+    session.dialog = {"kind": "stop", "swarm": _name(session)}
+
+
+@action("swarm-stop")
+async def swarm_stop(session: Session, data: Data) -> None:
+    """Stop the swarm."""
+    name = _name(session)
+    session.close_dialog()
+    session.shared.launcher.run("down", name)
+
+
+@action("launch-dismiss")
+async def launch_dismiss(session: Session, data: Data) -> None:
+    """Close what a failed start or stop has said."""
+    session.shared.launcher.dismiss()
+
+
+def _name(session: Session) -> str:
+    target = session.shared.store.known.target
+    if target is None or not target.swarm:
+        raise SwarmError("No swarm is up that could be stopped.")
+    return target.swarm

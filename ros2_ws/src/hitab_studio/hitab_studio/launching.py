@@ -1,0 +1,156 @@
+"""Starts and stops swarms with the ``hitab`` command; all else uses topics and services."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from hitab_client import SwarmError
+from hitab_client.shipped import shipped_folders
+
+MOST_LINES = 40
+"""Of the command's output, which are kept."""
+
+
+@dataclass(frozen=True)
+class Startable:
+    """A swarm that can be started.
+
+    Attributes:
+        about: what it is.
+    """
+
+    name: str
+    about: str = ""
+
+
+@dataclass
+class Launch:
+    """One run of the command, which may have ended.
+
+    Attributes:
+        verb: up or down.
+        began: on the monotonic clock, s.
+        lines: what the command has printed.
+        status: its exit status; None while it runs.
+    """
+
+    verb: str
+    swarm: str
+    began: float
+    lines: list[str] = field(default_factory=list)
+    status: int | None = None
+
+    @property
+    def seconds(self) -> int:
+        """Since it began, s."""
+        return round(time.monotonic() - self.began)
+
+    @property
+    def text(self) -> str:
+        """What the command has said."""
+        return "\n".join(self.lines)
+
+
+class Launcher:
+    """Runs the command for all pages, one swarm at a time.
+
+    Args:
+        startable: the swarms that may be started.
+        changed: called when something new is to be shown.
+
+    Attributes:
+        launch: the command that runs, or that has failed and was not dismissed.
+    """
+
+    def __init__(
+        self, startable: Sequence[Startable] = (), changed: Callable[[], None] = lambda: None
+    ) -> None:
+        self.startable = tuple(startable)
+        self.launch: Launch | None = None
+        self._changed = changed
+        self._task: asyncio.Task[None] | None = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether the command runs."""
+        return self.launch is not None and self.launch.status is None
+
+    def run(self, verb: str, swarm: str) -> None:
+        """Run ``hitab up`` or ``hitab down``; pages see how it goes.
+
+        Raises:
+            SwarmError: if it runs already.
+        """
+        if self.launch is not None and self.launch.status is None:
+            doing = "started" if self.launch.verb == "up" else "stopped"
+            raise SwarmError(f"{self.launch.swarm} is being {doing}: wait until that is done.")
+        self.launch = Launch(verb, swarm, time.monotonic())
+        self._changed()
+        self._task = asyncio.create_task(self._follow(self.launch))
+
+    def dismiss(self) -> None:
+        """Forget a command that has failed."""
+        if not self.is_busy:
+            self.launch = None
+            self._changed()
+
+    async def _follow(self, launch: Launch) -> None:
+        """Read what the command says until it ends. The command outlives the studio."""
+        try:
+            process = await asyncio.create_subprocess_exec(
+                *command(),
+                launch.verb,
+                launch.swarm,
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.STDOUT,
+                env={**os.environ, "NO_COLOR": "1"},
+                start_new_session=True,
+            )
+            assert process.stdout is not None
+            while line := await process.stdout.readline():
+                launch.lines.append(line.decode(errors="replace").rstrip())
+                del launch.lines[:-MOST_LINES]
+                self._changed()
+            launch.status = await process.wait()
+        except (OSError, ValueError, SwarmError) as error:
+            launch.lines.append(str(error))
+            launch.status = -1
+        if launch.status == 0:
+            self.launch = None
+        self._changed()
+
+
+def command() -> list[str]:
+    """Return how to run ``hitab``, in the environment of this process.
+
+    Raises:
+        SwarmError: if it is not installed.
+    """
+    for point in entry_points(group="console_scripts", name="hitab"):
+        return [sys.executable, "-m", point.module]
+    raise SwarmError("The command hitab is not installed: install HiTAB again.")
+
+
+def startable_swarms(only: str | None = None) -> tuple[Startable, ...]:
+    """Return the swarms that are shipped; or that one, if it is shipped."""
+    files = [path for place in shipped_folders("swarms") for path in place.glob("*.yaml")]
+    found = [Startable(path.stem, _about(path)) for path in sorted(files, key=lambda p: p.stem)]
+    return tuple(swarm for swarm in found if only in (None, swarm.name))
+
+
+def _about(path: Path) -> str:
+    """Return the first paragraph of the comment at the top of a file."""
+    lines = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("# "):
+            break
+        lines.append(line[2:].strip())
+    return " ".join(lines)
