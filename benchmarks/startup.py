@@ -56,9 +56,9 @@ def description(agents: int) -> str:
 def measure(agents: int) -> dict[str, Any]:
     """Start a swarm and return the figures."""
     from hitab_bringup.bringing_up import temporary_swarm
-    from hitab_bringup.supervision import process_states
     from hitab_bringup.swarm_file import parse_swarm
     from hitab_client.ros_link import RosLink
+    from hitab_client.run_processes import process_states
     from hitab_client.swarm_client import SwarmClient
 
     began = time.monotonic()

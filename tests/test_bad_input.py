@@ -20,7 +20,7 @@ def training(keepers):
 
 
 COMMANDS = [
-    (("GoFats", []), 'unknown behavior "GoFats" (has: GoFast, '),
+    (("GoFats", []), 'unknown behavior "GoFats" (has: GetOpen, GoFast'),
     (("GoFast", ["ball"]), 'behavior "GoFast" takes 0 target(s) (none), not 1'),
     (("Start", []), "Start cannot be commanded"),
     (("Near", []), "recursive automaton"),
@@ -187,10 +187,11 @@ CALLS = [
 def test_the_command_line_tells_the_same_in_one_line(training, hitab, call, expected, hint):
     done = hitab(*call)
     assert done.returncode == 1
-    assert done.stderr.startswith("error: ")
-    assert done.stderr.count("\n") == 1
-    assert expected in done.stderr
-    assert hint in done.stderr
+    # On a busy machine it may say before what it waits for.
+    (error,) = [x for x in done.stderr.splitlines() if not x.startswith("waiting for ")]
+    assert error.startswith("error: ")
+    assert expected in error
+    assert hint in error
 
 
 def test_nothing_was_lost_by_all_that(training):
@@ -200,7 +201,7 @@ def test_nothing_was_lost_by_all_that(training):
 
 def test_a_missing_world_and_missing_agents_are_told(training):
     nobody = SwarmClient(training.link, prefix="/elsewhere")
-    with pytest.raises(SwarmError, match="no other does; is the swarm up"):
+    with pytest.raises(SwarmError, match="no other does; `hitab up` starts a swarm"):
         nobody.await_agent(AGENT, seconds=0.2)
     with pytest.raises(SwarmError, match="no world answers; is a swarm with a world up"):
         WorldClient(training.link, prefix="/elsewhere").wait(0.2)

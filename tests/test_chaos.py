@@ -17,9 +17,9 @@ import chaos_domain
 import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
+from hitab_client.run_processes import process_states
 
 KILLS = int(os.environ.get("HITAB_CHAOS_KILLS", "20"))
 SEED = int(os.environ.get("HITAB_CHAOS_SEED", "1"))

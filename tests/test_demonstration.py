@@ -7,8 +7,8 @@ import pytest
 from hitab_msgs.msg import Example
 from hitab_msgs.srv import SetMode
 
-from hitab_bringup.supervision import process_states
 from hitab_client.errors import SwarmError
+from hitab_client.run_processes import process_states
 from hitab_client.world_client import by_name
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary

@@ -13,7 +13,6 @@ import psutil
 import pytest
 
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client import domain_ids
 from hitab_client.dds_profile import (
@@ -24,6 +23,7 @@ from hitab_client.dds_profile import (
     choose_profile,
     profile_for,
 )
+from hitab_client.run_processes import process_states
 
 ROOT = Path(__file__).parents[1]
 CHATTER = Path(__file__).with_name("chatter.py")

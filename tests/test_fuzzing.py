@@ -14,9 +14,9 @@ import pytest
 from fuzzing import Fuzzer
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client.ros_link import RosLink
+from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 

@@ -3,7 +3,7 @@
 import os
 import signal
 
-from hitab_bringup.supervision import process_states
+from hitab_client.run_processes import process_states
 
 AGENT = "keeper_1"
 RESTART_SECONDS = 60

@@ -13,11 +13,11 @@ from hitab_msgs.srv import Control
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_client.shipped import find_file, shipped
-from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.command_view import CommandView
+from hitab_client.run_processes import process_states
+from hitab_client.shipped import find_file, shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind_reader import KIND_FILE, read_kind

@@ -37,7 +37,7 @@ def options_of(command: Any) -> set[str]:
     return {o for p in command.params for o in (*p.opts, *p.secondary_opts)} | {"--help", "-h"}
 
 
-ALL_OPTIONS = set().union(*(options_of(command) for _, command in leaves()))
+ALL_OPTIONS = options_of(COMMAND).union(*(options_of(command) for _, command in leaves()))
 
 
 def complaint(words: list[str], *, in_passing: bool) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.supervision import process_states
+from hitab_client.run_processes import process_states
 from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0

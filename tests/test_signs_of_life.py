@@ -12,8 +12,8 @@ import pytest
 from hitab_msgs.msg import Alive
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.supervision import process_states
 from hitab_bringup.swarm_file import parse_swarm
+from hitab_client.run_processes import process_states
 from hitab_client.signs_of_life import SignsOfLife
 from hitab_ros import qos
 

@@ -23,6 +23,7 @@ from hitab_client import domain_ids
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.run_folder import RunFolder, running_swarms
+from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_ros import qos
@@ -129,8 +130,8 @@ def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, pla
     record = supervision.launch(swarm, second, domain_id)
     try:
         ended = {"EXITED", "FATAL"}
-        assert within(60, lambda: supervision.process_states(record)[0]["statename"] in ended)
-        (state,) = supervision.process_states(record)
+        assert within(60, lambda: process_states(record)[0]["statename"] in ended)
+        (state,) = process_states(record)
         assert (state["statename"], state["exitstatus"]) == ("EXITED", FINAL)
         log = (second.path / "supervisord.log").read_text()
         assert log.count("spawned: 'lone'") == 1
@@ -156,8 +157,8 @@ def test_every_status_gives_the_identity(place):
 
 
 def test_a_commanders_status_gives_the_identity(home):
-    from hitab_client.shipped import find_file
     from hitab_bringup.swarm_file import read_swarm
+    from hitab_client.shipped import find_file
 
     groups: list[CommanderStatus] = []
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm")).with_world(paused=True)

@@ -11,9 +11,9 @@ import psutil
 import pytest
 from waiting import within
 
-from hitab_bringup.supervision import process_states
 from hitab_client import domain_ids
 from hitab_client.run_folder import MARK, RunFolder, running_swarms
+from hitab_client.run_processes import process_states
 
 ONE = """\
 swarm: {name}

@@ -6,7 +6,7 @@ import contextlib
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from hitab_client import (
     SwarmError,
     WorldClient,
     domain_ids,
+    some,
 )
 from hitab_client.run_folder import registry_held, running_swarms
 
@@ -30,7 +31,6 @@ START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
 DOMAINS_TRIED = 3  # by a temporary swarm, which may use any
-NAMED_MAX = 5  # maximum number of names in an error
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of nodes that are up, the expected number and the missing names."""
@@ -132,7 +132,7 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
         if both:
             raise SwarmError(
                 f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and also has '
-                f"{_some(both)} ({other.path}); stop it with "
+                f"{some(both)} ({other.path}); stop it with "
                 f"`hitab down --run-dir {other.path}`, or choose another ROS_DOMAIN_ID"
             )
 
@@ -155,14 +155,9 @@ def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) ->
                 where += f" ({there.path})"
                 stop = f"stop it with `hitab down --run-dir {there.path}`"
     raise NamesTakenError(
-        f"{_some(list(taken))} of {record.swarm} cannot start: the names are in use by {where}; "
+        f"{some(list(taken))} of {record.swarm} cannot start: the names are in use by {where}; "
         f"{stop}, or choose another ROS_DOMAIN_ID"
     )
-
-
-def _some(names: Sequence[str]) -> str:
-    more = len(names) - NAMED_MAX
-    return ", ".join(names[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
 
 
 def _await_all(
@@ -213,7 +208,7 @@ def _await_all(
         names = missing()
         lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
         raise SwarmError(
-            f"{_some(names)} did not answer within {allowed:g} s; the end of "
+            f"{some(names)} did not answer within {allowed:g} s; the end of "
             f"{folder.log(names[0])}:\n{lines}"
         )
     return agents, world

@@ -11,17 +11,20 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from importlib.metadata import entry_points
-from typing import Any
+from importlib.metadata import entry_points, version
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from hitab_bringup.verbs import (
     commanding,
+    doctor,
     hierarchy,
     lesson,
     library,
+    logs,
+    status,
     swarm,
     training,
     world,
@@ -52,22 +55,41 @@ class HitabGroup(TyperGroup):
             raise typer.Exit(0) from None
 
 
+HELP = "Train robots, teams and swarms by demonstration, while they run."
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        console.say(f"hitab {version('hitab_bringup')}")
+        raise typer.Exit
+
+
+def _hitab(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_say_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Do nothing by itself."""
+
+
 def make_app() -> typer.Typer:
     """Return the command with all its verbs, including those of other packages."""
     app = typer.Typer(
         name="hitab",
         cls=HitabGroup,
-        help="Train robots, teams and swarms by demonstration, while they run.",
         epilog="Begin with `hitab demo`. `hitab VERB --help` describes a verb.",
         no_args_is_help=True,
         rich_markup_mode="rich",
         pretty_exceptions_enable=False,
-        add_completion=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
+    app.callback(help=HELP)(_hitab)
     for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
         point.load().register(app)
-    for verbs in (swarm, commanding, hierarchy, training):
+    for verbs in (swarm, status, logs, doctor, commanding, hierarchy, training):
         verbs.register(app)
     app.add_typer(world.app, name="world")
     app.add_typer(lesson.app, name="lesson")

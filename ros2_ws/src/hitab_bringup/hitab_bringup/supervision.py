@@ -15,8 +15,6 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
-from xmlrpc.client import Fault, ServerProxy
 
 import psutil  # type: ignore[import-untyped]
 
@@ -29,6 +27,7 @@ from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.dds_profile import RANGE, choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import MARK
+from hitab_client.run_processes import process_states
 from hitab_ros.exit_codes import FINAL
 
 STOP_SECONDS = 10.0
@@ -103,6 +102,8 @@ def launch(
         supervisor.pid,
         str(socket),
         identity,
+        tuple(commander.name for commander in swarm.commanders),
+        {process.name: process.agents for process in started},
     )
     folder.write(record, register=not temporary)
     _await_socket(supervisor, socket, folder)
@@ -142,29 +143,6 @@ def _await_socket(supervisor: subprocess.Popen[bytes], socket: Path, folder: Run
                 f"(see {folder.path}/supervisord.log)"
             )
         time.sleep(0.01)
-
-
-def process_states(record: RunRecord) -> list[dict[str, Any]]:
-    """Return the supervisor's data on each process: name, statename, pid, description.
-
-    Raises:
-        SwarmError: if the supervisor does not answer.
-    """
-    try:
-        found: Any = _rpc(record).supervisor.getAllProcessInfo()
-        return list(found)
-    except (OSError, Fault) as error:
-        raise SwarmError(
-            f'the supervisor of swarm "{record.swarm}" does not answer ({error}); '
-            "stop the rest with `hitab down`, then start it again with `hitab up`"
-        ) from None
-
-
-def _rpc(record: RunRecord) -> ServerProxy:
-    from supervisor.xmlrpc import SupervisorTransport
-
-    transport = SupervisorTransport(None, None, f"unix://{record.socket}")
-    return ServerProxy("http://127.0.0.1", transport=transport)
 
 
 FAILED = ("BACKOFF", "FATAL", "EXITED", "UNKNOWN")

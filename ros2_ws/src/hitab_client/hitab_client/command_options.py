@@ -6,7 +6,12 @@ from typing import Annotated
 
 import typer
 
-AgentName = Annotated[str, typer.Argument(help="Name of the agent, such as keeper_1.")]
+from hitab_client import completion
+
+AgentName = Annotated[
+    str,
+    typer.Argument(help="Name of the agent, such as keeper_1.", autocompletion=completion.agents),
+]
 SwarmName = Annotated[
     str | None,
     typer.Option(
@@ -14,6 +19,7 @@ SwarmName = Annotated[
         envvar="HITAB_SWARM",
         help="The swarm, if several are up: its name, identity or run folder.",
         show_default=False,
+        autocompletion=completion.swarms,
     ),
 ]
 JsonPath = Annotated[

@@ -8,6 +8,7 @@ from typing import Any
 
 from hitab_msgs.msg import CommanderStatus
 
+from hitab_client.errors import some
 from hitab_client.identity import is_own
 from hitab_client.ros_link import RosLink
 from hitab_ros import names, qos
@@ -85,7 +86,10 @@ class CommandView:
             known = wanted or self._watched
             return bool(known) and known <= self.groups.keys() | self.strangers.keys()
 
-        if not self._link.spin_until(complete, seconds) or not wanted:
+        def missing() -> str:
+            return some(sorted(wanted - self.groups.keys())) or "commanders to appear"
+
+        if not self._link.spin_until(complete, seconds, waiting_for=missing) or not wanted:
             # A commander discovered a little later belongs in the tree, too.
             self._link.spin_until(lambda: False, LATER_SECONDS)
             self.discover()

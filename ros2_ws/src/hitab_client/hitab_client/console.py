@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,13 +14,34 @@ from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
+
+
+PIPED_WIDTH = 10_000
+"""Columns, if the output is no terminal: then nothing has to fit."""
 
 
 def out() -> Console:
-    """Return a console for results."""
+    """Return a console for results: on a terminal they fit it, elsewhere lines are whole."""
     from rich.console import Console
 
-    return Console(highlight=False, emoji=False)
+    fitting = Console(highlight=False, emoji=False)
+    if fitting.is_terminal:
+        return fitting
+    return Console(highlight=False, emoji=False, width=PIPED_WIDTH)
+
+
+def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> Table:
+    """Return a table; what does not fit the terminal is wrapped, never cut."""
+    from rich.table import Table
+    from rich.text import Text
+
+    made = Table(box=None, pad_edge=False, title=title or None, title_justify="left")
+    for column in columns:
+        made.add_column(Text(column, overflow="fold"), overflow="fold")
+    for row in rows:
+        made.add_row(*(Text(cell, overflow="fold") for cell in row))
+    return made
 
 
 def err() -> Console:

@@ -24,11 +24,23 @@ CALL_SECONDS = 15.0
 REPEAT_SECONDS = 1.0
 """How long to wait before sending a request again; doubled each time."""
 
+NOTICEABLE_SECONDS = 0.5
+"""A wait that takes longer is announced."""
+
 
 class RosLink:
-    """A node, its executor and its clients; a context manager."""
+    """A node, its executor and its clients; a context manager.
 
-    def __init__(self, domain_id: int | None = None) -> None:
+    Args:
+        domain_id: ROS domain; None: that of the environment.
+        announce: called with what a wait is for, once it takes noticeable time.
+    """
+
+    def __init__(
+        self, domain_id: int | None = None, announce: Callable[[str], None] | None = None
+    ) -> None:
+        self._announce = announce
+        self._announced: set[str] = set()
         choose_profile(os.environ)
         self._context = Context()
         rclpy.init(
@@ -71,15 +83,37 @@ class RosLink:
             failure, self._failure = self._failure, None
             raise failure
 
-    def spin_until(self, done: Callable[[], Any], seconds: float, each: float = 0.05) -> bool:
-        """Spin until ``done()`` is true; return whether it became true in time."""
-        deadline = time.monotonic() + seconds
+    def spin_until(
+        self,
+        done: Callable[[], Any],
+        seconds: float,
+        each: float = 0.05,
+        waiting_for: Callable[[], str] | None = None,
+    ) -> bool:
+        """Spin until ``done()`` is true; return whether it became true in time.
+
+        Args:
+            done: the condition.
+            seconds: how long to wait for it.
+            each: seconds between two looks, if nothing happens.
+            waiting_for: returns what to announce if the wait takes noticeable time.
+        """
+        began = time.monotonic()
         while not done():
-            left = deadline - time.monotonic()
+            now = time.monotonic()
+            left = began + seconds - now
             if left <= 0:
                 return False
+            if waiting_for is not None and now - began > NOTICEABLE_SECONDS:
+                self._announce_once(f"waiting for {waiting_for()}")
+                waiting_for = None
             self.spin(min(each, left))
         return True
+
+    def _announce_once(self, text: str) -> None:
+        if self._announce is not None and text not in self._announced:
+            self._announced.add(text)
+            self._announce(text)
 
     def subscribe(
         self, kind: Any, topic: str, take: Callable[[Any], None], qos: QoSProfile
@@ -131,7 +165,9 @@ class RosLink:
         client = self._clients.get(service)
         if client is None:
             client = self._clients[service] = self.node.create_client(kind, service)
-        if not self.spin_until(client.service_is_ready, discovery, 0.01):
+        if not self.spin_until(
+            client.service_is_ready, discovery, 0.01, lambda: f"{service} to appear"
+        ):
             raise SwarmError(missing())
         if getattr(request, "request", None) == 0:
             self._requests += 1
@@ -146,7 +182,9 @@ class RosLink:
         try:
             while (left := deadline - time.monotonic()) > 0:
                 sent.append(client.call_async(request))
-                if self.spin_until(answered, min(patience, left)):
+                if self.spin_until(
+                    answered, min(patience, left), 0.05, lambda: f"the answer of {service}"
+                ):
                     return answered().result()
                 patience *= 2
         finally:
@@ -154,6 +192,6 @@ class RosLink:
                 if not future.done():
                     client.remove_pending_request(future)
         raise SwarmError(
-            f"{service} did not answer within {seconds:g} s; see the log of its process "
-            "(`hitab status` shows where)"
+            f"{service} did not answer within {seconds:g} s; see the log of its process with "
+            f"`hitab logs {service.split('/')[-2]}`"
         )

@@ -19,8 +19,8 @@ import fcntl
 import json
 import os
 import tempfile
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
@@ -42,6 +42,8 @@ class RunRecord:
 
     Attributes:
         identity: unique to this start of the swarm. All of its nodes publish it in their statuses.
+        commanders: those of the agents that are commanders.
+        processes: the agents that each process runs, by the name of the process.
     """
 
     swarm: str
@@ -53,6 +55,15 @@ class RunRecord:
     supervisor: int
     socket: str
     identity: str = ""
+    commanders: tuple[str, ...] = ()
+    processes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def process_of(self, name: str) -> str:
+        """Return the name of the process that runs an agent, or the world."""
+        if name in self.processes:
+            return name
+        found = (process for process, agents in self.processes.items() if name in agents)
+        return next(found, name)
 
 
 def state_home() -> Path:
@@ -89,8 +100,7 @@ class RunFolder:
             text = self.log(process).read_text(encoding="utf-8", errors="replace")
         except OSError:
             return []
-        kept = [line for line in text.splitlines() if "open_and_lock_file failed" not in line]
-        return kept[-lines:]
+        return [line for line in text.splitlines() if not is_noise(line)][-lines:]
 
     def socket_path(self) -> Path:
         """Return a path for the supervisor's socket, which must be short."""
@@ -121,8 +131,12 @@ class RunFolder:
         """Return the record of the current or last swarm here."""
         try:
             value = json.loads(self.record_file.read_text(encoding="utf-8"))
-            return RunRecord(**{**value, "agents": tuple(value["agents"])})
-        except (OSError, ValueError, TypeError, KeyError):
+            for key in ("agents", "commanders"):
+                value[key] = tuple(value.get(key, ()))
+            processes = value.get("processes", {})
+            value["processes"] = {name: tuple(agents) for name, agents in processes.items()}
+            return RunRecord(**value)
+        except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return None
 
     def write(self, record: RunRecord, *, register: bool) -> None:
@@ -175,7 +189,23 @@ class RunFolder:
     def processes(self) -> list[psutil.Process]:
         """Return all running processes that were started from this folder."""
         mine = str(self.path)
-        return [p for p in psutil.process_iter() if p.pid != os.getpid() and _mark_of(p) == mine]
+        return [process for process, mark in marked_processes() if mark == mine]
+
+
+def is_noise(line: str) -> bool:
+    """Whether a line of a log is a message of Fast DDS that is harmless but alarming.
+
+    It comes when a process of another user, or one that was killed, has left shared memory behind;
+    Fast DDS then takes another piece. Only a DDS profile of the user's own makes it use any.
+    """
+    return "[RTPS_TRANSPORT_SHM Error]" in line
+
+
+def marked_processes() -> Iterator[tuple[psutil.Process, str]]:
+    """Yield all running processes that were started from run folders, each with its folder."""
+    for process in psutil.process_iter():
+        if process.pid != os.getpid() and (mark := _mark_of(process)):
+            yield process, mark
 
 
 def _mark_of(process: psutil.Process) -> str | None:

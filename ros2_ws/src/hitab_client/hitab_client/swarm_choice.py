@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import (
@@ -16,6 +17,12 @@ from hitab_client.run_folder import (
     state_home,
 )
 from hitab_core import has
+
+if TYPE_CHECKING:
+    from hitab_client.ros_link import RosLink
+
+LOOK_SECONDS = 3.0
+"""How long to look for a swarm that the registry does not know."""
 
 
 def only(found: Sequence[Found], where: str = "") -> Found | None:
@@ -82,6 +89,38 @@ def find_meant(which: str | None, domain_id: int | None) -> Found | None:
         return find_running(which)
     there = [found for found in running_swarms() if found[1].domain_id == domain_id]
     return only(there, f" in ROS domain {domain_id}")
+
+
+def none_is_up(domain_id: int | None) -> str:
+    """Return a text for when `find_meant` found none: what the registry knows, what comes next."""
+    where = f"under {state_home()}" if domain_id is None else f"in ROS domain {domain_id}"
+    known = [f"No swarm runs {where}."]
+    for folder, record in registered_swarms():
+        if folder.supervisor(record) is None:
+            known.append(f'"{record.swarm}" has ended without `hitab down`: {folder.path}.')
+        else:
+            known.append(
+                f'"{record.swarm}" runs in ROS domain {record.domain_id}; '
+                f"choose it with --swarm {record.swarm}, or unset ROS_DOMAIN_ID."
+            )
+    known.append(f"Looking for {LOOK_SECONDS:g} s for one that was started elsewhere ...")
+    return " ".join(known)
+
+
+def look_elsewhere(link: RosLink) -> None:
+    """Look for nodes of a swarm that was started by hand, or on another computer.
+
+    Raises:
+        SwarmError: if there are none.
+    """
+    from hitab_ros import names
+
+    def found() -> bool:
+        topics = (t for kind in names.STATUS_TYPES for t in link.topics_of_type(kind))
+        return any(link.node.count_publishers(topic) for topic in topics)
+
+    if not link.spin_until(found, LOOK_SECONDS):
+        raise SwarmError("no swarm is up; start one with `hitab up keepaway`")
 
 
 def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None:

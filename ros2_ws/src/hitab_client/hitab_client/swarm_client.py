@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import getpass
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from hitab_msgs.msg import AgentStatus, Command, DistributionAck
+from hitab_msgs.msg import AgentStatus, Command
 from hitab_msgs.srv import (
     BeginTraining,
     Distribute,
@@ -21,57 +20,18 @@ from hitab_msgs.srv import (
     SetMode,
 )
 
+from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
+from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
 from hitab_client.errors import SwarmError
-from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
-from hitab_core import has
-from hitab_ros import names, qos, refuse_other_definitions
+from hitab_client.run_processes import RunProcesses
+from hitab_ros import names, qos
 
-DISCOVERY_SECONDS = 8.0
-"""Nodes usually discover each other within a second, but it may take several."""
-
-DISCOVERY_SECONDS_EACH = 0.02
-"""Added per agent of a swarm, since discovery time grows with the swarm."""
-
-WATCHED_MAX = 100
-"""In a larger swarm only the requested agents are watched."""
-
-SETTLE_SECONDS = 1.5
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
 
-QUIET_SECONDS = 10.0
-"""Without a new acknowledgement for this long, the missing ones will not come."""
 
-HEARING_SECONDS = 2.0
-"""How long to wait for the acknowledgement topics to connect."""
-
-
-@dataclass
-class DistributionReport:
-    """The receivers' answers to a distribution.
-
-    Attributes:
-        sequence: number of the distribution.
-        digest: given by the source.
-        accepted: receivers that verified the same digest.
-        refused: receivers that refused, with their reasons.
-        silent: receivers that did not answer.
-    """
-
-    sequence: int
-    digest: str
-    accepted: list[str] = field(default_factory=list)
-    refused: dict[str, str] = field(default_factory=dict)
-    silent: list[str] = field(default_factory=list)
-
-    @property
-    def complete(self) -> bool:
-        """Whether every receiver has it."""
-        return not self.refused and not self.silent
-
-
-class SwarmClient:
+class SwarmClient(AgentPresence):
     """The agents of a swarm, as seen and commanded over ROS.
 
     Args:
@@ -80,10 +40,7 @@ class SwarmClient:
         prefix: namespace of the swarm.
         demonstrator: name of the demonstrator; by default, the user.
         identity: of the swarm in question; empty: any.
-
-    Attributes:
-        statuses: the last status of each agent of the swarm, by name.
-        strangers: the swarm of each agent that belongs to another swarm, by name.
+        processes: of the swarm, if they are known; tells why an agent does not answer.
     """
 
     def __init__(
@@ -94,135 +51,13 @@ class SwarmClient:
         prefix: str = "",
         demonstrator: str = "",
         identity: str = "",
+        processes: RunProcesses | None = None,
     ) -> None:
-        self.link = link
-        self.prefix = prefix
-        self.expected = tuple(expected)
+        super().__init__(link, expected, prefix=prefix, identity=identity, processes=processes)
         self.demonstrator = demonstrator or getpass.getuser()
-        self.identity = identity
-        self.statuses: dict[str, AgentStatus] = {}
-        self.strangers: dict[str, str] = {}
-        self._watched: set[str] = set()
         self._publishers: dict[str, Any] = {}
-        self._acks: dict[int, dict[str, DistributionAck]] = {}
         self._sequence = 0
-        if len(self.expected) <= WATCHED_MAX:
-            self.watch_all()
-        link.subscribe(
-            DistributionAck,
-            names.of_swarm(names.DISTRIBUTION_ACK, prefix),
-            self._take_ack,
-            qos.ROLL_CALL,
-        )
-
-    # -- who is there -----------------------------------------------------------------------
-
-    def watch_all(self) -> None:
-        """Watch all expected agents, however many."""
-        for agent in self.expected:
-            self._watch(agent)
-
-    def _watch(self, agent: str) -> None:
-        if agent not in self._watched:
-            self._watched.add(agent)
-            self.link.subscribe(
-                AgentStatus,
-                names.of_agent(agent, names.STATUS, self.prefix),
-                lambda status: self._take_status(agent, status),
-                qos.LATCHED,
-            )
-
-    def _take_status(self, agent: str, status: AgentStatus) -> None:
-        if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
-            self.statuses[agent] = status
-            self.strangers.pop(agent, None)
-        else:
-            self.strangers[agent] = status.swarm
-            self.statuses.pop(agent, None)
-
-    def refuse_strangers(self, agents: Iterable[str]) -> None:
-        """Raise if one of these agents is known to belong to another swarm.
-
-        Raises:
-            SwarmError: naming both swarms.
-        """
-        for agent in agents:
-            if agent in self.strangers:
-                raise SwarmError(other_swarm(agent, self.strangers[agent], self.identity))
-
-    def _take_ack(self, ack: DistributionAck) -> None:
-        self._acks.setdefault(ack.sequence, {})[ack.agent] = ack
-
-    def discover(self) -> None:
-        """Look for new agents."""
-        for topic in self.link.topics_of_type(names.STATUS_TYPE):
-            agent = names.agent_of_status(topic, self.prefix)
-            if agent is not None:
-                self._watch(agent)
-
-    def agents(self) -> list[str]:
-        """Return the names of the agents that have reported so far."""
-        return sorted(self.statuses)
-
-    def await_agents(
-        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
-    ) -> list[str]:
-        """Wait for these agents, or else for the expected ones, and return those that are up.
-
-        If none are expected, wait until no new agent has appeared for a while.
-
-        Raises:
-                SwarmError: if one of them belongs to another swarm.
-        """
-        wanted = set(agents or self.expected)
-        for agent in wanted:
-            self._watch(agent)
-        newest = (0, time.monotonic())
-        few = bool(agents) and len(self.expected) > WATCHED_MAX
-
-        def complete() -> bool:
-            nonlocal newest
-            if not few:
-                self.discover()
-            if wanted:
-                self.refuse_strangers(wanted)
-                return wanted <= self.statuses.keys()
-            if len(self.statuses) != newest[0]:
-                newest = (len(self.statuses), time.monotonic())
-            return newest[0] > 0 and time.monotonic() > newest[1] + SETTLE_SECONDS
-
-        self.link.spin_until(complete, seconds + DISCOVERY_SECONDS_EACH * len(self.expected))
-        refuse_other_definitions(self.link.node)
-        return self.agents()
-
-    def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
-        """Wait for an agent and return its status.
-
-        Raises:
-            SwarmError: if no such agent answers, naming those that do, or if it belongs to another
-                swarm.
-        """
-        self.refuse_strangers((agent,))
-        if agent not in self.statuses:
-            self._watch(agent)
-            known = bool(self.expected) and agent not in self.expected
-            # An agent missing from the description may have been started by hand.
-            self.await_agents(() if known else (agent,), seconds)
-            if known and agent not in self.statuses:
-                self.link.spin_until(lambda: agent in self.statuses, 0.5)
-        self.refuse_strangers((agent,))
-        if agent not in self.statuses:
-            raise SwarmError(self._missing(agent))
-        return self.statuses[agent]
-
-    def _missing(self, agent: str) -> str:
-        there = self.agents()
-        if not there:
-            return (
-                f'no agent "{agent}" answers, and no other does; is the swarm up? '
-                "`hitab up SWARM.yaml` starts one"
-            )
-        return f'no agent "{agent}" answers {has(there, agent)}; is the swarm up? `hitab status`'
+        self._acknowledgements = Acknowledgements(link, prefix)
 
     # -- commanding -------------------------------------------------------------------------
 
@@ -264,7 +99,7 @@ class SwarmClient:
             return sequence in (status.last_command_sequence, status.last_refused_sequence)
 
         deadline = time.monotonic() + seconds
-        while time.monotonic() < deadline:
+        while time.monotonic() < deadline and not self._is_lost(agent):
             # The subscriber may be an agent whose death is not yet known; its successor gets the
             # next copy. An agent ignores commands that it has already obeyed.
             publisher.publish(command)
@@ -274,7 +109,8 @@ class SwarmClient:
                 break  # it was restarted and does not remember obeyed commands
         if not answered():
             raise SwarmError(
-                f"{agent} did not acknowledge the command within {seconds:g} s; "
+                self.silence(agent)
+                or f"{agent} did not acknowledge the command within {seconds:g} s; "
                 f"check with `hitab examples list {agent}` whether it was recorded"
             )
         status = self.statuses[agent]
@@ -290,9 +126,12 @@ class SwarmClient:
             self._publishers[agent] = publisher
         # A reliable writer reaches only matched readers: wait for the agent's.
         if not self.link.spin_until(
-            lambda: publisher.get_subscription_count() > 0, DISCOVERY_SECONDS, 0.01
+            lambda: publisher.get_subscription_count() > 0,
+            DISCOVERY_SECONDS,
+            0.01,
+            lambda: f"{agent} to listen",
         ):
-            raise SwarmError(f"{agent} does not subscribe to {topic}; see its log")
+            raise SwarmError(self._absence(agent, DISCOVERY_SECONDS))
         return publisher
 
     # -- services ---------------------------------------------------------------------------
@@ -308,7 +147,7 @@ class SwarmClient:
             kind,
             names.of_agent(agent, service, self.prefix),
             kind.Request(**fields),
-            missing=lambda: self._missing(agent),
+            missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
         )
         if not getattr(answer, "success", True):
             raise SwarmError(f"{agent}: {answer.message}")
@@ -388,73 +227,24 @@ class SwarmClient:
         Raises:
             SwarmError: if the source refuses, or a receiver is missing.
         """
-        self.await_agents()
-        self.await_agent(source)
-        for receiver in receivers:
-            self.await_agent(receiver)
+        named = (source, *receivers)
+        self.await_agents([name for name in named if name in self.expected] if receivers else ())
+        for agent in named:
+            if agent in self.expected:
+                self._present(agent, DISCOVERY_SECONDS)
+            else:
+                self.await_agent(agent)
         meant = [name for name in (receivers or self.agents()) if name != source]
-        self._await_hearing(meant)
+        self._acknowledgements.await_hearing(meant)
         answer = self.ask(
             source,
             Distribute,
-            "distribute",
+            names.DISTRIBUTE,
             behavior=behavior,
             arguments=list(arguments),
             receivers=list(receivers),
             start=start,
         )
-        acks = self._acks.setdefault(answer.sequence, {})
-        self._await_acks(acks, meant, seconds, progress)
-        report = DistributionReport(answer.sequence, answer.digest)
-        for name in meant:
-            ack = acks.get(name)
-            if ack is None:
-                report.silent.append(name)
-            elif ack.success and ack.digest == answer.digest:
-                report.accepted.append(name)
-            else:
-                report.refused[name] = ack.message or "its files differ from those that were sent"
-        return report
-
-    def _await_hearing(self, agents: Iterable[str]) -> None:
-        """Wait until acknowledgements can arrive from the processes of all these agents."""
-        node = self.link.node
-        topic = names.of_swarm(names.DISTRIBUTION_ACK, self.prefix)
-        unheard = set(agents)
-
-        def heard() -> bool:
-            there = {_process(info) for info in node.get_publishers_info_by_topic(topic)}
-            for agent in sorted(unheard):
-                status = names.of_agent(agent, names.STATUS, self.prefix)
-                infos = node.get_publishers_info_by_topic(status)
-                if any(_process(info) in there for info in infos):
-                    unheard.discard(agent)
-            return not unheard
-
-        self.link.spin_until(heard, HEARING_SECONDS, 0.01)
-
-    def _await_acks(
-        self,
-        acks: Mapping[str, DistributionAck],
-        meant: Sequence[str],
-        seconds: float,
-        progress: Callable[[int, int], None] | None,
-    ) -> None:
-        """Wait for all answers, as long as the next one arrives within ``seconds``."""
-        wanted = set(meant)
-        before = -1
-        while True:
-            if len(acks) != before:
-                before, newest = len(acks), time.monotonic()
-                if progress is not None:
-                    progress(len(wanted & acks.keys()), len(wanted))
-                if before >= len(wanted) and wanted <= acks.keys():
-                    return
-            if time.monotonic() - newest > seconds:
-                return
-            self.link.spin(0.05)
-
-
-def _process(info: Any) -> tuple[int, ...]:
-    """Return the DDS GUID prefix, which all topics of a process share."""
-    return tuple(info.endpoint_gid[:12])
+        return self._acknowledgements.gather(
+            answer.sequence, answer.digest, meant, seconds, progress
+        )

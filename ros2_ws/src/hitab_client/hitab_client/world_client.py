@@ -11,9 +11,11 @@ from hitab_msgs.srv import Control, Place, Play, Snapshot
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
+from hitab_client.run_processes import RunProcesses
 from hitab_ros import names, qos
 
 NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
+STARTED_BY_HAND_SECONDS = 2.0  # to wait for a world that the swarm has not started
 NAN = float("nan")
 
 
@@ -25,6 +27,7 @@ class WorldClient:
         prefix: namespace of the swarm.
         identity: of the swarm in question; empty: any.
         started_by_it: whether that swarm has started a world.
+        processes: of the swarm, if they are known; tells why the world does not answer.
 
     Attributes:
         status: the last status of the swarm's world.
@@ -38,11 +41,13 @@ class WorldClient:
         prefix: str = "",
         identity: str = "",
         started_by_it: bool = True,
+        processes: RunProcesses | None = None,
     ) -> None:
         self.link = link
         self.prefix = prefix
         self.identity = identity
         self._started_by_it = started_by_it
+        self._processes = processes
         self.status: WorldStatus | None = None
         self.stranger: str | None = None
         self.state: WorldState | None = None
@@ -78,13 +83,30 @@ class WorldClient:
         """Wait for the world and return its status.
 
         Raises:
-            SwarmError: if there is none, or only another swarm's.
+            SwarmError: if there is none, saying why if that is known, or only another swarm's.
         """
-        self.link.spin_until(lambda: self.status is not None or self.stranger is not None, seconds)
+        own = self._processes is not None and names.WORLD in self._processes
+        if self._processes is not None and not own:
+            seconds = min(seconds, STARTED_BY_HAND_SECONDS)
+
+        def decided() -> bool:
+            return self.status is not None or self.stranger is not None or self._is_lost()
+
+        self.link.spin_until(decided, seconds, waiting_for=lambda: "the world")
         self.refuse_stranger()
         if self.status is None:
-            raise SwarmError(NO_WORLD)
+            raise SwarmError(self.silence() or (_unexplained(seconds) if own else NO_WORLD))
         return self.status
+
+    def _is_lost(self) -> bool:
+        """Whether waiting for the world is no use."""
+        why = self._processes.why_silent(names.WORLD) if self._processes is not None else None
+        return why is not None and why.lasts
+
+    def silence(self) -> str:
+        """Return why the world does not answer, as far as its process shows it; else nothing."""
+        why = self._processes.why_silent(names.WORLD) if self._processes is not None else None
+        return why.text if why is not None else ""
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""
@@ -98,7 +120,10 @@ class WorldClient:
         """
         self.wait()
         answer = self.link.call(
-            kind, self._name(service), kind.Request(**fields), missing=lambda: NO_WORLD
+            kind,
+            self._name(service),
+            kind.Request(**fields),
+            missing=lambda: self.silence() or NO_WORLD,
         )
         if not answer.success:
             raise SwarmError(f"the world refuses: {answer.message}")
@@ -132,7 +157,8 @@ class WorldClient:
     ) -> WorldState:
         if not self.link.spin_until(lambda: self.state is not None and right(self.state), seconds):
             raise SwarmError(
-                f"the world did not {what} within {seconds:g} s; see the log of its process"
+                self.silence()
+                or f"the world did not {what} within {seconds:g} s; see `hitab logs {names.WORLD}`"
             )
         assert self.state is not None
         return self.state
@@ -223,6 +249,10 @@ class WorldClient:
         if self.status.missing:
             return f"; no node answers for {', '.join(self.status.missing)}"
         return f"; the world reports: {self.status.last_error}" if self.status.last_error else ""
+
+
+def _unexplained(waited: float) -> str:
+    return f"the world has been silent for {waited:g} s; see `hitab logs {names.WORLD}`"
 
 
 def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:

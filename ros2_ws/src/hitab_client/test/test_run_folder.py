@@ -7,13 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.shared_memory import remove_stale
+from hitab_bringup.shared_memory import left_behind, remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunFolder, RunRecord, state_home
 from hitab_client.swarm_choice import find_running
+
+NOISE = (
+    "2026-11-22 05:34:15.047 [RTPS_TRANSPORT_SHM Error] Failed init_port fastrtps_port7411: "
+    "open_and_lock_file failed -> Function open_port_internal"
+)
 
 
 @pytest.fixture(autouse=True)
@@ -66,7 +71,7 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path):
 def test_the_tail_of_a_log_leaves_out_what_only_frightens(tmp_path):
     folder = RunFolder(tmp_path)
     folder.prepare()
-    folder.log("a").write_text("one\nRTPS open_and_lock_file failed -> x\ntwo\n")
+    folder.log("a").write_text(f"one\n{NOISE}\ntwo\n")
     assert folder.tail("a") == ["one", "two"]
     assert folder.tail("b") == []
 
@@ -90,13 +95,22 @@ def test_shared_memory_is_removed_when_nobody_holds_it(tmp_path):
         "fastrtps_dead_el",
         "fastrtps_live",
         "fastrtps_live_el",
+        "sem.fastrtps_dead_mutex",
+        "sem.fastrtps_live_mutex",
         "other",
     ):
         (tmp_path / name).touch()
     with (tmp_path / "fastrtps_live_el").open() as held:
         fcntl.flock(held, fcntl.LOCK_EX)
-        assert remove_stale(tmp_path) == 2
-    assert sorted(os.listdir(tmp_path)) == ["fastrtps_live", "fastrtps_live_el", "other"]
+        assert left_behind(tmp_path) == (3, 0)
+        assert remove_stale(tmp_path) == 3
+        assert left_behind(tmp_path) == (0, 0)
+    assert sorted(os.listdir(tmp_path)) == [
+        "fastrtps_live",
+        "fastrtps_live_el",
+        "other",
+        "sem.fastrtps_live_mutex",
+    ]
 
 
 def test_shared_memory_that_is_open_somewhere_is_left_alone(tmp_path):

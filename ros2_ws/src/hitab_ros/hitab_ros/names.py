@@ -12,6 +12,8 @@ from rclpy.node import Node
 
 WORLD = "world"
 STATUS_TYPE = "hitab_msgs/msg/AgentStatus"
+STATUS_TYPES = (STATUS_TYPE, "hitab_msgs/msg/WorldStatus")
+"""Of agents and worlds. A swarm has one or both."""
 
 # Of an agent.
 COMMAND = "command"

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from hitab_client import console
+
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
 
@@ -21,6 +23,11 @@ class Connection:
     folder: RunFolder | None = None
     record: RunRecord | None = None
 
+    @property
+    def has_world(self) -> bool:
+        """Whether `hitab up` has started a world."""
+        return self.record is not None and self.record.world
+
 
 @contextmanager
 def connection(swarm: str | None = None) -> Iterator[Connection]:
@@ -30,18 +37,33 @@ def connection(swarm: str | None = None) -> Iterator[Connection]:
         swarm: its name, identity or run folder.
 
     Raises:
-        SwarmError: if several are up and none is named.
+        SwarmError: if none is up, or several are and none is named.
     """
-    from hitab_client import RosLink, SwarmClient, WorldClient
     from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.swarm_choice import find_meant
+    from hitab_client.swarm_choice import find_meant, look_elsewhere, none_is_up
 
-    found = find_meant(swarm, chosen_by_user())
+    domain_id = chosen_by_user()
+    found = find_meant(swarm, domain_id)
+    if found is None:
+        # Said before ROS is loaded, which takes a moment.
+        console.note(none_is_up(domain_id))
+
+    from hitab_client import RosLink, SwarmClient, WorldClient
+    from hitab_client.run_processes import RunProcesses
+
     folder, record = found if found else (None, None)
     identity = record.identity if record else ""
-    with RosLink(record.domain_id if record else chosen_by_user() or 0) as link:
-        agents = SwarmClient(link, record.agents if record else (), identity=identity)
+    processes = RunProcesses(record) if record else None
+    with RosLink(record.domain_id if record else domain_id or 0, console.note) as link:
+        if found is None:
+            look_elsewhere(link)
+        agents = SwarmClient(
+            link, record.agents if record else (), identity=identity, processes=processes
+        )
         world = WorldClient(
-            link, identity=identity, started_by_it=record.world if record else False
+            link,
+            identity=identity,
+            started_by_it=record.world if record else False,
+            processes=processes,
         )
         yield Connection(link, agents, world, folder, record)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_client import console
+from hitab_client import completion, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_core import quantity
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 PANEL = "Command"
 WAIT_SECONDS = 8.0
+STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
 GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
 REFRESH_SECONDS = 0.2
 SHOWN = 12
@@ -51,23 +52,41 @@ def tree(
 
     with connection(swarm) as swarm_up:
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
-        view.await_groups(WAIT_SECONDS)
+        lost = _await_commanders(swarm_up, view)
         branches = view.tree()
         if not branches:
-            raise _nobody(swarm_up, view)
+            raise _nobody(swarm_up, view, lost)
         if watch:
             _watch(swarm_up, view, agents)
             return
         if json != "-":
             for branch in branches:
                 console.out().print(_drawn(branch, agents))
+        for why in lost:
+            console.error(why)
         console.write_json(json, {"commanders": [branch.data() for branch in branches]})
 
 
-def _nobody(swarm_up: Connection, view: CommandView) -> Exception:
+def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
+    """Wait for all commanders, and return why some will not answer."""
+    if swarm_up.record is None:
+        view.await_groups(WAIT_SECONDS)
+        return []
+    if not swarm_up.record.commanders:
+        view.await_groups(STARTED_BY_HAND_SECONDS)
+        return []
+    why = {name: swarm_up.agents.silence(name) for name in swarm_up.record.commanders}
+    view.await_groups(WAIT_SECONDS, [name for name, text in why.items() if not text])
+    view.discover()
+    return [text for name, text in why.items() if text and name not in view.groups]
+
+
+def _nobody(swarm_up: Connection, view: CommandView, lost: Sequence[str]) -> Exception:
     from hitab_client import SwarmError
     from hitab_client.identity import other_swarm
 
+    if lost:
+        return SwarmError("\n".join(lost))
     for name, swarm in view.strangers.items():
         return SwarmError(other_swarm(name, swarm, swarm_up.agents.identity))
     if not swarm_up.agents.await_agents(seconds=0.5):
@@ -156,7 +175,12 @@ def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
 
 
 def order(
-    commander: Annotated[str, typer.Argument(help="Name of the commander, such as captain.")],
+    commander: Annotated[
+        str,
+        typer.Argument(
+            help="Name of the commander, such as captain.", autocompletion=completion.commanders
+        ),
+    ],
     behavior: Annotated[
         str, typer.Argument(help="One of its orders, or a behavior that it has learned.")
     ],
@@ -176,19 +200,18 @@ def order(
 
       hitab order captain Captain
     """
-    from hitab_client import CommandView, SwarmError
-    from hitab_core import Use, has
+    from hitab_client import CommandView
+    from hitab_core import Use
 
     use = Use.parse(behavior)
     with connection(swarm) as swarm_up:
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         status = swarm_up.agents.await_agent(commander)
-        view.await_groups(GROUP_SECONDS, (commander,))
-        if commander not in view.groups:
-            raise SwarmError(
-                f"{commander} is not a commander {has(view.groups, commander)}; "
-                f"`hitab perform {commander} {behavior}` makes an agent perform a behavior"
-            )
+        started = swarm_up.record.commanders if swarm_up.record is not None else ()
+        if commander in swarm_up.agents.expected:
+            _refuse_agent(commander, behavior, started)
+        view.await_groups(WAIT_SECONDS if commander in started else GROUP_SECONDS, (commander,))
+        _refuse_agent(commander, behavior, view.groups)
         swarm_up.agents.perform(commander, use.name, [*use.arguments, *(targets or [])])
         name = Use(use.name, (*use.arguments, *(targets or [])))
         swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(name)), 2.0)
@@ -200,6 +223,17 @@ def order(
     )
     if status.superior:
         console.note(f"{status.superior} commands {commander}; its next order replaces this one")
+
+
+def _refuse_agent(name: str, behavior: str, commanders: Collection[str]) -> None:
+    from hitab_client import SwarmError
+    from hitab_core import has
+
+    if name not in commanders:
+        raise SwarmError(
+            f"{name} is not a commander {has(commanders, name)}; "
+            f"`hitab perform {name} {behavior}` makes an agent perform a behavior"
+        )
 
 
 def _obeyed(group: Any, behavior: str) -> bool:

@@ -227,8 +227,8 @@ def save(
 def discard(agent: AgentName, swarm: SwarmName = None) -> None:
     """Give up a training and its unsaved examples; the agent is idle then.
 
-    What was saved before stays. The examples are kept in the folder of the agent's journals, beside
-    those of earlier trainings.
+    What was saved before stays. The examples are kept in the folder of the agent's journals,
+    beside those of earlier trainings.
 
     Example:
 
@@ -259,19 +259,21 @@ def examples_list(
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.list_examples(agent, automaton)
     if json != "-":
-        from rich.table import Table
-
-        table = Table(
-            title=f"{answer.automaton}: {quantity(len(answer.examples), 'example')}", box=None
-        )
-        for column in ("number", "in", *answer.features, "go to", "kind", "command", "cycle"):
-            table.add_column(column)
-        for e in answer.examples:
-            values = [f"{value:.4g}" for value in e.values]
-            table.add_row(
-                str(e.number), e.state, *values, e.next_state, e.kind, str(e.command), str(e.cycle)
+        columns = ("number", "in", *answer.features, "go to", "kind", "command", "cycle")
+        rows = [
+            (
+                str(e.number),
+                e.state,
+                *(f"{value:.4g}" for value in e.values),
+                e.next_state,
+                e.kind,
+                str(e.command),
+                str(e.cycle),
             )
-        console.out().print(table)
+            for e in answer.examples
+        ]
+        title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
+        console.out().print(console.table(columns, rows, title))
     console.write_json(
         json,
         {

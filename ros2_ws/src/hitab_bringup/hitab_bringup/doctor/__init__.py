@@ -1,0 +1,1 @@
+"""Looks for what would hinder HiTAB on this computer."""

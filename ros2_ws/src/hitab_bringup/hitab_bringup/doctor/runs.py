@@ -1,0 +1,69 @@
+"""Checks the runs: what is up, and what killed runs have left behind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from hitab_bringup.doctor.finding import Finding, warning
+from hitab_client import SwarmError
+from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms
+from hitab_client.run_processes import process_states
+
+SHOWN = 5  # processes by name
+
+
+def swarms() -> Iterator[Finding]:
+    """Report the swarms that are up or have crashed."""
+    up = False
+    for folder, record in registered_swarms():
+        up = True
+        if folder.supervisor(record) is None:
+            yield warning(
+                "swarm",
+                f"{record.swarm} has ended without `hitab down` ({folder.path})",
+                f"`hitab down {record.swarm}` removes what it left, `hitab up` starts it again",
+            )
+            continue
+        where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
+        try:
+            states = process_states(record)
+        except SwarmError as error:
+            yield warning("swarm", str(error), f"`hitab down {record.swarm}`")
+            continue
+        running = [state for state in states if state["statename"] == "RUNNING"]
+        pids = ", ".join(f"{state['name']} {state['pid']}" for state in running[:SHOWN])
+        more = f" and {len(running) - SHOWN} more" if len(running) > SHOWN else ""
+        told = f"{record.swarm} is up {where}: {pids}{more}"
+        if lost := [state["name"] for state in states if state not in running]:
+            yield warning(
+                "swarm",
+                f"{told}; {', '.join(lost[:SHOWN])} does not run",
+                f"`hitab logs {lost[0]}` shows why",
+            )
+        else:
+            yield Finding("swarm", told)
+    if not up:
+        yield Finding("swarm", "none is up; `hitab up keepaway` starts one")
+
+
+def leftovers() -> Iterator[Finding]:
+    """Report the processes of runs that have no supervisor."""
+    known = {str(folder.path) for folder, _ in registered_swarms()}
+    lost: dict[str, list[int]] = {}
+    for process, mark in marked_processes():
+        folder = RunFolder(Path(mark))
+        record = folder.read()
+        if record is None or folder.supervisor(record) is None:
+            lost.setdefault(mark, []).append(process.pid)
+    for mark, pids in sorted(lost.items()):
+        numbers = ", ".join(map(str, sorted(pids)[:SHOWN]))
+        more = f" and {len(pids) - SHOWN} more" if len(pids) > SHOWN else ""
+        yield warning(
+            "leftovers",
+            f"processes {numbers}{more} of a killed run in {mark}"
+            + ("" if mark in known else ", which no command knows"),
+            f"`hitab down --run-dir {mark}`",
+        )
+    if not lost:
+        yield Finding("leftovers", "no processes of killed runs")

@@ -1,0 +1,82 @@
+"""The verb that looks for what would hinder: doctor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import typer
+
+from hitab_client import console
+from hitab_client.command_options import JsonPath
+
+if TYPE_CHECKING:
+    from hitab_bringup.doctor.finding import Finding
+
+STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
+
+
+def register(app: typer.Typer) -> None:
+    """Add this verb to the command."""
+    app.command(rich_help_panel="Swarm")(doctor)
+
+
+def doctor(json: JsonPath = None) -> None:
+    """Check this computer, ROS, DDS, and what runs; name what would hinder, and the way out.
+
+    The exit status is 1 if there is an error.
+
+    Example:
+
+      hitab doctor
+    """
+    from hitab_core import quantity
+
+    found = []
+    for finding in _findings():
+        found.append(finding)
+        if json != "-":
+            _show(finding)
+    counts = {level: sum(f.level == level for f in found) for level in STYLES}
+    told = f"{quantity(counts['error'], 'error')}, {quantity(counts['warning'], 'warning')}"
+    if json != "-":
+        console.say(told if counts["error"] or counts["warning"] else "nothing would hinder")
+    console.write_json(json, [asdict(finding) for finding in found])
+    if counts["error"]:
+        raise typer.Exit(1)
+
+
+def _findings() -> Iterator[Finding]:
+    from hitab_bringup.doctor import machine, ros, runs
+    from hitab_client import domain_ids
+    from hitab_client.run_folder import running_swarms
+
+    yield from machine.python()
+    yield from machine.packages()
+    loads = True
+    for finding in ros.installation():
+        loads = loads and finding.level != "error"
+        yield finding
+    yield from ros.middleware()
+    domain = list(ros.domain())
+    yield from domain
+    yield from runs.swarms()
+    yield from runs.leftovers()
+    if loads and all(finding.level != "error" for finding in domain):
+        number = domain_ids.chosen_by_user() or 0
+        yield from ros.neighbors(any(r.domain_id == number for _, r in running_swarms()))
+    yield from machine.home()
+    yield from machine.memory()
+    yield from machine.shared_memory()
+    yield from machine.limits()
+
+
+def _show(finding: Finding) -> None:
+    from rich.text import Text
+
+    line = Text(f"{finding.level:8}", style=STYLES[finding.level])
+    line.append(f"{finding.about:14} {finding.text}", style="default")
+    console.out().print(line, soft_wrap=True)
+    if finding.way_out:
+        console.out().print(Text(f"{'':23}{finding.way_out}"), soft_wrap=True)

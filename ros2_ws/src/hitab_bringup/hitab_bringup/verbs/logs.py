@@ -1,0 +1,116 @@
+"""The verb that shows what the processes of a swarm have logged: logs."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hitab_client import completion, console
+from hitab_client.command_options import SwarmName
+
+if TYPE_CHECKING:
+    from hitab_bringup.run_logs import LogFile
+    from hitab_client import RunFolder, RunRecord
+
+LOOK_SECONDS = 0.3  # between two looks for new lines
+
+
+def register(app: typer.Typer) -> None:
+    """Add this verb to the command."""
+    app.command(rich_help_panel="Swarm")(logs)
+
+
+def logs(
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="An agent, a host, world or supervisor. Default: all.",
+            autocompletion=completion.processes,
+        ),
+    ] = "",
+    follow: Annotated[
+        bool, typer.Option("--follow", "-f", help="Go on until the swarm is down, or Ctrl-C.")
+    ] = False,
+    lines: Annotated[
+        int, typer.Option("--lines", "-n", help="Number of lines to begin with; 0: all.", min=0)
+    ] = 100,
+    swarm: SwarmName = None,
+) -> None:
+    """Show what the processes of a swarm have logged, even after it has ended.
+
+    Examples:
+
+      hitab logs
+
+      hitab logs keeper_1 --follow
+    """
+    from hitab_bringup.run_logs import logs_of, merged, shown
+
+    folder, record = _run(swarm)
+    files = _chosen(name, folder, record)
+    console.note(f"from {files[0].path if len(files) == 1 else folder.path / 'logs'}")
+    names = len(files) > 1
+    last = merged(file.last(whole=lines == 0, follow=follow) for file in files)
+    for line in shown(last[-lines:] if lines else last, names=names):
+        console.say(line)
+    while follow:
+        up = folder.read() is not None
+        if names:  # processes may have been added
+            known = {file.path for file in files}
+            files += [file for file in logs_of(folder) if file.path not in known]
+        for line in shown(merged(file.more() for file in files), names=names):
+            console.say(line)
+        if not up:
+            console.note(f"{folder.path.name} is down")
+            return
+        time.sleep(LOOK_SECONDS)
+
+
+def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
+    """Return the run whose logs are meant: the swarm that is up, else the last one.
+
+    Raises:
+        SwarmError: if there is none, or the choice is ambiguous.
+    """
+    from hitab_client import RunFolder, SwarmError
+    from hitab_client.run_folder import state_home
+    from hitab_client.swarm_choice import find_running
+
+    if swarm is not None:
+        folder = RunFolder(Path(swarm) if os.sep in swarm else state_home() / swarm)
+        if (folder.path / "logs").is_dir():
+            return folder, folder.read()
+    found = find_running(swarm)
+    if found is not None:
+        return found
+    ended = [path.parent for path in state_home().glob("*/logs") if path.is_dir()]
+    if not ended:
+        raise SwarmError(
+            f"no swarm has run under {state_home()}; start one with `hitab up keepaway`"
+        )
+    newest = max(ended, key=lambda path: (path / "logs").stat().st_mtime)
+    console.note(f"{newest.name} is down; these are the logs of its last run")
+    folder = RunFolder(newest)
+    return folder, folder.read()
+
+
+def _chosen(name: str, folder: RunFolder, record: RunRecord | None) -> list[LogFile]:
+    from hitab_bringup.run_logs import logs_of
+    from hitab_client import SwarmError
+    from hitab_core import has
+
+    files = logs_of(folder)
+    if not name:
+        if not files:
+            raise SwarmError(f"{folder.path} has no logs")
+        return files
+    process = record.process_of(name) if record is not None else name
+    for file in files:
+        if file.process == process:
+            return [file]
+    known = {file.process for file in files} | set(record.agents if record is not None else ())
+    raise SwarmError(f'nothing called "{name}" ran here {has(known, name)}')

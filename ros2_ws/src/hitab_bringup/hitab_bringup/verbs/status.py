@@ -1,0 +1,183 @@
+"""The verb that shows what a swarm does: status."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from hitab_bringup.verbs.connection import Connection, connection
+from hitab_client import console
+from hitab_client.command_options import JsonPath, SwarmName
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+    from hitab_client import SignsOfLife
+
+LOOK_SECONDS = 1.0  # for a world that was started by hand
+
+
+def register(app: typer.Typer) -> None:
+    """Add this verb to the command."""
+    app.command(rich_help_panel="Swarm")(status)
+
+
+def status(
+    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Show the agents: their modes, what they perform and what went wrong.
+
+    Examples:
+
+      hitab status
+
+      hitab status --watch
+    """
+    with connection(swarm) as swarm_up:
+        swarm_up.agents.await_agents()
+        _await_world(swarm_up)
+        if watch:
+            _watch(swarm_up)
+            return
+        data = _status_data(swarm_up)
+        if json != "-":
+            console.out().print(_rendered(data))
+        console.write_json(json, data)
+
+
+def _await_world(swarm_up: Connection) -> None:
+    from hitab_client import SwarmError
+
+    world = swarm_up.world
+    if swarm_up.record is None:
+        swarm_up.link.spin_until(lambda: world.status is not None, LOOK_SECONDS)
+    elif swarm_up.has_world:
+        with suppress(SwarmError):  # shown with all that does not answer
+            world.wait()
+
+
+def _watch(swarm_up: Connection) -> None:
+    from rich.live import Live
+
+    from hitab_client import SignsOfLife
+
+    started = (*swarm_up.agents.expected, *(["world"] if swarm_up.has_world else []))
+    signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
+
+    def shown() -> Group:
+        return _rendered(_status_data(swarm_up, signs))
+
+    with Live(shown(), console=console.out(), screen=False) as live:
+        while True:
+            swarm_up.link.spin_until(lambda: False, 0.2)
+            swarm_up.agents.discover()
+            live.update(shown())
+
+
+def _status_data(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Any]:
+    """Return all that is known about a swarm, as plain data."""
+    agents = [
+        {
+            "agent": name,
+            "domain": s.domain,
+            "mode": s.mode,
+            "behavior": s.behavior,
+            "active_path": list(s.active_path),
+            "examples": s.examples,
+            "default_examples": s.default_examples,
+            "cycle": s.cycle,
+            "library_digest": s.library_digest,
+            "last_error": s.last_error,
+            "faults": list(s.faults),
+        }
+        for name, s in sorted(swarm_up.agents.statuses.items())
+    ]
+    world = swarm_up.world.status
+    missing = [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses]
+    return {
+        "swarm": swarm_up.record.swarm if swarm_up.record else None,
+        "identity": swarm_up.record.identity if swarm_up.record else None,
+        "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
+        "agents": agents,
+        "missing": missing,
+        "silent": _silent(swarm_up, missing, signs),
+        "world": None
+        if world is None
+        else {
+            "world": world.world,
+            "mode": world.mode,
+            "pace": world.pace,
+            "factor": world.factor,
+            "cycle": world.cycle,
+            "episode": world.episode,
+            "missed_deadlines": world.missed_deadlines,
+            "missing": list(world.missing),
+            "last_error": world.last_error,
+            "faults": list(world.faults),
+        },
+    }
+
+
+def _silent(swarm_up: Connection, missing: list[str], signs: SignsOfLife | None) -> dict[str, str]:
+    """Return why agents, or the world, do not answer, by name."""
+    agents, world = swarm_up.agents, swarm_up.world
+    told = {}
+    if swarm_up.has_world and world.status is None:
+        told["world"] = world.silence() or "the world does not answer"
+    told |= {name: agents.silence(name) or f"{name} does not answer" for name in missing}
+    for name, seconds in (signs.silent() if signs is not None else {}).items():
+        why = world.silence() if name == "world" else agents.silence(name)
+        told[name] = why or f"{name} has been silent for {seconds:.0f} s"
+    return told
+
+
+def _rendered(data: dict[str, Any]) -> Group:
+    from rich.console import Group
+    from rich.text import Text
+
+    lines: list[Any] = []
+    world = data["world"]
+    if world is not None:
+        pace = world["pace"] + (f" x {world['factor']:g}" if world["pace"] == "realtime" else "")
+        lines.append(
+            Text(
+                f"world {world['world']}: {world['mode']}, {pace}, cycle {world['cycle']}, "
+                f"episode {world['episode']}, {world['missed_deadlines']} missed deadlines"
+            )
+        )
+        for name in world["missing"]:
+            lines.append(Text(f"the world does not hear {name}", style="red"))
+        lines += [Text(text, style="red") for text in _wrong(world)]
+    rows = [
+        (
+            agent["agent"],
+            agent["mode"],
+            agent["behavior"],
+            " > ".join(agent["active_path"]),
+            f"{agent['examples']} ({agent['default_examples']} default)"
+            if agent["examples"]
+            else "",
+            agent["library_digest"][:8],
+        )
+        for agent in data["agents"]
+    ]
+    columns = ("agent", "mode", "behavior", "active", "examples", "library")
+    lines.append(console.table(columns, rows))
+    if not data["agents"]:
+        lines.append(Text("no agent answers"))
+    lines += [Text(why, style="red") for why in data["silent"].values()]
+    for agent in data["agents"]:
+        lines += [Text(f"{agent['agent']}: {text}", style="red") for text in _wrong(agent)]
+    if data["run_folder"]:
+        lines.append(Text(f"logs in {data['run_folder']}/logs", style="dim"))
+    return Group(*lines)
+
+
+def _wrong(status: dict[str, Any]) -> list[str]:
+    """Return persistent faults and the last refusal."""
+    faults, last = status["faults"], status["last_error"]
+    return [*faults, *([last] if last and last not in faults else [])]

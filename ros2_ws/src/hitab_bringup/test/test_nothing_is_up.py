@@ -1,0 +1,138 @@
+"""With no swarm up, a verb says at once what is known, looks briefly, and names the remedy."""
+
+import subprocess
+import sys
+
+import pytest
+import typer
+from hitab_msgs.msg import AgentStatus
+
+from hitab_bringup.main import make_app
+from hitab_client import RosLink, domain_ids, swarm_choice
+from hitab_client.run_folder import RunFolder, RunRecord
+from hitab_ros import qos
+
+ERROR = "error: no swarm is up; start one with `hitab up keepaway`"
+CALLS = {
+    "demonstrate keeper_1 Stop",
+    "perform keeper_1 Stop",
+    "distribute keeper_1 A",
+    "vocabulary keeper_1",
+    "train keeper_1 A",
+    "test keeper_1",
+    "undo keeper_1",
+    "save keeper_1",
+    "examples keeper_1",
+    "status",
+    "status --json -",
+    "tree",
+    "order captain Stop",
+    "world pause",
+    "world place ball x=1",
+    "lesson run approach_ball",
+}
+
+
+@pytest.fixture(autouse=True)
+def nothing_up(tmp_path, monkeypatch):
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield tmp_path
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    monkeypatch.setattr(swarm_choice, "LOOK_SECONDS", 0.01)
+
+
+@pytest.mark.parametrize("call", sorted(CALLS))
+def test_a_verb_that_needs_a_swarm_fails_with_the_remedy(call, impatient, capfd):
+    with pytest.raises(SystemExit) as ended:
+        make_app()(call.split())
+    told = capfd.readouterr()
+    assert ended.value.code == 1
+    assert told.out == ""
+    first, last = told.err.splitlines()
+    assert first.startswith("No swarm runs in ROS domain ")
+    assert first.endswith(" for one that was started elsewhere ...")
+    assert last == ERROR
+
+
+def test_all_verbs_that_connect_to_a_swarm_are_tried_here():
+    def leaves(command, path=()):
+        for name, inner in getattr(command, "commands", {}).items():
+            yield from leaves(inner, (*path, name))
+        if not hasattr(command, "commands"):
+            yield " ".join(path), command.callback
+
+    connecting = {
+        path.split()[0]
+        for path, function in leaves(typer.main.get_command(make_app()))
+        if "connection" in function.__code__.co_names
+    }
+    assert connecting - {"keepaway"} <= {call.split()[0] for call in CALLS} | {"begin", "redo"} | {
+        "discard"
+    }
+
+
+def test_what_the_registry_knows_is_said_before_ros_is_loaded(nothing_up):
+    script = (
+        "import sys\nsys.modules['rclpy'] = None\n"
+        "from hitab_bringup.verbs.connection import connection\n"
+        "with connection(): pass\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.stderr.startswith("No swarm runs in ROS domain ")
+    assert "ModuleNotFoundError: import of rclpy halted" in done.stderr
+
+
+def record(folder: RunFolder, domain_id: int, supervisor: int) -> RunRecord:
+    folder.prepare()
+    told = RunRecord(
+        "red", "r.yaml", domain_id, "LOCALHOST", ("a",), True, supervisor, "s", "red-0a1b2c3d"
+    )
+    folder.write(told, register=True)
+    return told
+
+
+def test_a_swarm_that_has_ended_by_itself_is_named(nothing_up, monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    record(RunFolder.of_swarm("red"), 0, 1)
+    told = swarm_choice.none_is_up(None)
+    assert told.startswith(f"No swarm runs under {nothing_up}. ")
+    assert f'"red" has ended without `hitab down`: {nothing_up}/red.' in told
+
+
+def test_a_swarm_in_another_domain_is_named_with_the_way_to_it(monkeypatch):
+    record(RunFolder.of_swarm("red"), 7, 1)
+    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
+    told = swarm_choice.none_is_up(8)
+    assert '"red" runs in ROS domain 7; choose it with --swarm red, or unset ROS_DOMAIN' in told
+
+
+def test_nodes_that_were_started_by_hand_are_found(monkeypatch):
+    number = domain_ids.chosen_by_user()
+    monkeypatch.setattr(swarm_choice, "LOOK_SECONDS", 0.01)
+    with RosLink(number) as agent, RosLink(number) as link:
+        with pytest.raises(Exception, match="no swarm is up"):
+            swarm_choice.look_elsewhere(link)
+        # That somebody listens is no sign of a swarm.
+        link.subscribe(AgentStatus, "/lone/status", lambda _: None, qos.LATCHED)
+        with pytest.raises(Exception, match="no swarm is up"):
+            swarm_choice.look_elsewhere(link)
+        agent.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
+        monkeypatch.setattr(swarm_choice, "LOOK_SECONDS", 30.0)
+        swarm_choice.look_elsewhere(link)
+
+
+def test_a_wait_is_announced_once_it_is_noticed(monkeypatch):
+    told: list[str] = []
+    with RosLink(domain_ids.chosen_by_user(), told.append) as link:
+        link.spin_until(lambda: True, 5.0, waiting_for=lambda: "nothing")
+        assert told == []
+        link.spin_until(lambda: told, 30.0, waiting_for=lambda: "Godot")
+        link.spin_until(lambda: False, 0.7, waiting_for=lambda: "Godot")
+    assert told == ["waiting for Godot"]

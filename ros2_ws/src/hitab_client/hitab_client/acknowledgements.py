@@ -1,0 +1,115 @@
+"""Sends a behavior from one agent to others, and gathers their acknowledgements."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hitab_msgs.msg import DistributionAck
+
+from hitab_client.ros_link import RosLink
+from hitab_ros import names, qos
+
+QUIET_SECONDS = 10.0
+"""Without a new acknowledgement for this long, the missing ones will not come."""
+
+HEARING_SECONDS = 2.0
+"""How long to wait for the acknowledgement topics to connect."""
+
+
+@dataclass
+class DistributionReport:
+    """The receivers' answers to a distribution.
+
+    Attributes:
+        sequence: number of the distribution.
+        digest: given by the source.
+        accepted: receivers that verified the same digest.
+        refused: receivers that refused, with their reasons.
+        silent: receivers that did not answer.
+    """
+
+    sequence: int
+    digest: str
+    accepted: list[str] = field(default_factory=list)
+    refused: dict[str, str] = field(default_factory=dict)
+    silent: list[str] = field(default_factory=list)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every receiver has it."""
+        return not self.refused and not self.silent
+
+
+class Acknowledgements:
+    """The acknowledgements of distributions.
+
+    Args:
+        link: the node to use.
+        prefix: namespace of the swarm.
+    """
+
+    def __init__(self, link: RosLink, prefix: str = "") -> None:
+        self._link = link
+        self._prefix = prefix
+        self._acks: dict[int, dict[str, DistributionAck]] = {}
+        self._topic = names.of_swarm(names.DISTRIBUTION_ACK, prefix)
+        link.subscribe(DistributionAck, self._topic, self._take, qos.ROLL_CALL)
+
+    def _take(self, ack: DistributionAck) -> None:
+        self._acks.setdefault(ack.sequence, {})[ack.agent] = ack
+
+    def await_hearing(self, agents: Iterable[str]) -> None:
+        """Wait until acknowledgements can arrive from the processes of all these agents."""
+        node = self._link.node
+        unheard = set(agents)
+
+        def heard() -> bool:
+            there = {_process(info) for info in node.get_publishers_info_by_topic(self._topic)}
+            for agent in sorted(unheard):
+                status = names.of_agent(agent, names.STATUS, self._prefix)
+                infos = node.get_publishers_info_by_topic(status)
+                if any(_process(info) in there for info in infos):
+                    unheard.discard(agent)
+            return not unheard
+
+        self._link.spin_until(heard, HEARING_SECONDS, 0.01)
+
+    def gather(
+        self,
+        sequence: int,
+        digest: str,
+        receivers: Sequence[str],
+        seconds: float,
+        progress: Callable[[int, int], None] | None,
+    ) -> DistributionReport:
+        """Wait for all answers to a distribution, as long as the next one arrives in time."""
+        acks = self._acks.setdefault(sequence, {})
+        wanted = set(receivers)
+        before, newest = -1, time.monotonic()
+        while not (before >= len(wanted) and wanted <= acks.keys()):
+            if len(acks) != before:
+                before, newest = len(acks), time.monotonic()
+                if progress is not None:
+                    progress(len(wanted & acks.keys()), len(wanted))
+                continue
+            if time.monotonic() - newest > seconds:
+                break
+            self._link.spin(0.05)
+        report = DistributionReport(sequence, digest)
+        for name in receivers:
+            ack = acks.get(name)
+            if ack is None:
+                report.silent.append(name)
+            elif ack.success and ack.digest == digest:
+                report.accepted.append(name)
+            else:
+                report.refused[name] = ack.message or "its files differ from those that were sent"
+        return report
+
+
+def _process(info: Any) -> tuple[int, ...]:
+    """Return the DDS GUID prefix, which all topics of a process share."""
+    return tuple(info.endpoint_gid[:12])

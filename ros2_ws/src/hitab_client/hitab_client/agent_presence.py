@@ -1,0 +1,236 @@
+"""Who of a swarm is there: waits for agents, and says why one does not answer."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+
+from hitab_msgs.msg import AgentStatus
+
+from hitab_client.errors import SwarmError, some
+from hitab_client.identity import is_own, other_swarm
+from hitab_client.ros_link import RosLink
+from hitab_client.run_processes import RunProcesses, Silence
+from hitab_core import has
+from hitab_ros import names, qos, refuse_other_definitions
+
+DISCOVERY_SECONDS = 8.0
+"""Nodes usually discover each other within a second, but it may take several."""
+
+DISCOVERY_SECONDS_EACH = 0.02
+"""Added per agent of a swarm, since discovery time grows with the swarm."""
+
+WATCHED_MAX = 100
+"""In a larger swarm only the requested agents are watched."""
+
+SETTLE_SECONDS = 1.5
+"""Without a new agent for this long, no other will come."""
+
+
+class AgentPresence:
+    """The agents of a swarm that have reported.
+
+    Args:
+        link: the node to use.
+        expected: names of the expected agents, if known.
+        prefix: namespace of the swarm.
+        identity: of the swarm in question; empty: any.
+        processes: of the swarm, if they are known; tells why an agent does not answer.
+
+    Attributes:
+        statuses: the last status of each agent of the swarm, by name.
+        strangers: the swarm of each agent that belongs to another swarm, by name.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        expected: Iterable[str] = (),
+        *,
+        prefix: str = "",
+        identity: str = "",
+        processes: RunProcesses | None = None,
+    ) -> None:
+        self.link = link
+        self.prefix = prefix
+        self.expected = tuple(expected)
+        self.identity = identity
+        self.processes = processes
+        self.statuses: dict[str, AgentStatus] = {}
+        self.strangers: dict[str, str] = {}
+        self._watched: set[str] = set()
+        if len(self.expected) <= WATCHED_MAX:
+            self.watch_all()
+
+    def watch_all(self) -> None:
+        """Watch all expected agents, however many."""
+        for agent in self.expected:
+            self._watch(agent)
+
+    def _watch(self, agent: str) -> None:
+        if agent not in self._watched:
+            self._watched.add(agent)
+            self.link.subscribe(
+                AgentStatus,
+                names.of_agent(agent, names.STATUS, self.prefix),
+                lambda status: self._take_status(agent, status),
+                qos.LATCHED,
+            )
+
+    def _take_status(self, agent: str, status: AgentStatus) -> None:
+        if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
+            self.statuses[agent] = status
+            self.strangers.pop(agent, None)
+        else:
+            self.strangers[agent] = status.swarm
+            self.statuses.pop(agent, None)
+
+    def refuse_strangers(self, agents: Iterable[str]) -> None:
+        """Raise if one of these agents is known to belong to another swarm.
+
+        Raises:
+            SwarmError: naming both swarms.
+        """
+        for agent in agents:
+            if agent in self.strangers:
+                raise SwarmError(other_swarm(agent, self.strangers[agent], self.identity))
+
+    def discover(self) -> None:
+        """Look for new agents."""
+        for topic in self.link.topics_of_type(names.STATUS_TYPE):
+            agent = names.agent_of_status(topic, self.prefix)
+            if agent is not None:
+                self._watch(agent)
+
+    def agents(self) -> list[str]:
+        """Return the names of the agents that have reported so far."""
+        return sorted(self.statuses)
+
+    def await_agents(
+        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
+    ) -> list[str]:
+        """Wait for these agents, or else for the expected ones, and return those that are up.
+
+        Those whose processes have ended are not waited for. If none are expected, wait until no
+        new agent has appeared for a while.
+
+        Raises:
+            SwarmError: if one of them belongs to another swarm.
+        """
+        wanted = set(agents or self.expected)
+        for agent in wanted:
+            self._watch(agent)
+        few = bool(agents) and self._is_large
+        settled = self._settling()
+
+        def complete() -> bool:
+            if not few:
+                self.discover()
+            if wanted:
+                self.refuse_strangers(wanted)
+                return not self._awaited(wanted)
+            return bool(self.statuses) and settled()
+
+        self.link.spin_until(
+            complete,
+            seconds + DISCOVERY_SECONDS_EACH * len(self.expected),
+            waiting_for=lambda: some(sorted(self._awaited(wanted))) or "agents to appear",
+        )
+        refuse_other_definitions(self.link.node)
+        return self.agents()
+
+    def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
+        """Wait for an agent and return its status.
+
+        Raises:
+            SwarmError: if it does not answer, saying why if that is known; if there is no such
+                agent, naming those that there are; or if it belongs to another swarm.
+        """
+        self.refuse_strangers((agent,))
+        if agent not in self.statuses:
+            self._watch(agent)
+            if agent in self.expected:
+                self.await_agents((agent,), seconds)
+            else:
+                self._await_unexpected(agent, seconds)
+        return self._present(agent, seconds)
+
+    def _await_unexpected(self, agent: str, seconds: float) -> None:
+        """Wait for an agent that may have been started by hand, until there is no sign of it."""
+        topic = names.of_agent(agent, names.STATUS, self.prefix)
+        settled = self._settling()
+
+        def decided() -> bool:
+            if not self._is_large:
+                self.discover()
+            if agent in self.statuses or agent in self.strangers:
+                return True
+            if self.link.node.count_publishers(topic) or not settled():
+                return False
+            return self._is_large or (bool(self.statuses) and not self._awaited(self.expected))
+
+        self.link.spin_until(decided, seconds, waiting_for=lambda: agent)
+        refuse_other_definitions(self.link.node)
+
+    @property
+    def _is_large(self) -> bool:
+        return len(self.expected) > WATCHED_MAX
+
+    def _awaited(self, agents: Iterable[str]) -> set[str]:
+        """Return those of these agents that have not reported and still may."""
+        missing = set(agents) - self.statuses.keys()
+        if self.processes is None or len(missing) > WATCHED_MAX:
+            return missing
+        return {agent for agent in missing if not self._is_lost(agent)}
+
+    def _is_lost(self, agent: str) -> bool:
+        """Whether waiting for an agent is no use."""
+        why = self._why_silent(agent)
+        return why is not None and why.lasts
+
+    def _settling(self) -> Callable[[], bool]:
+        """Return a function that tells whether no new agent has reported for a while."""
+        newest = (len(self.statuses), time.monotonic())
+
+        def settled() -> bool:
+            nonlocal newest
+            if len(self.statuses) != newest[0]:
+                newest = (len(self.statuses), time.monotonic())
+            return time.monotonic() > newest[1] + SETTLE_SECONDS
+
+        return settled
+
+    def _present(self, agent: str, waited: float) -> AgentStatus:
+        """Return the status of an agent that was waited for.
+
+        Raises:
+            SwarmError: if it has none.
+        """
+        self.refuse_strangers((agent,))
+        if agent not in self.statuses:
+            raise SwarmError(self._absence(agent, waited))
+        return self.statuses[agent]
+
+    def _absence(self, agent: str, waited: float) -> str:
+        """Return an error text for an agent that did not answer for some seconds."""
+        if agent in self.expected or agent in self.statuses:
+            return self.silence(agent) or self._unexplained(agent, waited)
+        known = {*self.statuses, *self.expected}
+        if not known:
+            return f'no agent "{agent}" answers, and no other does; `hitab up` starts a swarm'
+        return f'no agent "{agent}" answers {has(known, agent)}; `hitab status` shows all'
+
+    def silence(self, agent: str) -> str:
+        """Return why an agent does not answer, as far as its process shows it; else nothing."""
+        why = self._why_silent(agent)
+        return why.text if why is not None else ""
+
+    def _why_silent(self, agent: str) -> Silence | None:
+        if self.processes is None or agent not in self.processes:
+            return None
+        return self.processes.why_silent(agent)
+
+    def _unexplained(self, agent: str, waited: float) -> str:
+        pid = self.processes.pid(agent) if self.processes is not None else 0
+        running = f", although its process ({pid}) runs" if pid else ""
+        return f"{agent} has been silent for {waited:g} s{running}; see `hitab logs {agent}`"

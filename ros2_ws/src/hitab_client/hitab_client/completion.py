@@ -1,0 +1,51 @@
+"""What the shell offers when it completes names: what the run registry knows, without ROS."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from hitab_client.run_folder import RunRecord
+
+
+def agents(context: typer.Context, incomplete: str) -> list[str]:
+    """Return the agents of the swarm that is up."""
+    return begun(incomplete, (name for record in _records(context) for name in record.agents))
+
+
+def commanders(context: typer.Context, incomplete: str) -> list[str]:
+    """Return the commanders of the swarm that is up."""
+    return begun(incomplete, (name for record in _records(context) for name in record.commanders))
+
+
+def processes(context: typer.Context, incomplete: str) -> list[str]:
+    """Return what has a log: agents, hosts, the world and the supervisor."""
+    names = (n for r in _records(context) for n in (*r.processes, *r.agents, "supervisor"))
+    return begun(incomplete, names)
+
+
+def swarms(incomplete: str) -> list[str]:
+    """Return the swarms that are up."""
+    from hitab_client.run_folder import running_swarms
+
+    return begun(incomplete, (record.swarm for _, record in running_swarms()))
+
+
+def begun(incomplete: str, names: Iterable[str]) -> list[str]:
+    """Return the names that begin with a text."""
+    return sorted({name for name in names if name.startswith(incomplete)})
+
+
+def _records(context: typer.Context) -> Iterator[RunRecord]:
+    """Yield the records of the swarms that are meant."""
+    from hitab_client.run_folder import running_swarms
+    from hitab_client.swarm_choice import meant
+
+    which = context.params.get("swarm")
+    with contextlib.suppress(OSError):
+        for _, record in meant(which, running_swarms()) if which else running_swarms():
+            yield record
