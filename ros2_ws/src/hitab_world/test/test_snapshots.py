@@ -52,7 +52,10 @@ def test_a_header_brings_back_when_it_was_taken(kept):
     ("changes", "told"),
     [
         ({"world": "pond"}, "the snapshot's world is pond, this world's is puddle"),
-        ({"version": 2}, "the snapshot's version is 2, this world's is 1; another version of HiTAB took it"),
+        (
+            {"version": 2},
+            "the snapshot's version is 2, this world's is 1; another version of HiTAB took it",
+        ),
         ({"parameters": {"width": 6.0}}, "the snapshot's parameters is {'width': 6.0}"),
         ({"cycle": 3.5}, "damaged: TypeError 3.5 is not a whole number"),
         ({"episode": True}, "damaged: TypeError True is not a whole number"),
