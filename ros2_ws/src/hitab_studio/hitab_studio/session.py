@@ -93,6 +93,7 @@ class Session:
         agent: the one among them, or in the list, that is viewed and commanded.
         level: the viewed automaton, if not the outermost one.
         state: the state whose tree is viewed, if not the active one.
+        folds: what was opened (true) or closed in the list of agents, by name.
         lost: the last command, if the agent has not taken it.
         dialog: the open dialog, with all that is needed to show it.
         player: the open recording, if there is one.
@@ -111,6 +112,7 @@ class Session:
         self.level = ""
         self.state = ""
         self.filter = ""
+        self.folds: dict[str, bool] = {}
         self.asked: Asked | None = None
         self.lost: Lost | None = None
         self.table = Table()

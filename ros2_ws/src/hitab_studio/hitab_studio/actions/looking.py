@@ -65,6 +65,12 @@ async def filter_agents(session: Session, data: Data) -> None:
     session.filter = str(data["value"])
 
 
+@action("fold", repeats=True)
+async def fold(session: Session, data: Data) -> None:
+    """Open or close what is below a commander or a title in the list of agents."""
+    session.folds[str(data["name"])] = data.get("open") == "yes"
+
+
 @action("tab", repeats=True)
 async def tab(session: Session, data: Data) -> None:
     """Show a tab."""

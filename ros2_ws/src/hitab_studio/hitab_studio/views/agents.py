@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
+from hitab_studio.views.agent_tree import Branch, tree, unfolded
 
 MOST = 80
 """Rows that are shown; more are found by typing."""
@@ -16,18 +16,26 @@ MOST = 80
 
 @dataclass(frozen=True)
 class Row:
-    """One agent."""
+    """One agent, or the title of agents that are called alike.
+
+    Attributes:
+        fold: "open" or "closed", if there are agents below it.
+        below: number of agents below it.
+        mode: None for a title.
+    """
 
     name: str
     depth: int
-    mode: str
-    state: str
-    color: str
-    chosen: bool
-    absence: str
-    lock: str
-    order: str
-    faults: str
+    fold: str = ""
+    below: int = 0
+    mode: str | None = None
+    state: str = ""
+    color: str = ""
+    chosen: bool = False
+    absence: str = ""
+    lock: str = ""
+    order: str = ""
+    faults: str = ""
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -37,38 +45,36 @@ def context(session: Session) -> dict[str, Any]:
         if session.player is not None
         else session.shared.store.known.statuses
     )
-    ordered = list(_ordered(session))
+    branches = tree(session.agents, session.shared.store.known.groups)
     wanted = session.filter.lower()
     if wanted:
-        ordered = [
-            (name, depth)
-            for name, depth in ordered
-            if wanted in name.lower()
-            or (name in statuses and wanted in " ".join(statuses[name].active_path).lower())
+        shown = [
+            (Branch(branch.name), 0, "")
+            for branch in (b for top in branches for b in top.all())
+            if branch.is_agent
+            and (
+                wanted in branch.name.lower()
+                or (
+                    branch.name in statuses
+                    and wanted in " ".join(statuses[branch.name].active_path).lower()
+                )
+            )
         ]
+        count = len(shown)
+    else:
+        shown = list(unfolded(branches, session.folds, session.agent))
+        count = sum(branch.size for branch in branches)
     return {
-        "rows": [_row(session, statuses, name, depth) for name, depth in ordered[:MOST]],
-        "count": len(ordered),
-        "more": max(0, len(ordered) - MOST),
+        "rows": [
+            _row(session, statuses, branch.name, depth, fold, branch.size - branch.is_agent)
+            if branch.is_agent
+            else Row(name=branch.name, depth=depth, fold=fold, below=branch.size)
+            for branch, depth, fold in shown[:MOST]
+        ],
+        "count": count,
+        "more": max(0, len(shown) - MOST),
         "filter": session.filter,
     }
-
-
-def _ordered(session: Session) -> Iterator[tuple[str, int]]:
-    """Yield agents with their depth in the tree of commanders."""
-    groups = session.shared.store.known.groups
-    agents = session.agents
-    below = {sub for group in groups.values() for sub in group.subordinates}
-
-    def under(name: str, depth: int) -> Iterator[tuple[str, int]]:
-        yield name, depth
-        if name in groups and depth < 8:
-            for sub in groups[name].subordinates:
-                yield from under(sub, depth + 1)
-
-    for name in agents:
-        if name not in below:
-            yield from under(name, 0)
 
 
 def _absence(session: Session, name: str) -> str:
@@ -79,7 +85,7 @@ def _absence(session: Session, name: str) -> str:
     return "silent" if name in known.silent and name not in known.gone else "not there"
 
 
-def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
+def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, below: int) -> Row:
     store = session.shared.store
     status = statuses.get(name)
     holder = session.shared.locks.holder(name)
@@ -89,6 +95,8 @@ def _row(session: Session, statuses: Any, name: str, depth: int) -> Row:
     return Row(
         name=name,
         depth=depth,
+        fold=fold,
+        below=below,
         mode=status.mode if status is not None else "",
         state=state or (status.behavior if status is not None else ""),
         color="" if index == NO_COLOR else STATE_COLORS[index],
