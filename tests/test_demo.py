@@ -55,6 +55,23 @@ def test_the_demo_leaves_pictures_figures_and_a_library(demo, hitab):
     assert hitab("library", "check", "-l", str(folder / "library")).returncode == 0
 
 
+def test_what_the_demo_says_to_do_next_can_be_typed_as_it_stands(demo):
+    _, told = demo
+    following = [line.strip() for line in told.partition("Next:\n")[2].splitlines()]
+    assert len(following) == 4
+    path = os.pathsep.join([os.path.dirname(sys.executable), os.environ["PATH"]])
+    shown = subprocess.run(
+        ["bash", "-c", following[0]],
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert shown.returncode == 0, shown.stderr
+    assert shown.stdout.startswith("Keepaway\n")
+
+
 def test_a_folder_that_cannot_be_made_is_told(hitab, tmp_path):
     (tmp_path / "file").touch()
     done = hitab("demo", "--out", str(tmp_path / "file" / "demo"))

@@ -122,6 +122,20 @@ def test_a_second_set_up_does_nothing_and_takes_a_fraction_of_the_time(ready):
     assert ready.builds() == builds
 
 
+@pytest.mark.parametrize("called", ["scripts/hitab", "{root}/scripts/hitab", "hitab"])
+def test_hitab_is_told_how_it_was_called(ready, called):
+    (command := ready.venv / "bin/hitab").write_text('#!/bin/sh\necho "$HITAB_CALLED_AS"\n')
+    command.chmod(0o755)
+    environment = ready.environment()
+    if called == "hitab":
+        environment["PATH"] = f"{ready.root}/scripts:{environment['PATH']}"
+    typed = called.format(root=ready.root)
+    done = subprocess.run(
+        ["bash", "-c", typed], cwd=ready.root, env=environment, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, f"{typed}\n"), done.stderr
+
+
 def test_check_says_what_is_missing_and_makes_nothing(checkout):
     code, said = checkout.setup("--check")
     assert code == 1

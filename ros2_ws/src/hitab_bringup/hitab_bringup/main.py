@@ -9,7 +9,6 @@ typer app).
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from importlib.metadata import entry_points, version
 from typing import Annotated, Any
@@ -29,7 +28,7 @@ from hitab_bringup.verbs import (
     training,
     world,
 )
-from hitab_client import console
+from hitab_client import console, interruptions
 from hitab_core import HitabError
 
 VERBS = "hitab.verbs"
@@ -101,7 +100,7 @@ def make_app() -> typer.Typer:
 
 def main() -> None:
     """Run the command; on SIGTERM, clean up as on Ctrl-C."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    interruptions.handle_interruptions()
     make_app()()
 
 

@@ -4,6 +4,7 @@ from . import console as console
 from . import dds_profile as dds_profile
 from . import domain_ids as domain_ids
 from . import identity as identity
+from . import interruptions as interruptions
 from . import run_folder as run_folder
 from . import run_processes as run_processes
 from . import shipped as shipped

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hitab_client.called_as import as_called
 from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
 
@@ -53,17 +54,17 @@ def err() -> Console:
 
 def say(text: str) -> None:
     """Print a result in plain text."""
-    print(text)
+    print(as_called(text))
 
 
 def note(text: str) -> None:
     """Print a message that is not a result."""
-    print(text, file=sys.stderr)
+    print(as_called(text), file=sys.stderr)
 
 
 def error(text: str) -> None:
     """Print an error."""
-    err().print(f"[bold red]error:[/] {_escaped(text)}", soft_wrap=True)
+    err().print(f"[bold red]error:[/] {_escaped(as_called(text))}", soft_wrap=True)
 
 
 def _escaped(text: str) -> str:

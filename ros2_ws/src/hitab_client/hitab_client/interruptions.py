@@ -1,20 +1,78 @@
-"""Defers Ctrl-C where half of something must not be left."""
+"""Defers Ctrl-C and SIGTERM where half of something must not be left."""
 
 from __future__ import annotations
 
 import contextlib
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from types import FrameType
+from typing import Any
+
+NUMBERS = (signal.SIGINT, signal.SIGTERM)
+
+_came: list[int] = []
+_depth = 0
+_handled = False
+
+
+def handle_interruptions() -> None:
+    """Handle both signals in this process from now on, so that deferring them costs nothing.
+
+    Ctrl-C raises KeyboardInterrupt, unless this process was started to ignore it; SIGTERM raises
+    SystemExit with the usual status.
+    """
+    global _handled
+    _handled = True
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, _interrupt)
+    signal.signal(signal.SIGTERM, _interrupt)
 
 
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
-    """Defer one Ctrl-C or SIGTERM to the end; do nothing outside the main thread."""
+    """Defer the first of these signals to the end; do nothing outside the main thread."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    with _deferred() if _handled else _handlers_replaced():
+        yield
+
+
+@contextlib.contextmanager
+def cheaply_not_interrupted() -> Iterator[None]:
+    """Do the same for what is done often, where `handle_interruptions` was called."""
+    if not _handled or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    with _deferred():
+        yield
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if _depth and not _came:
+        _came.append(number)
+    elif number == signal.SIGINT:
+        raise KeyboardInterrupt
+    else:
+        sys.exit(128 + number)
+
+
+@contextlib.contextmanager
+def _deferred() -> Iterator[None]:
+    global _depth
+    _depth += 1
+    try:
+        yield
+    finally:
+        _depth -= 1
+        if _came and not _depth:
+            _interrupt(_came.pop(), None)
+
+
+@contextlib.contextmanager
+def _handlers_replaced() -> Iterator[None]:
     came: list[int] = []
 
     def put_off(number: int, frame: FrameType | None) -> None:
@@ -22,7 +80,7 @@ def not_interrupted() -> Iterator[None]:
             raise KeyboardInterrupt
         came.append(number)
 
-    before = {number: signal.signal(number, put_off) for number in (signal.SIGINT, signal.SIGTERM)}
+    before: dict[int, Any] = {number: signal.signal(number, put_off) for number in NUMBERS}
     try:
         yield
     finally:

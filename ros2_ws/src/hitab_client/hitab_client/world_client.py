@@ -138,11 +138,18 @@ class WorldClient:
     def step(self, cycles: int = 1, seconds: float = 10.0) -> WorldState:
         """Step a paused world by some cycles and return its state.
 
+        Args:
+            cycles: how many.
+            seconds: how long each may take.
+
         Raises:
-            SwarmError: if it does not get there in time.
+            SwarmError: if one takes longer.
         """
-        cycle = self.control(Control.Request.STEP, cycles=cycles).cycle
-        return self.state_at(cycle, seconds)
+        last = self.control(Control.Request.STEP, cycles=cycles).cycle
+        state = self.state_at(0, seconds)
+        while state.cycle < last:
+            state = self.state_at(state.cycle + 1, seconds)
+        return state
 
     def state_at(self, cycle: int, seconds: float = 10.0) -> WorldState:
         """Wait for the state of a cycle, or of a later one.

@@ -103,7 +103,7 @@ def train(
     bound = _bound(parameter or [])
     taking_over = automaton is None and not resume_from
     if taking_over and any((feature, state, parameter, resume, classifier, discard)):
-        raise typer.BadParameter("name the automaton to train: hitab train AGENT AUTOMATON ...")
+        raise typer.BadParameter("name the automaton to train, as in `hitab train AGENT NAME`")
     with connection(swarm) as swarm_up:
         if taking_over:
             answer = swarm_up.agents.set_mode(agent, "training")

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Annotated
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import SwarmName
+from hitab_core import quantity
+
+if TYPE_CHECKING:
+    from hitab_client import WorldClient
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.", no_args_is_help=True)
 
@@ -19,6 +24,14 @@ def _control(swarm: str | None, action: str, **fields: object) -> None:
     with connection(swarm) as swarm_up:
         answer = swarm_up.world.control(action, **fields)  # type: ignore[arg-type]
     console.say(answer.message or f"cycle {answer.cycle}")
+
+
+def _seen(world: WorldClient, change: Callable[[], Any]) -> Any:
+    """Change the world, wait until the agents have perceived it, and return the answer."""
+    answers = []
+    world.state_at(0)  # a state from before the change must not pass for one after it
+    world.changed(lambda: answers.append(change()))
+    return answers[0]
 
 
 @app.command()
@@ -38,14 +51,18 @@ def step(
     cycles: Annotated[int, typer.Argument(help="Number of cycles.", min=1)] = 1,
     swarm: SwarmName = None,
 ) -> None:
-    """Run some cycles, then pause."""
-    _control(swarm, "step", cycles=cycles)
+    """Run some cycles, then pause; ends when they have been run."""
+    with connection(swarm) as swarm_up:
+        swarm_up.world.step(cycles)
+    console.say(f"stepped {quantity(cycles, 'cycle')}")
 
 
 @app.command()
 def reset(swarm: SwarmName = None) -> None:
-    """Begin a new episode with all agents in Start."""
-    _control(swarm, "reset")
+    """Begin a new episode with all agents in Start; ends when they have perceived it."""
+    with connection(swarm) as swarm_up:
+        answer = _seen(swarm_up.world, lambda: swarm_up.world.control("reset"))
+    console.say(answer.message or f"cycle {answer.cycle}")
 
 
 @app.command()
@@ -85,7 +102,9 @@ def place(
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Put things somewhere; fields that are not given are kept.
+    """Put things somewhere; ends when the agents have perceived it.
+
+    Fields that are not given are kept.
 
     Example:
 
@@ -105,7 +124,9 @@ def place(
             field = match.group(1)
             placed[name][field] = math.radians(value) if field == "heading" else value
     with connection(swarm) as swarm_up:
-        answer = swarm_up.world.place(placed, new_episode=new_episode)
+        answer = _seen(
+            swarm_up.world, lambda: swarm_up.world.place(placed, new_episode=new_episode)
+        )
     console.say(answer.message or f"placed {', '.join(placed)}")
 
 

@@ -217,7 +217,7 @@ def demo(
     """Train three keepers over ROS topics, play, and compare with the paper.
 
     Starts a world and three keepers, each in its own process; plays the four lessons from an empty
-    library; distributes what was learned; plays episodes against slow takers. Takes two to three
+    library; distributes what was learned; plays episodes against slow takers. Takes one to two
     minutes.
 
     Example:

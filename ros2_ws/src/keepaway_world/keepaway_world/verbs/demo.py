@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import json
+import shlex
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from hitab_bringup import RunningSwarm, copy_library, open_library, temporary_swarm
-from hitab_client.shipped import find_file
 from hitab_client import console
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
+from hitab_client.shipped import find_file
 from hitab_core import HitabError
 from keepaway_world.verbs import paper
 from keepaway_world.verbs.demo_studio import play_on, studio_beside
@@ -221,14 +222,17 @@ def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> No
     played.add_row("ended", ", ".join(f"{count} {how}" for how, count in ended.items()), "")
     played.add_row("missed deadlines", str(evaluation["missed_deadlines"]), "")
     screen.print(played)
+    library = shlex.quote(str(out / "library"))
     screen.print(
         f"\nTraining time is simulated time in which the demonstrator trained; all of this took "
         f"{figures['wall_s']:.0f} s here.\n"
-        f"In {out}: field.png, automata.png, episode_lengths.png, figures.json, library/\n\n"
-        "Next:\n"
-        f"  hitab library show Keepaway --library {out / 'library'}   what was learned\n"
-        f"  hitab keepaway evaluate --library {out / 'library'}       play more\n"
-        "  hitab up keepaway                                  train keepers yourself\n"
-        "  hitab lesson list                                  how these were trained",
+        f"In {out}: field.png, automata.png, episode_lengths.png, figures.json, library/",
         soft_wrap=True,
+    )
+    console.say(
+        "\nNext:\n"
+        f"  hitab library show Keepaway --library {library}   # what was learned\n"
+        f"  hitab keepaway evaluate --library {library}       # play more\n"
+        "  hitab up keepaway                  # a world and three keepers to train yourself\n"
+        "  hitab lesson list                  # the lessons that trained these"
     )
