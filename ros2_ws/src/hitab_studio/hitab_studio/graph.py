@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from hitab_core import FLAGS, START, Automaton
-from hitab_core.drawing.graph import arrows
+from hitab_core.drawing.graph import Arrow, arrows
 from hitab_core.drawing.layout import (
     Box,
+    Floats,
     bend_arrows,
     curve,
     least_crossed,
@@ -23,6 +25,11 @@ from hitab_core.drawing.picture import words
 INCH = 72.0
 WIDTH = 392.0
 LINE = 13.0
+WRAP = 26
+"""Characters in a line of a label."""
+
+STRETCHES = (1.0, 1.3, 1.6)
+"""Heights that are tried, by the least one, until there is room for all labels."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +46,13 @@ class DrawnState:
 
 @dataclass(frozen=True)
 class DrawnArrow:
-    """An arrow: its path, its label and where the label goes."""
+    """An arrow: its path, its label and where the label goes.
+
+    Attributes:
+        lines: of its label, or its number if there was no room for the label.
+        number: under which its rule is listed below the drawing; 0 if it is drawn.
+        rule: in one line.
+    """
 
     source: str
     target: str
@@ -50,6 +63,8 @@ class DrawnArrow:
     width: float
     height: float
     weak: bool
+    number: int = 0
+    rule: str = ""
 
 
 @dataclass(frozen=True)
@@ -73,12 +88,57 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
     automaton = key.automaton
     drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
     drawn.sort(key=lambda arrow: words(arrow) == "")
+    texts = [_narrow(text) for arrow in drawn if (text := words(arrow))]
+    lines = sum(text.count("\n") + 1 for text in texts)
+    states = len(automaton.labels) + 1
+    least = min(620.0, 150.0 + 34.0 * states + 7.0 * lines)
+    numbered: list[int] = []
+    for stretch in STRETCHES:
+        laid = _layout(automaton, drawn, texts, [], least * stretch)
+        numbered = _without_room(laid)
+        if not numbered:
+            break
+    while numbered:  # the rules of these arrows are listed below the drawing
+        laid = _layout(automaton, drawn, texts, numbered, least)
+        more = [i for i in _without_room(laid) if i not in numbered]
+        if not more:
+            break
+        numbered = sorted([*numbered, *more])
+    return _drawn(laid, drawn, texts, numbered, automata)
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Where everything goes; lengths in inches, around the middle."""
+
+    height: float
+    boxes: Mapping[str, Box]
+    curves: Sequence[Floats]
+    places: Sequence[Box]
+
+
+def _narrow(text: str) -> str:
+    """Wrap a label so that there is room for it beside the states."""
+    return "\n".join(
+        part
+        for line in text.split("\n")
+        for part in textwrap.wrap(line, WRAP, break_long_words=False) or [""]
+    )
+
+
+def _layout(
+    automaton: Automaton,
+    drawn: Sequence[Arrow],
+    texts: Sequence[str],
+    numbered: Sequence[int],
+    height: float,
+) -> _Layout:
     pairs = [(arrow.source, arrow.target) for arrow in drawn]
     states = least_crossed([START, *automaton.labels], pairs)
-    texts = [text for arrow in drawn if (text := words(arrow))]
-    sizes = [_size(text, 5.9, LINE) for text in texts]
-    lines = sum(text.count("\n") + 1 for text in texts)
-    height = min(620.0, 150.0 + 34.0 * len(states) + 7.0 * lines)
+    sizes = [
+        _size(str(numbered.index(i) + 1) if i in numbered else text, 5.9, LINE)
+        for i, text in enumerate(texts)
+    ]
     inches = WIDTH / INCH, height / INCH
     boxes = state_boxes(
         states,
@@ -88,32 +148,65 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
     )
     bends = bend_arrows(boxes, pairs, *inches)
     curves = [curve(boxes[s], boxes[t], b) for (s, t), b in zip(pairs, bends, strict=True)]
-    places = place_words(sizes, curves, [*boxes.values()], *inches)
+    return _Layout(height, boxes, curves, place_words(sizes, curves, [*boxes.values()], *inches))
+
+
+def _without_room(laid: _Layout) -> list[int]:
+    """Return the labels that lie on a state, on an earlier label, or outside."""
+    half = WIDTH / INCH / 2, laid.height / INCH / 2
+    found = []
+    for i, place in enumerate(laid.places):
+        others = [*laid.boxes.values(), *laid.places[:i]]
+        outside = (
+            abs(place.x) + place.width / 2 > half[0] or abs(place.y) + place.height / 2 > half[1]
+        )
+        if outside or any(_touch(place, other) for other in others):
+            found.append(i)
+    return found
+
+
+def _touch(one: Box, other: Box) -> bool:
+    return (
+        abs(one.x - other.x) < (one.width + other.width) / 2
+        and abs(one.y - other.y) < (one.height + other.height) / 2
+    )
+
+
+def _drawn(
+    laid: _Layout,
+    drawn: Sequence[Arrow],
+    texts: Sequence[str],
+    numbered: Sequence[int],
+    automata: frozenset[str],
+) -> Graph:
+    height, boxes = laid.height, laid.boxes
 
     def px(x: float, y: float) -> tuple[float, float]:
         return x * INCH + WIDTH / 2, height / 2 - y * INCH
 
     shown = []
-    for i, (arrow, points) in enumerate(zip(drawn, curves, strict=True)):
+    for i, (arrow, points) in enumerate(zip(drawn, laid.curves, strict=True)):
         outside = [p for p in points if not _inside(p, boxes[arrow.source], 2.0 / INCH)]
         outside = [p for p in outside if not _inside(p, boxes[arrow.target], 3.0 / INCH)]
         if len(outside) < 2:
             continue
-        path = "M" + " L".join("{:.1f} {:.1f}".format(*px(*p)) for p in outside)
-        text = words(arrow)
-        place = places[i] if text else Box(0, 0, 0, 0)
+        text = texts[i] if i < len(texts) else ""
+        place = laid.places[i] if text else Box(0, 0, 0, 0)
+        number = numbered.index(i) + 1 if i in numbered else 0
         x, y = px(place.x, place.y)
         shown.append(
             DrawnArrow(
                 arrow.source,
                 arrow.target,
-                path,
-                tuple(text.split("\n")) if text else (),
+                "M" + " L".join("{:.1f} {:.1f}".format(*px(*p)) for p in outside),
+                (str(number),) if number else tuple(text.split("\n")) if text else (),
                 x,
                 y,
                 place.width * INCH,
                 place.height * INCH,
                 arrow.leaves_flag,
+                number,
+                " ".join(text.split()),
             )
         )
     nodes = [
