@@ -35,6 +35,24 @@ def swarms(incomplete: str) -> list[str]:
     return begun(incomplete, (record.swarm for _, record in running_swarms()))
 
 
+def swarm_descriptions(incomplete: str) -> list[str]:
+    """Return the shipped swarms."""
+    return begun(incomplete, _shipped("swarms"))
+
+
+def lessons(incomplete: str) -> list[str]:
+    """Return the shipped lessons."""
+    return begun(incomplete, _shipped("lessons"))
+
+
+def _shipped(folder: str) -> Iterator[str]:
+    from hitab_client.shipped import shipped_folders
+
+    for place in shipped_folders(folder):
+        for path in place.rglob("*.yaml"):
+            yield path.relative_to(place).with_suffix("").as_posix()
+
+
 def begun(incomplete: str, names: Iterable[str]) -> list[str]:
     """Return the names that begin with a text."""
     return sorted({name for name in names if name.startswith(incomplete)})

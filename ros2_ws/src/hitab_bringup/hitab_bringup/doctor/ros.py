@@ -62,7 +62,7 @@ def middleware() -> Iterator[Finding]:
     own = [name for name in profiles if Path(name).name not in (LOOPBACK.name, NETWORK.name)]
     if missing := [name for name in own if not Path(name).is_file()]:
         yield error(
-            "discovery", f"the DDS profile {missing[0]} is missing", f"unset {VARIABLES[0]}"
+            "discovery", f"there is no DDS profile {missing[0]}", f"unset {' '.join(VARIABLES)}"
         )
     elif own:
         yield Finding("discovery", f"by your own DDS profile {own[0]}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_client import console
+from hitab_client import completion, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_core import HitabError, quantity
 
@@ -21,7 +21,11 @@ app = typer.Typer(
     no_args_is_help=True,
 )
 Files = Annotated[
-    list[str], typer.Argument(help="Lesson files, or names of shipped ones, in order.")
+    list[str],
+    typer.Argument(
+        help="Lesson files, or names of shipped ones, in order.",
+        autocompletion=completion.lessons,
+    ),
 ]
 
 

@@ -58,7 +58,8 @@ def logs(
     for line in shown(last[-lines:] if lines else last, names=names):
         console.say(line)
     while follow:
-        up = folder.read() is not None
+        record = folder.read()
+        up = record is not None and folder.supervisor(record) is not None
         if names:  # processes may have been added
             known = {file.path for file in files}
             files += [file for file in logs_of(folder) if file.path not in known]

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from hitab_client import console
+from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
 from hitab_core import quantity
 
@@ -27,7 +27,11 @@ def register(app: typer.Typer) -> None:
 
 def up(
     swarm: Annotated[
-        str, typer.Argument(help="A swarm description, or the name of a shipped one.")
+        str,
+        typer.Argument(
+            help="A swarm description, or the name of a shipped one.",
+            autocompletion=completion.swarm_descriptions,
+        ),
     ] = "keepaway",
     pace: Annotated[
         str, typer.Option(help="lockstep or realtime; overrides the description.")
@@ -89,7 +93,12 @@ def up(
 
 def down(
     name: Annotated[
-        str | None, typer.Argument(metavar="[SWARM]", help="The swarm, if several are up.")
+        str | None,
+        typer.Argument(
+            metavar="[SWARM]",
+            help="The swarm, if several are up.",
+            autocompletion=completion.swarms,
+        ),
     ] = None,
     swarm: SwarmName = None,
     run_dir: RunDir = None,

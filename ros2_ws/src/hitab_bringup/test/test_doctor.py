@@ -1,0 +1,210 @@
+"""`hitab doctor` names what would hinder, with the way out; its exit status tells of errors."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections import namedtuple
+
+import psutil
+import pytest
+from hitab_msgs.msg import AgentStatus
+
+from hitab_bringup.doctor import machine, ros, runs
+from hitab_bringup.main import make_app
+from hitab_client import RosLink, RunFolder, RunRecord, domain_ids
+from hitab_client.dds_profile import LOOPBACK, RANGE, VARIABLES
+from hitab_client.run_folder import MARK
+from hitab_ros import qos
+
+
+@pytest.fixture(autouse=True)
+def alone(tmp_path, monkeypatch):
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield number
+
+
+def one(findings):
+    (finding,) = findings
+    return finding
+
+
+def doctor(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        make_app()(["doctor", *arguments])
+    return ended.value.code
+
+
+def test_each_line_has_a_level_and_whatever_is_not_right_a_way_out(capfd):
+    code = doctor("--json", "-")
+    found = json.loads(capfd.readouterr().out)
+    about = [finding["about"] for finding in found]
+    for expected in ("Python", "HiTAB", "ROS", "messages", "DDS", "discovery", "ROS domain"):
+        assert expected in about
+    for expected in ("swarm", "nodes", "files", "disk", "memory", "shared memory", "limits"):
+        assert expected in about
+    assert code == int(any(finding["level"] == "error" for finding in found))
+    for finding in found:
+        assert finding["level"] in ("ok", "warning", "error")
+        assert finding["text"]
+        assert bool(finding["way_out"]) == (finding["level"] != "ok")
+
+
+def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, capfd):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "abc")
+    assert doctor() == 1
+    told = capfd.readouterr().out
+    assert "error   ROS domain     ROS_DOMAIN_ID=abc is no number from 0 to 232" in told
+    assert "unset ROS_DOMAIN_ID, or choose a number up to 101" in told
+
+
+@pytest.mark.parametrize(
+    ("said", "level", "text"),
+    [
+        (None, "ok", "not chosen: each swarm gets a free one"),
+        ("7", "ok", "7: all commands mean swarms in this domain"),
+        ("150", "warning", "150: its ports may be in use"),
+        ("233", "error", "is no number from 0 to 232"),
+    ],
+)
+def test_the_domain_is_explained(said, level, text, monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    if said is not None:
+        monkeypatch.setenv("ROS_DOMAIN_ID", said)
+    finding = one(ros.domain())
+    assert finding.level == level
+    assert text in finding.text
+
+
+@pytest.mark.parametrize(
+    ("variables", "level", "text"),
+    [
+        ({}, "ok", "of processes on this computer only"),
+        ({RANGE: "SUBNET"}, "ok", f"of other computers in the network, too ({RANGE}=SUBNET)"),
+        ({RANGE: "OFF"}, "error", "nobody finds anybody"),
+        ({VARIABLES[0]: str(LOOPBACK), RANGE: "SYSTEM_DEFAULT"}, "ok", "this computer only"),
+        ({VARIABLES[0]: "/none/own.xml"}, "error", "there is no DDS profile /none/own.xml"),
+    ],
+)
+def test_discovery_is_explained(variables, level, text, monkeypatch):
+    for name in (*VARIABLES, RANGE, "RMW_IMPLEMENTATION", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    finding = one(f for f in ros.middleware() if f.about == "discovery")
+    assert finding.level == level
+    assert text in finding.text
+
+
+def test_a_profile_of_the_users_own_is_named(monkeypatch, tmp_path):
+    own = tmp_path / "own.xml"
+    own.write_text("<dds/>")
+    monkeypatch.setenv(VARIABLES[0], str(own))
+    monkeypatch.setenv(VARIABLES[1], str(own))
+    assert f"by your own DDS profile {own}" in {finding.text for finding in ros.middleware()}
+
+
+def test_another_middleware_and_localhost_only_are_warned_of(monkeypatch):
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    warned = [finding for finding in ros.middleware() if finding.level == "warning"]
+    assert [finding.about for finding in warned] == ["DDS", "discovery"]
+
+
+def test_nodes_that_hitab_up_did_not_start_are_reported(alone, monkeypatch):
+    monkeypatch.setattr(ros, "LOOK_SECONDS", 0.01)
+    assert one(ros.neighbors(started_here=False)).text.startswith("0 agents and worlds")
+    wait = RosLink.spin_until
+
+    def until_found(link: RosLink, *_: object) -> bool:
+        return wait(link, lambda: link.node.count_publishers("/lone/status"), 60.0)
+
+    monkeypatch.setattr(RosLink, "spin_until", until_found)
+    with RosLink(alone) as link:
+        link.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
+        assert one(ros.neighbors(started_here=False)).level == "warning"
+        assert one(ros.neighbors(started_here=True)).level == "ok"
+
+
+def test_a_swarm_that_has_crashed_and_its_processes_are_reported():
+    folder = RunFolder.of_swarm("red")
+    folder.prepare()
+    folder.write(
+        RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-1"), register=True
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", "input()"],
+        stdin=subprocess.PIPE,
+        env={**os.environ, MARK: str(folder.path)},
+    ) as left:
+        crashed = one(runs.swarms())
+        (lost,) = [f for f in runs.leftovers() if str(left.pid) in f.text]
+        left.communicate()
+    assert crashed.level == "warning"
+    assert f"red has ended without `hitab down` ({folder.path})" in crashed.text
+    assert "`hitab down red`" in crashed.way_out
+    assert lost.text == f"processes {left.pid} of a killed run in {folder.path}"
+    assert lost.way_out == f"`hitab down --run-dir {folder.path}`"
+
+
+def test_a_swarm_that_is_up_is_reported_with_its_processes(monkeypatch):
+    folder = RunFolder.of_swarm("red")
+    folder.prepare()
+    folder.write(
+        RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-1"), register=True
+    )
+    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
+    states = [{"name": "world", "statename": "RUNNING", "pid": 11}]
+    monkeypatch.setattr(runs, "process_states", lambda _: states)
+    assert one(runs.swarms()).text == "red is up in ROS domain 7, supervisor 1: world 11"
+    states.append({"name": "a", "statename": "EXITED", "pid": 0})
+    assert one(runs.swarms()).way_out == "`hitab logs a` shows why"
+
+
+def test_little_room_is_reported(monkeypatch, tmp_path):
+    usage = namedtuple("usage", "total used free")
+    for free, level in ((10 << 20, "error"), (500 << 20, "warning"), (5000 << 20, "ok")):
+        monkeypatch.setattr(shutil, "disk_usage", lambda _, free=free: usage(1, 1, free))
+        _, disk = machine.home()
+        assert disk.level == level
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "file" / "home"))
+    assert one(machine.home()).way_out == "name another folder in HITAB_HOME"
+
+
+def test_little_memory_and_low_limits_are_reported(monkeypatch, tmp_path):
+    memory = namedtuple("memory", "available")
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: memory(100 << 20))
+    assert one(machine.memory()).level == "warning"
+    monkeypatch.setattr(machine.resource, "getrlimit", lambda _: (500, 500))
+    monkeypatch.setattr(machine, "BUFFER", tmp_path / "rmem_max")
+    machine.BUFFER.write_text("212992\n")
+    levels = [finding.level for finding in machine.limits()]
+    assert levels == ["error", "warning", "warning"]
+    monkeypatch.setattr(machine.resource, "getrlimit", lambda _: (500, 100_000))
+    machine.BUFFER.write_text("4194304\n")
+    assert one(machine.limits()).level == "ok"
+
+
+def test_packages_of_several_versions_are_reported(monkeypatch):
+    monkeypatch.setattr(machine, "version", lambda name: "2" if name == "hitab_core" else "1")
+    finding = one(machine.packages())
+    assert finding.level == "error"
+    assert "hitab_core 2" in finding.text
+
+
+def test_what_was_left_in_shared_memory_is_counted(tmp_path):
+    (tmp_path / "fastrtps_port7411").touch()
+    (tmp_path / "sem.fastrtps_port7411_mutex").touch()
+    finding = one(machine.shared_memory(tmp_path))
+    assert finding.text == f"2 files in {tmp_path} that ROS programs have left behind"
+
+
+def test_the_version_is_said(capfd):
+    with pytest.raises(SystemExit) as ended:
+        make_app()(["--version"])
+    assert ended.value.code == 0
+    assert capfd.readouterr().out == f"hitab {machine.version('hitab_bringup')}\n"

@@ -1,0 +1,126 @@
+"""`hitab logs`: what the processes of a swarm have logged, in the order of time."""
+
+from datetime import datetime
+
+import pytest
+from typer.testing import CliRunner
+
+from hitab_bringup.main import make_app
+from hitab_bringup.run_logs import logs_of, merged
+from hitab_bringup.verbs import logs as verb
+from hitab_client import RunFolder, RunRecord
+
+NOON = datetime(2026, 5, 1, 12).timestamp()
+TEAM = RunRecord(
+    "team", "t.yaml", 7, "LOCALHOST", ("a", "b", "c"), True, 1, "s", "team-1", (),
+    {"world": (), "a": ("a",), "host_1": ("b", "c")},
+)  # fmt: skip
+
+
+def ros(seconds: float, logger: str, text: str, level: str = "INFO") -> str:
+    return f"[{level}] [{NOON + seconds:.9f}] [{logger}]: {text}\n"
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Make a run folder with logs; the swarm is up."""
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+    folder = RunFolder.of_swarm("team")
+    folder.prepare()
+    folder.write(TEAM, register=True)
+    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
+    folder.log("a").write_text(
+        ros(1, "a.agent", "first") + "Traceback:\n" + ros(4, "a.agent", "fourth", "ERROR")
+    )
+    folder.log("host_1").write_text(
+        ros(2, "b.agent", "second")
+        + "2026-05-01 12:00:02.5 [RTPS_TRANSPORT_SHM Error] Failed init_port\n"
+    )
+    (folder.path / "supervisord.log").write_text("2026-05-01 12:00:03,250 INFO spawned: 'a'\n")
+    return folder
+
+
+def hitab(*arguments: str):
+    return CliRunner().invoke(make_app(), list(arguments))
+
+
+def test_all_logs_are_merged_with_names(run):
+    result = hitab("logs")
+    assert result.exit_code == 0
+    assert result.stdout.splitlines() == [
+        "a | 2026-05-01 12:00:01.000 INFO  first",
+        "a | Traceback:",
+        "host_1 | 2026-05-01 12:00:02.000 INFO  b: second",
+        "supervisor | 2026-05-01 12:00:03.250 INFO  spawned: 'a'",
+        "a | 2026-05-01 12:00:04.000 ERROR fourth",
+    ]
+    assert result.stderr == f"from {run.path}/logs\n"
+
+
+def test_one_log_is_shown_without_names_and_an_agents_is_its_hosts(run):
+    assert hitab("logs", "c").stdout == "2026-05-01 12:00:02.000 INFO  b: second\n"
+    assert hitab("logs", "a", "-n", "1").stdout == "2026-05-01 12:00:04.000 ERROR fourth\n"
+    assert f"from {run.path}/logs/a.log" in hitab("logs", "a").stderr
+    assert "spawned" in hitab("logs", "supervisor").stdout
+
+
+def test_a_name_that_never_ran_is_refused_with_those_that_did(run):
+    result = hitab("logs", "d")
+    assert result.exit_code == 1
+    assert 'nothing called "d" ran here (has: a, b, c, host_1, supervisor)' in result.stderr
+
+
+def test_the_last_run_is_shown_after_it_has_ended(run, monkeypatch):
+    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: None)
+    run.forget()
+    result = hitab("logs", "a")
+    assert result.exit_code == 0
+    assert "fourth" in result.stdout
+    assert "team is down; these are the logs of its last run" in result.stderr
+
+
+def test_without_any_run_the_error_names_the_way_out(tmp_path, monkeypatch):
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+    result = hitab("logs")
+    assert result.exit_code == 1
+    assert "start one with `hitab up keepaway`" in result.stderr
+
+
+def test_following_shows_what_is_added_until_the_swarm_is_down(run, monkeypatch):
+    log = run.log("a")
+
+    def append_half() -> None:
+        with log.open("a") as file:
+            file.write(ros(5, "a.agent", "fi")[:-1])
+
+    def append_rest() -> None:
+        with log.open("a") as file:
+            file.write("fth\n")
+
+    def rotate() -> None:
+        log.rename(log.with_name("a.log.1"))
+        log.write_text(ros(6, "a.agent", "sixth"))
+
+    def add_process() -> None:
+        run.log("world").write_text(ros(7, "world.world", "seventh"))
+
+    events = iter((append_half, append_rest, rotate, add_process, run.forget))
+    monkeypatch.setattr(verb.time, "sleep", lambda _: next(events)())
+    result = hitab("logs", "--follow", "-n", "1")
+    assert result.exit_code == 0
+    assert result.stdout.splitlines() == [
+        "a | 2026-05-01 12:00:04.000 ERROR fourth",
+        "a | 2026-05-01 12:00:05.000 INFO  fifth",
+        "a | 2026-05-01 12:00:06.000 INFO  sixth",
+        "world | 2026-05-01 12:00:07.000 INFO  seventh",
+    ]
+    assert result.stderr.splitlines()[-1] == "team is down"
+
+
+def test_rotated_logs_are_read_too(run):
+    run.log("a").with_name("a.log.1").write_text(ros(0, "a.agent", "zeroth"))
+    run.log("a").with_name("a.log.2").write_text(ros(-1, "a.agent", "before"))
+    (file,) = [file for file in logs_of(run) if file.process == "a"]
+    assert [line.text[-6:] for line in file.last(whole=True)][:2] == ["before", "zeroth"]
+    assert next(line.text[-6:] for line in file.last()) == "zeroth"
+    assert merged([file.last(whole=True)])[0].seconds == NOON - 1
