@@ -16,6 +16,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from hitab_bringup.dds_noise import noise_left_out
 from hitab_bringup.verbs import (
     commanding,
     doctor,
@@ -101,7 +102,8 @@ def make_app() -> typer.Typer:
 def main() -> None:
     """Run the command; on SIGTERM, clean up as on Ctrl-C."""
     interruptions.handle_interruptions()
-    make_app()()
+    with noise_left_out():
+        make_app()()
 
 
 if __name__ == "__main__":

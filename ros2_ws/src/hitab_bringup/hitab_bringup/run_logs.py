@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from hitab_client import RunFolder
-from hitab_client.run_folder import is_noise
+from hitab_client.dds_profile import is_noise
 
 SUPERVISOR = "supervisor"
 READ_MAX = 1 << 19

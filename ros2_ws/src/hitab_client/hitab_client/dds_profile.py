@@ -7,10 +7,9 @@ Other ROS programs that use `LOCALHOST` in the same domain are discovered, and d
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping
+from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """The variables that older and newer versions of Fast DDS read."""
@@ -41,11 +40,10 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
         environment: variables; the profile and the discovery range are set here.
         loopback: the profile for this machine only.
     """
-    chosen = [environment[name] for name in VARIABLES if environment.get(name)]
-    if any(Path(name).name not in (LOOPBACK.name, NETWORK.name) for name in chosen):
+    if is_users_own(environment):
         environment.setdefault(RANGE, HERE)
         return
-    ours = any(Path(name).name == LOOPBACK.name for name in chosen)
+    ours = any(Path(name).name == LOOPBACK.name for name in _chosen(environment))
     said = environment.get(RANGE) or HERE
     stays = said == HERE or (said == BY_PROFILE and ours)
     if stays and environment.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fast"):
@@ -55,6 +53,26 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
         profile, environment[RANGE] = NETWORK, HERE if stays else said
     for name in VARIABLES:
         environment[name] = str(profile)
+
+
+def is_users_own(environment: Mapping[str, str]) -> bool:
+    """Whether the environment names a DDS profile that is not one of HiTAB's."""
+    return any(
+        Path(name).name not in (LOOPBACK.name, NETWORK.name) for name in _chosen(environment)
+    )
+
+
+def _chosen(environment: Mapping[str, str]) -> list[str]:
+    return [environment[name] for name in VARIABLES if environment.get(name)]
+
+
+def is_noise(line: str) -> bool:
+    """Whether a line of a log is a message of Fast DDS that is harmless but alarming.
+
+    It comes when a process of another user, or one that was killed, has left shared memory behind;
+    Fast DDS then takes another piece. Only a DDS profile of the user's own makes it use any.
+    """
+    return "[RTPS_TRANSPORT_SHM Error]" in line
 
 
 def profile_for(folder: Path, processes: int) -> Path:
@@ -69,6 +87,8 @@ def profile_for(folder: Path, processes: int) -> Path:
         folder: to write to.
         processes: number of processes in the swarm.
     """
+    from xml.etree import ElementTree
+
     period = max(_QUICKEST_S, (processes / _SHARED_BY) ** 2)
     tree: Any = ElementTree.parse(LOOPBACK)
     _set_duration(tree, "leaseAnnouncement", period)

@@ -25,6 +25,7 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
+from hitab_client.dds_profile import is_noise
 from hitab_client.errors import SwarmError
 
 MARK = "HITAB_RUN_FOLDER"
@@ -190,15 +191,6 @@ class RunFolder:
         """Return all running processes that were started from this folder."""
         mine = str(self.path)
         return [process for process, mark in marked_processes() if mark == mine]
-
-
-def is_noise(line: str) -> bool:
-    """Whether a line of a log is a message of Fast DDS that is harmless but alarming.
-
-    It comes when a process of another user, or one that was killed, has left shared memory behind;
-    Fast DDS then takes another piece. Only a DDS profile of the user's own makes it use any.
-    """
-    return "[RTPS_TRANSPORT_SHM Error]" in line
 
 
 def marked_processes() -> Iterator[tuple[psutil.Process, str]]:
