@@ -20,12 +20,18 @@ def chosen_by_user() -> int | None:
 
 
 def for_swarm() -> int:
-    """Return the domain id for a new swarm: the user's, else 0, else a free one."""
+    """Return the domain id for a new swarm: the user's, else 0, else one that nobody uses.
+
+    Other programs may use 0: plain ROS tools, which are to find the swarm, look for it there.
+    """
     own = chosen_by_user()
     if own is not None:
         return own
     taken = {record.domain_id for _, record in running_swarms()}
-    return next(number for number in range(102) if number not in taken)
+    if 0 not in taken:
+        return 0
+    others = [number for number in range(1, 102) if number not in taken]
+    return next((number for number in others if not is_used_here(number)), others[0])
 
 
 def is_used_here(number: int) -> bool:

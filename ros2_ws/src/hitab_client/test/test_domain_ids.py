@@ -1,5 +1,7 @@
 """The ROS domain of a swarm of its own is one that nobody on the machine uses."""
 
+from types import SimpleNamespace
+
 import rclpy
 from rclpy.context import Context
 
@@ -36,3 +38,13 @@ def test_a_domain_chosen_by_hand_is_passed_over():
     finally:
         node.destroy_node()
         rclpy.shutdown(context=context)
+
+
+def test_a_second_swarm_passes_over_domains_that_strangers_use(monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.setattr(domain_ids, "is_used_here", lambda number: number in (0, 1, 3))
+    runs = [SimpleNamespace(domain_id=number) for number in (0, 2)]
+    monkeypatch.setattr(domain_ids, "running_swarms", lambda: [(None, run) for run in runs])
+    assert domain_ids.for_swarm() == 4
+    runs.clear()
+    assert domain_ids.for_swarm() == 0, "where plain ROS tools look"
