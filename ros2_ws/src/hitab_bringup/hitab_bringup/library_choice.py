@@ -103,19 +103,14 @@ def the_only_one(libraries: Mapping[Path, list[str]], swarm: str) -> Path:
         return next(iter(libraries))
     owners = [agents[0] for agents in libraries.values()]
     raise LibraryError(
-        f"the libraries of swarm {swarm} differ; choose one with --agent {_some(owners)}"
+        f"the libraries of swarm {swarm} differ; name the agent whose library you mean with "
+        f"--agent {has(owners)}"
     )
 
 
 def none_chosen() -> LibraryError:
     """Return an error for when no library is named and no swarm is up."""
     return LibraryError(f"no swarm is up; choose a library with -l; {_listed(known_libraries())}")
-
-
-def _some(names: list[str]) -> str:
-    more = len(names) - NAMED_MAX
-    rest = f" or one of {more} more" if more > 0 else ""
-    return ", ".join(names[:NAMED_MAX]) + rest
 
 
 def _files(folder: Path) -> frozenset[tuple[str, bytes]]:

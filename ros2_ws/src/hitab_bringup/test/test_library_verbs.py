@@ -118,7 +118,7 @@ def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_sam
     library_of(up.path / "libraries" / "keeper_2").remove("Keepaway")
     text = refused("library", "show", "ApproachBall")
     assert "the libraries of swarm keepaway_trained differ" in text
-    assert "--agent keeper_1, keeper_2, keeper_3" in text
+    assert "--agent (has: keeper_1, keeper_2, keeper_3)" in text
     assert "Keepaway" not in done("library", "list", "--agent", "keeper_2")
     assert 'Did you mean "keeper_2"?' in refused("library", "list", "--agent", "keper_2")
 
@@ -130,6 +130,7 @@ def test_all_libraries_of_the_swarm_that_is_up_are_checked(up: RunFolder) -> Non
     assert text.count("nothing is wrong") == 2
     assert "GotoBall.hfa.yaml:1: " in text
     where = up.path / "libraries" / "keeper_2"
+    assert f"{where}: 3 of 4 behaviors cannot be used" in text
     assert f"`hitab library delete GotoBall -l {where}`" in text
 
 
@@ -171,6 +172,15 @@ def test_what_others_use_is_deleted_only_on_request(lib: Path) -> None:
     assert sorted(library_of(lib).load()) == KEEPAWAY
 
 
+def test_what_is_said_of_a_deleted_behavior_can_be_done(lib: Path) -> None:
+    (lib / "Keepaway.hfa.yaml").write_text("nothing")
+    text = done("library", "delete", "Keepaway", "-l", "lib")
+    assert "kept the damaged file in lib/.versions/Keepaway" in text
+    text = done("library", "delete", "ControlBall", "-l", "lib")
+    assert "`hitab library restore ControlBall 1 -l lib` brings version 1 back" in text
+    done("library", "restore", "ControlBall", "1", "-l", "lib")
+
+
 def test_a_behavior_is_renamed_in_what_uses_it(lib: Path) -> None:
     assert "give --with-users" in refused("library", "rename", "GotoBall", "Reach", "-l", "lib")
     text = done("library", "rename", "GotoBall", "Reach", "--with-users", "-l", "lib")
@@ -183,7 +193,7 @@ def test_what_is_exported_is_imported_elsewhere_with_what_it_is_made_of(
     lib: Path, tmp_path: Path
 ) -> None:
     text = done("library", "export", "GotoBall", "-l", "lib")
-    assert "wrote GotoBall and what they are made of to GotoBall.bundle.yaml" in text
+    assert "wrote ApproachBall, GotoBall to GotoBall.bundle.yaml" in text
     text = done("library", "import", "GotoBall.bundle.yaml", "-l", "new")
     assert "ApproachBall: new GotoBall: new imported 2 behaviors into new" in text
     assert sorted(library_of(tmp_path / "new").load()) == ["ApproachBall", "GotoBall"]

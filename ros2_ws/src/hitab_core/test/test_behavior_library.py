@@ -343,7 +343,7 @@ def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
     with pytest.raises(LibraryError, match="must be a number"):
         accept_edit(path, library.domain)
     path.write_text(path.read_text().replace("four", "2.5"))
-    with pytest.raises(LibraryError, match="hitab library accept Approach"):
+    with pytest.raises(LibraryError, match=f"hitab library accept {path}"):
         again(library).load()
     assert accept_edit(path, library.domain) == path
     accepted = again(library).file("Approach")

@@ -184,6 +184,18 @@ def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
         agent.perform(Use("Low"))
 
 
+def test_a_file_that_was_edited_can_be_accepted_by_the_command_that_the_fault_names(
+    trained: Agent, make: Make
+) -> None:
+    path = file_of(trained, "Low")
+    path.write_text(path.read_text().replace('description: ""', 'description: "mine"'))
+    agent = make()
+    assert f"run: hitab library accept {path}" in agent.faults[0]
+    agent.library.accept_edit("Low")
+    agent.reload()
+    assert agent.faults == ()
+
+
 def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -> None:
     damage(trained, "Low")
     agent = make()

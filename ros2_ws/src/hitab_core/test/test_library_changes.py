@@ -12,7 +12,12 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle_file import bundle_text, read_bundle_file, read_bundled
+from hitab_core.library.bundle_file import (
+    bundle_text,
+    parts_of,
+    read_bundle_file,
+    read_bundled,
+)
 from hitab_core.library.edition import Editions
 
 Teach = Callable[..., Automaton]
@@ -157,7 +162,7 @@ def test_nothing_is_renamed_while_something_is_lost_that_may_use_it(
 
 def export(library: BehaviorLibrary, *names: str) -> Path:
     path = library.folder.parent / "behaviors.yaml"
-    text = bundle_text(library.files, names, library.domain.name)
+    text = bundle_text(library.files, parts_of(library.files, names), library.domain.name)
     path.write_text(text, encoding="utf-8")
     return path
 

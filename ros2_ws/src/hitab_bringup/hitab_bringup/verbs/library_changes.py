@@ -97,14 +97,14 @@ def delete(
     console.say(f"deleted {name} from {there.folder}")
     if users:
         console.say(f"{', '.join(users)} cannot be used until there is another {name}")
-    numbers = there.versions(name)
-    if numbers:
-        kept = quantity(len(numbers), "version")
+    number = there.sound_version(name)
+    if number is not None:
         at = shlex.quote(str(there.folder))
         console.say(
-            f"kept {kept}; `hitab library restore {name} {numbers[-1]} -l {at}` brings the last "
-            "one back"
+            f"`hitab library restore {name} {number} -l {at}` brings version {number} back"
         )
+    else:
+        console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
     _tell_users(there.folder)
 
 
@@ -161,17 +161,17 @@ def export(
 
       hitab library export -l my_library -o trained.bundle.yaml
     """
-    from hitab_core.library import bundle_text
+    from hitab_core.library import bundle_text, parts_of
     from hitab_core.library.durable_files import file_errors, write_durably
 
     there = opened(library, agent, swarm)
     there.load()
-    wanted = names or there.names()
-    text = bundle_text(there.files, wanted, there.domain.name)
+    parts = parts_of(there.files, names or there.names())
+    text = bundle_text(there.files, parts, there.domain.name)
     path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
     with file_errors(path, "write"):
         write_durably(path, text.encode())
-    console.say(f"wrote {', '.join(wanted)} and what they are made of to {path}")
+    console.say(f"wrote {', '.join(parts)} to {path}")
 
 
 def import_(

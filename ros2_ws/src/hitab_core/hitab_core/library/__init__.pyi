@@ -10,6 +10,7 @@ from .bundle import make_bundle as make_bundle
 from .bundle import plan_bundle as plan_bundle
 from .bundle import read_bundle as read_bundle
 from .bundle_file import bundle_text as bundle_text
+from .bundle_file import parts_of as parts_of
 from .bundle_file import read_bundle_file as read_bundle_file
 from .bundle_file import read_bundled as read_bundled
 from .differences import difference as difference

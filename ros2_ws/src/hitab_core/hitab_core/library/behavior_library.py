@@ -10,6 +10,7 @@ time.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -18,7 +19,7 @@ from pathlib import Path
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import BehaviorFile
+from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.behavior_schema import SUFFIX
 from hitab_core.library.change import LibraryChange, read_version, sound_version
@@ -114,7 +115,7 @@ class BehaviorLibrary:
             VocabularyError: if they do not fit the domain.
         """
         contents = self._load(strict)
-        losses = contents.losses(self.folder, self.domain, self._sound_version)
+        losses = contents.losses(self.folder, self.domain, self.sound_version)
         return self.editions.of(contents.usable, losses)
 
     def path(self, name: str) -> Path:
@@ -296,6 +297,10 @@ class BehaviorLibrary:
         """Return the numbers of all versions of a behavior, ascending."""
         return self._folder.versions(name)
 
+    def sound_version(self, name: str) -> int | None:
+        """Return the newest version of a behavior that can be read; None if there is none."""
+        return sound_version(self._folder, self.editions, name)
+
     def version(self, name: str, number: int) -> BehaviorFile:
         """Return one version of a behavior.
 
@@ -343,8 +348,7 @@ class BehaviorLibrary:
                 path = self._folder.file(name)
                 readable[name] = self.editions.read(self._folder.text(path), path.name)
             except LibraryError as error:
-                unreadable[name] = str(error)
+                command = f"hitab library accept {file_name(name)}"
+                there = f"hitab library accept {shlex.quote(str(self.folder / file_name(name)))}"
+                unreadable[name] = str(error).replace(command, there)
         return Contents.of(readable, unreadable, self.domain, fit=self.editions.knows(readable))
-
-    def _sound_version(self, name: str) -> int | None:
-        return sound_version(self._folder, self.editions, name)

@@ -6,7 +6,7 @@ files word for word.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,17 +44,17 @@ class BundleFile:
     texts: Mapping[str, str]
 
 
-def bundle_text(files: Mapping[str, BehaviorFile], names: Collection[str], domain: str) -> str:
-    """Return the text of a file with some behaviors and those that they are made of.
+def parts_of(files: Mapping[str, BehaviorFile], names: Iterable[str]) -> list[str]:
+    """Return the names of some behaviors and of those that they are made of, which come first.
 
     Args:
         files: of the library, all of which can be used.
-        names: of the behaviors to write.
-        domain: name of the domain in which they were trained.
+        names: of the behaviors.
 
     Raises:
         LibraryError: if there is no behavior of one of these names.
     """
+    names = list(names)
     for name in names:
         if name not in files:
             raise LibraryError(f'there is no behavior "{name}" to export {has(files, name)}')
@@ -62,7 +62,18 @@ def bundle_text(files: Mapping[str, BehaviorFile], names: Collection[str], domai
     def uses(name: str) -> Iterable[str]:
         return files[name].automaton.behaviors_used & files.keys()
 
-    texts = {name: files[name].text for name in in_order(sorted(names), uses)}
+    return in_order(sorted(names), uses)
+
+
+def bundle_text(files: Mapping[str, BehaviorFile], parts: Iterable[str], domain: str) -> str:
+    """Return the text of a file with some behaviors.
+
+    Args:
+        files: of the library.
+        parts: names of the behaviors, each after those that it uses; see `parts_of`.
+        domain: name of the domain in which they were trained.
+    """
+    texts = {name: files[name].text for name in parts}
     content = {
         "format": FORMAT,
         "domain": domain,

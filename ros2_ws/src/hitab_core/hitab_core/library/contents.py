@@ -14,6 +14,7 @@ from hitab_core.hierarchy import circular
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.check import hand_written_users, misfits
 from hitab_core.use import NAME
+from hitab_core.wording import quantity
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ class Contents:
         """Return why the first on a way of parts cannot be used: its last is the cause."""
         first, cause = way[0], way[-1]
         lines = self.problems[cause].splitlines()
-        more = f" (and {len(lines) - 1} more complaints)" if len(lines) > 1 else ""
+        more = f" (and {quantity(len(lines) - 1, 'more complaint')})" if len(lines) > 1 else ""
         at_line = re.sub(
             rf"^(?:.*/)?{re.escape(file_name(cause))}:(\d+): ", r"line \1: ", lines[0]
         )
@@ -151,7 +152,10 @@ def way_out(name: str, folder: Path, sound_version: int | None) -> str:
     at = shlex.quote(str(folder))
     given_up = f"give it up with `hitab library delete {name} -l {at}`"
     if sound_version is None:
-        return f"put a sound file in its place, or {given_up}"
+        return (
+            f"have an agent that has it send it with `hitab distribute AGENT {name}`, put a sound "
+            f"file in its place, or {given_up}"
+        )
     restored = f"`hitab library restore {name} {sound_version} -l {at}`"
     return f"bring version {sound_version} back with {restored}, or {given_up}"
 
