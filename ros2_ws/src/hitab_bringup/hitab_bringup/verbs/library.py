@@ -135,6 +135,10 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
     for folder in chosen_folders(library, agent, swarm):
         there = open_library(folder)
         losses = there.edition(strict=False).losses
+        bad, known = len(there.problems), len(there.problems) + len(there.names())
+        if bad:
+            behaviors = quantity(known, "behavior")
+            wrong.append(f"{there.folder}: {bad} of {behaviors} cannot be used")
         wrong += [there.problems[name] for name in sorted(there.problems)]
         wrong += [f"{name}: {way}" for name, way in losses.ways_out.items()]
         if not losses:
