@@ -47,7 +47,7 @@ def complaint(words: list[str], *, in_passing: bool) -> str:
     while is_group(command):
         if not words:
             return ""
-        if words[0] in ("-h", "--help"):
+        if words[0] in options_of(command):
             return ""
         if in_passing and words[0] in WRITTEN_SO:
             return ""
@@ -90,6 +90,7 @@ def test_every_command_that_is_mentioned_is_there(mention):
 def test_what_is_not_there_is_found_out():
     assert complaint(["library", "check", "--accept", "A.hfa.yaml"], in_passing=False)
     assert complaint(["downn"], in_passing=True)
+    assert complaint(["--versoin"], in_passing=False)
     assert complaint(["save"], in_passing=False)
     assert complaint(["save", "keeper_1", "two"], in_passing=False)
     assert not complaint(["save", "keeper_1"], in_passing=False)
