@@ -247,8 +247,11 @@ class Agent:
     def perform(self, use: Use | None) -> None:
         """Perform a behavior as the top-level one, from Start; None: nothing.
 
+        If it cannot be begun, the agent is idle.
+
         Raises:
             VocabularyError: if there is no such behavior or target.
+            FeatureValueError: if it cannot be begun before the first percept.
         """
         performance = None if use is None else self._prepared(use)
         self.awaited = None
@@ -258,8 +261,16 @@ class Agent:
         self.top = use
         self._performance = performance
         self.mode = Mode.IDLE if performance is None else Mode.PERFORMING
-        if performance is not None:
-            performance.start()
+        if performance is None:
+            return
+        try:
+            with self._context.senses.blind_unless_perceived():
+                performance.start()
+        except Exception:
+            with suppress(Exception):
+                performance.stop()
+            self.top, self._performance, self.mode = None, None, Mode.IDLE
+            raise
 
     def _prepared(self, use: Use) -> Running:
         """Return the performer of a behavior, cached because orders repeat."""
@@ -340,7 +351,8 @@ class Agent:
             )
         if any(feature.name not in FLAGS for feature in session.curriculum.features):
             self._context.senses.check_perceived()
-        return session.command(use, self.cycle)
+        with self._context.senses.blind_unless_perceived():
+            return session.command(use, self.cycle)
 
     def test(self, *, restart: bool = False) -> None:
         """Learn from the examples and give control to what was learned.

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from hitab_core.agent import Agent
+from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -35,7 +35,10 @@ def agent(tmp_path: Path) -> Agent:
         "sensors",
         "1",
         Body,
-        behaviors=[BasicBehavior("Go"), BasicBehavior("Stop")],
+        behaviors=[
+            BasicBehavior("Go"),
+            BasicBehavior("Aim", start=lambda body: body.values[0]),
+        ],
         features=[
             Feature("Range", lambda body: body.values[0], unit="m"),
             Feature(
@@ -88,6 +91,20 @@ def test_a_command_before_the_first_percept_is_refused(agent: Agent) -> None:
     )
     agent.sense([1.0], [])
     agent.command(Use("Go"))
+
+
+def test_a_behavior_that_needs_a_percept_is_not_begun_before_the_first_one(agent: Agent) -> None:
+    expected = "^nothing perceived yet; .*IndexError"
+    with pytest.raises(FeatureValueError, match=expected):
+        agent.perform(Use("Aim"))
+    assert agent.mode is Mode.IDLE
+    agent.begin(Curriculum("Blind", (Use("Done"),)))
+    with pytest.raises(FeatureValueError, match=expected):
+        agent.command(Use("Aim"))
+    agent.sense([], [])
+    with pytest.raises(IndexError):  # the domain's own mistake, with its place
+        agent.perform(Use("Aim"))
+    assert agent.mode is Mode.IDLE
 
 
 def test_what_is_learned_without_looking_needs_no_percept(agent: Agent) -> None:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, ParamSpec
 
 from hitab_core.domain import Domain, FeatureKind
-from hitab_core.errors import FeatureValueError, VocabularyError
+from hitab_core.errors import FeatureValueError, HitabError, VocabularyError
 from hitab_core.transition_function import Values
 from hitab_core.use import Use
 
 P = ParamSpec("P")
+
+BLIND = "nothing perceived yet; let the world run, or wait for the robot's sensors"
 
 
 def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) -> Any:
@@ -115,9 +118,23 @@ class Senses:
             FeatureValueError: if there was none: all values would be those of an empty body.
         """
         if not self.perceived:
-            raise FeatureValueError(
-                "nothing perceived yet; let the world run, or wait for the robot's sensors"
-            )
+            raise FeatureValueError(BLIND)
+
+    @contextmanager
+    def blind_unless_perceived(self) -> Iterator[None]:
+        """Explain what a domain's code raises when it looks for a percept that never came.
+
+        Raises:
+            FeatureValueError: instead of any error but a `HitabError`, before the first percept.
+        """
+        try:
+            yield
+        except HitabError:
+            raise
+        except Exception as error:
+            if self.perceived:
+                raise
+            raise FeatureValueError(f"{BLIND} ({error!r})") from error
 
 
 def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) -> float:
