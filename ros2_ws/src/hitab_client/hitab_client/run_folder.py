@@ -159,6 +159,8 @@ class RunFolder:
 
     def forget(self) -> None:
         """Remove the record and the socket: the swarm is down."""
+        if not self.path.is_dir():
+            return
         record = self.read()
         self.record_file.unlink(missing_ok=True)
         if record is None:

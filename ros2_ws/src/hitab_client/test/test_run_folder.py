@@ -118,3 +118,11 @@ def test_shared_memory_that_is_open_somewhere_is_left_alone(tmp_path):
     with path.open("w"):
         assert remove_stale(tmp_path) == 0
     assert remove_stale(tmp_path) == 1
+
+
+def test_a_file_in_the_place_of_a_run_folder_is_named(tmp_path):
+    (tmp_path / "trio").write_text("in the way")
+    folder = RunFolder(tmp_path / "trio")
+    folder.forget()
+    with pytest.raises(SwarmError, match=r"trio cannot be made .* choose another with --run-dir"):
+        folder.prepare()
