@@ -30,7 +30,7 @@ def test_with_four_features_an_example_and_what_to_do_with_it_stay_in_sight(swar
     trains_with_four_features(swarm, person)
     pane = person.page.locator(".pane").bounding_box()
     row = '[data-test="example-1"]'
-    for part in (f"{row} td:nth-child(3)", f"{row} .acts"):
+    for part in (f"{row} td:nth-child(4)", f"{row} .acts"):
         box = person.page.locator(part).bounding_box()
         assert pane["x"] <= box["x"]
         assert box["x"] + box["width"] <= pane["x"] + pane["width"]

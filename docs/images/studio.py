@@ -1,4 +1,4 @@
-"""Takes the pictures of the studio: studio-train.png, studio-arrange.png, studio-learned.png.
+"""Takes the pictures of the studio: studio-train.png, -arrange.png, -tablet.png, -learned.png.
 
 scripts/python docs/images/studio.py
 
@@ -23,6 +23,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 SIZE = {"width": 1280, "height": 720}
+TABLET = {"width": 820, "height": 1180}
 TEACHER = "keeper_1"
 
 sys.path.insert(0, str(ROOT / "tests"))
@@ -69,6 +70,10 @@ def train(person: Any, swarm: RunningSwarm) -> None:
         person.sees("counts", f"{examples} examples")
     person.page.wait_for_timeout(5500)  # messages have gone, curves are there
     person.page.screenshot(path=HERE / "studio-train.png")
+    person.page.set_viewport_size(TABLET)
+    person.page.wait_for_timeout(500)
+    person.page.screenshot(path=HERE / "studio-tablet.png")
+    person.page.set_viewport_size(SIZE)
     person.click("tab-examples")
     person.page.wait_for_timeout(300)
     # In the middle of dragging, two things at once.
