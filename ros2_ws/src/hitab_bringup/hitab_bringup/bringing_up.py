@@ -48,9 +48,18 @@ class RunningSwarm:
 
 
 def bring_up(
-    swarm: SwarmDescription, folder: RunFolder, progress: Progress | None = None
+    swarm: SwarmDescription,
+    folder: RunFolder,
+    progress: Progress | None = None,
+    warn: Callable[[str], None] = lambda text: None,
 ) -> RunRecord:
     """Start a swarm that stays up, and wait until every agent and the world answer.
+
+    Args:
+        swarm: the description.
+        folder: for its files.
+        progress: called as nodes come up.
+        warn: called with each fault that agents have from the start.
 
     Raises:
         SwarmError: naming what did not start, or the names in use and their owner; nothing is left
@@ -64,8 +73,19 @@ def bring_up(
             remove_stale()
             record = stack.enter_context(_started(swarm, folder, domain_id, temporary=False))
         link = stack.enter_context(RosLink(domain_id))
-        _await_all(swarm, record, folder, link, progress)
+        agents, _ = _await_all(swarm, record, folder, link, progress)
+        for fault, having in _faults(agents).items():
+            warn(f"{some(having)}: {fault}")
     return record
+
+
+def _faults(agents: SwarmClient) -> dict[str, list[str]]:
+    """Return the faults of agents, each with the names of those that have it."""
+    found: dict[str, list[str]] = {}
+    for name, status in sorted(agents.statuses.items()):
+        for fault in status.faults:
+            found.setdefault(fault, []).append(name)
+    return found
 
 
 @contextlib.contextmanager

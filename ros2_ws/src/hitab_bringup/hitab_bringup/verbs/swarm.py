@@ -81,14 +81,17 @@ def up(
         description = with_library(description, library)
     folder = RunFolder.of_swarm(description.name, run_dir)
     began = time.monotonic()
+    faults: list[str] = []
     with console.progress(f"starting {description.name}") as advance:
-        record = bring_up(description, folder, advance)
+        record = bring_up(description, folder, advance, faults.append)
     console.say(
         f"{record.swarm} is up: {quantity(len(record.agents), 'agent')}"
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
     console.say(f"files in {folder.path}; look with `hitab status`, stop with `hitab down`")
+    for fault in faults:
+        console.note(fault)
 
 
 def down(

@@ -1,0 +1,103 @@
+"""What was trained today can be run tomorrow, also if a file was damaged overnight."""
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from hitab_client import RosLink, SwarmClient, domain_ids
+from hitab_client.run_folder import running_swarms
+
+SOCCER = """\
+swarm: soccer
+world: {kind: keepaway, pace: lockstep, paused: true}
+domain: keepaway
+agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}
+"""
+TODAY = SOCCER + "behavior: Wander\n"
+
+
+@pytest.fixture(autouse=True)
+def description(home: Path, hitab: Callable, tmp_path: Path, monkeypatch) -> Iterator[str]:
+    """Return a description in a folder of the test's own; stop what the test has left."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "soccer.yaml"
+    path.write_text(SOCCER)
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield str(path)
+    for _, record in list(running_swarms()):
+        hitab("down", record.swarm)
+
+
+def done(hitab: Callable, *arguments: str) -> str:
+    result = hitab(*arguments)
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def train(name: str) -> None:
+    """Train keeper_1 to stand and to go fast, in turn."""
+    ((_, record),) = running_swarms()
+    with RosLink(record.domain_id) as link:
+        agents = SwarmClient(link, record.agents, identity=record.identity)
+        agents.begin("keeper_1", name, features=["Done"])
+        agents.command("keeper_1", "Stop")
+        agents.command("keeper_1", "GoFast")
+        agents.save("keeper_1")
+
+
+def status(hitab: Callable) -> dict[str, dict]:
+    return {a["agent"]: a for a in json.loads(done(hitab, "status", "--json", "-"))["agents"]}
+
+
+def test_a_library_that_is_named_serves_all_agents_the_next_day(
+    hitab: Callable, description: str, tmp_path: Path
+) -> None:
+    done(hitab, "up", description, "--library", "ours")
+    train("Wander")
+    assert "keeper_2: 1 trained behavior" in done(hitab, "library", "reload", "keeper_2")
+    done(hitab, "down")
+    assert (tmp_path / "ours" / "Wander.hfa.yaml").exists()
+    Path(description).write_text(TODAY)
+    done(hitab, "up", description, "--library", "ours")
+    assert {a["behavior"] for a in status(hitab).values()} == {"Wander"}
+    assert "Wander" in done(hitab, "library", "list")
+
+
+def test_without_one_each_agent_goes_on_with_its_own(
+    hitab: Callable, description: str, home: Path
+) -> None:
+    done(hitab, "up", description)
+    train("Stroll")
+    done(hitab, "down")
+    done(hitab, "up", description)
+    assert "Stroll" in done(hitab, "library", "list", "--agent", "keeper_1")
+    done(hitab, "down")
+    assert "Stroll" in done(hitab, "library", "list", "-l", "soccer/keeper_1")
+
+
+def test_a_swarm_is_up_with_a_damaged_library_and_says_what_it_lost(
+    hitab: Callable, description: str, tmp_path: Path
+) -> None:
+    done(hitab, "up", description, "--library", "ours")
+    train("Wander")
+    done(hitab, "down")
+    path = tmp_path / "ours" / "Wander.hfa.yaml"
+    path.write_bytes(path.read_bytes()[:700])
+    Path(description).write_text(TODAY)
+    up = hitab("up", description, "--library", "ours")
+    assert up.returncode == 0, up.stderr
+    assert f"keeper_1, keeper_2, keeper_3: the file of Wander, {path}, cannot be used" in up.stderr
+    agents = status(hitab)
+    assert {a["mode"] for a in agents.values()} == {"idle"}
+    assert all("Wander.hfa.yaml" in a["faults"][0] for a in agents.values())
+    refused = hitab("perform", "keeper_1", "Wander")
+    assert refused.returncode == 1
+    assert "the file of Wander" in refused.stderr
+    done(hitab, "library", "restore", "Wander", "1")
+    done(hitab, "library", "reload")
+    agents = status(hitab)
+    assert {a["behavior"] for a in agents.values()} == {"Wander"}
+    assert [a["faults"] for a in agents.values()] == [[], [], []]
