@@ -93,6 +93,8 @@ def test_a_swarm_is_up_with_a_damaged_library_and_says_what_it_lost(
     agents = status(hitab)
     assert {a["mode"] for a in agents.values()} == {"idle"}
     assert all("Wander.hfa.yaml" in a["faults"][0] for a in agents.values())
+    text = " ".join(done(hitab, "status").split())
+    assert text.count("keeper_1, keeper_2, keeper_3: the file of Wander") == 1
     refused = hitab("perform", "keeper_1", "Wander")
     assert refused.returncode == 1
     assert "the file of Wander" in refused.stderr

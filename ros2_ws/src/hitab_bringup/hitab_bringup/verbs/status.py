@@ -170,11 +170,21 @@ def _rendered(data: dict[str, Any]) -> Group:
     if not data["agents"]:
         lines.append(Text("no agent answers"))
     lines += [Text(why, style="red") for why in data["silent"].values()]
-    for agent in data["agents"]:
-        lines += [Text(f"{agent['agent']}: {text}", style="red") for text in _wrong(agent)]
+    lines += [Text(text, style="red") for text in _wrong_with(data["agents"])]
     if data["run_folder"]:
         lines.append(Text(f"logs in {data['run_folder']}/logs", style="dim"))
     return Group(*lines)
+
+
+def _wrong_with(agents: Sequence[dict[str, Any]]) -> list[str]:
+    """Return what is wrong with agents, each text once with the names of those concerned."""
+    from hitab_client import some
+
+    names: dict[str, list[str]] = {}
+    for agent in agents:
+        for text in _wrong(agent):
+            names.setdefault(text, []).append(agent["agent"])
+    return [f"{some(having)}: {text}" for text, having in names.items()]
 
 
 def _wrong(status: dict[str, Any]) -> list[str]:
