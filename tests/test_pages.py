@@ -1,0 +1,67 @@
+"""Every command of the pages runs, in the order of the page, and prints what the page shows."""
+
+import os
+import re
+
+import pytest
+from pages import Reader, matches, steps_of
+
+from hitab_client import domain_ids
+from hitab_client.run_folder import running_swarms
+
+pytestmark = pytest.mark.timeout(300)  # dozens of commands
+
+ELSEWHERE = {
+    r"scripts/test\b": "is what runs this",
+    r"scripts/hitab demo\b": "test_demo.py",
+    r"(scripts/)?hitab up thousand\b": "test_scale.py",
+}
+"""Commands that other tests run, because they take long; with all that follows to `hitab down`."""
+
+
+def to_be_run(page: str):
+    """Go through the steps of a page without those that are run elsewhere."""
+    away = False
+    for step in steps_of(page):
+        if re.match(r"(scripts/)?hitab up ", step.command):
+            away = False
+        elsewhere = next((k for k in ELSEWHERE if re.match(k, step.command)), None)
+        if elsewhere is not None:
+            away = " up " in step.command
+        elif not away:
+            yield step
+
+
+@pytest.fixture
+def reader(tmp_path, home, hitab, monkeypatch):
+    """Someone who begins with a page, knows nothing of other swarms and has none."""
+    (checkout := tmp_path / "checkout").mkdir()
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
+    with domain_ids.reserved() as number:
+        yield Reader(checkout, {**os.environ, "ROS_DOMAIN_ID": str(number), "COLUMNS": "80"})
+        for _, record in list(running_swarms()):
+            hitab("down", record.swarm)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/tutorial.md", "docs/commanders.md"])
+def test_the_page_shows_what_its_commands_print(reader, page):
+    steps = list(to_be_run(page))
+    assert len(steps) > 10
+    wrong = [complaint for complaint in map(reader.type, steps) if complaint]
+    assert not wrong, "\n\n".join(wrong)
+    assert steps[-1].command.endswith("hitab down")
+
+
+def test_what_a_page_shows_wrongly_is_found_out():
+    shown = ["is up (3.5 s)", "files in [...]/x", "agent  value", "a      1.8"]
+    assert matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\na 1.8\n", shown)
+    assert not matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\na 1.9\n", shown)
+    assert not matches("is up (12.0 s)\nfiles in /home/me/y\nagent value\na 1.8\n", shown)
+    assert not matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\n", shown)
+
+
+def test_the_commands_of_a_page_are_found():
+    steps = steps_of("docs/tutorial.md")
+    assert steps[0].command.startswith("scripts/hitab up keepaway")
+    assert "taker_1 x=-9" in next(s.command for s in steps if "world place" in s.command)
+    assert any("error: " in line for step in steps for line in step.shown)
