@@ -176,7 +176,7 @@ def _rendered(data: dict[str, Any]) -> Group:
     return Group(*lines)
 
 
-def _wrong_with(agents: Sequence[dict[str, Any]]) -> list[str]:
+def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
     """Return what is wrong with agents, each text once with the names of those concerned."""
     from hitab_client import some
 
