@@ -71,6 +71,42 @@ def test_the_field_stays_where_it_is_when_an_agent_is_chosen_and_trained(swarm, 
     assert field(person, "[f.width, f.height, f.view.scale, f.view.x, f.view.y]") == before
 
 
+@needs_browser
+def test_among_many_robots_differ_from_obstacles_in_color_and_shape(person):
+    """Few pixels are left to each: a robot is an arrowhead, and an obstacle stays round."""
+    here, behind = person.page.evaluate(
+        """async () => {
+            const f = window.studioField;
+            const names = [...Array(200).keys()].map((i) => `thing_${i}`);
+            const look = { shape: "disc", labelled: false, opacity: 1, layer: 0 };
+            f.take({
+                t: "roster", size: [20, 20], names, radii: names.map(() => 1), legend: [],
+                kinds: names.map((_, i) => (i === 1 ? "obstacle" : "robot")),
+                looks: {
+                    robot: { ...look, color: "#5c7ea8", faces: true },
+                    obstacle: { ...look, color: "#8b939d", faces: false },
+                },
+            });
+            const places = new Float32Array(600).fill(9);
+            places.set([0, 0, 0, 5, 0, 0]); // a robot and an obstacle, that look to the right
+            const n = names.length;
+            f.take({
+                t: "frame", cycle: 1, n, places, modes: new Uint8Array(n),
+                colors: new Uint8Array(n).fill(255),
+            });
+            for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame);
+            const pixel = (x, y) => {
+                const [px, py] = f.toScreen(x, y).map((p) => Math.round(p * f.ratio));
+                return [...f.context.getImageData(px, py, 1, 1).data].join();
+            };
+            return [[pixel(0.3, 0), pixel(5, 0)], [pixel(-0.9, 0), pixel(4.1, 0)]];
+        }"""
+    )
+    assert here[0] != here[1], "they have the same color"
+    assert behind[0] != here[0], "the robot is round"
+    assert behind[1] == here[1], "the obstacle is not"
+
+
 # -- fingers ----------------------------------------------------------------------------------
 
 

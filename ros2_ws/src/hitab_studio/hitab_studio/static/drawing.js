@@ -9,7 +9,7 @@ export const STATE_COLORS = [
 const NAMED = 26; // things; with more, names are shown for chosen ones only
 export const MANY = 120; // things; with more, they are drawn smaller
 const HANDLE = 24; // px; from a thing's edge to the knob that turns it
-const EDGE = 15; // px; from the edge of the view to the middle of an arrow
+const EDGE = 20; // px; from the edge of the view to the middle of an arrow
 
 export function draw(field) {
   const { context: c, now } = field;

@@ -119,7 +119,7 @@ class Field {
   // What may lie over the field at its top and bottom: always the same, so that the field stays
   // where it is when an agent is chosen.
   margins() {
-    return [Math.min(92, 0.25 * this.height), Math.min(92, 0.25 * this.height)];
+    return [Math.min(92, 0.25 * this.height), Math.min(122, 0.25 * this.height)];
   }
 
   toScreen(x, y) {

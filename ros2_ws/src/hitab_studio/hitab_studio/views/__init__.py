@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2.utils import markupsafe
 
 from hitab_core import quantity
 from hitab_studio.reasons import off
@@ -53,6 +55,12 @@ def clock(seconds: float) -> str:
     return f"{int(seconds) // 60}:{int(seconds) % 60:02}"
 
 
+def breaks(name: str) -> markupsafe.Markup:
+    """Return the name of a feature such that a narrow column breaks it between its words."""
+    parts = re.split(r"(?<=[a-z])(?=[A-Z(])", name)
+    return markupsafe.Markup("<wbr>").join(parts)
+
+
 _environment = Environment(
     loader=PackageLoader("hitab_studio"),
     autoescape=True,
@@ -60,7 +68,13 @@ _environment = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-_environment.filters |= {"number": number, "curve": curve, "clock": clock, "quantity": quantity}
+_environment.filters |= {
+    "number": number,
+    "curve": curve,
+    "clock": clock,
+    "quantity": quantity,
+    "breaks": breaks,
+}
 _environment.globals["off"] = off
 
 

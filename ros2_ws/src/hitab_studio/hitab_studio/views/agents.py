@@ -88,7 +88,7 @@ def _absence(session: Session, name: str) -> str:
 def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, below: int) -> Row:
     store = session.shared.store
     status = statuses.get(name)
-    holder = session.shared.locks.holder(name)
+    holder = session.shared.locks.holder(name) if session.player is None else None
     state = state_shown(status.active_path) if status is not None else ""
     index = store.palette.index(state)
     group = store.known.groups.get(name)
