@@ -38,10 +38,10 @@ from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
+from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.use import Use
-from hitab_core.vocabulary import has
 from hitab_core.wording import quantity
 
 
@@ -315,19 +315,7 @@ class Agent:
             raise LostBehaviorError(refused_name(name, "trained", self.edition.losses))
         examples: tuple[Example, ...] = ()
         if resume:
-            earlier = self.repertoire.get(resume)
-            if not isinstance(earlier, Automaton) or not earlier.examples:
-                raise TrainingError(f'"{resume}" was not trained; there is nothing to resume')
-            features = curriculum.features or earlier.features
-            curriculum = Curriculum(
-                curriculum.name or resume,
-                features,
-                curriculum.states,
-                curriculum.parameters or earlier.parameters,
-                curriculum.arguments,
-                curriculum.classifier,
-            )
-            examples = _with_features(earlier, features)
+            curriculum, examples = resumed(curriculum, self.repertoire.get(resume))
         session = TrainingSession(self._context, curriculum, examples, self.journal.write)
         self.journal.begin(curriculum, examples)
         self._stop()
@@ -605,22 +593,3 @@ class Agent:
         elif self.session is None or self.mode is Mode.PERFORMING:
             self.mode = Mode.IDLE
         return notes
-
-
-def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example, ...]:
-    """Return the examples of ``earlier`` for a training with ``features``.
-
-    Raises:
-        TrainingError: if its examples lack a value for one of them.
-    """
-    if tuple(features) == earlier.features:
-        return earlier.examples
-    missing = [str(f) for f in features if f not in earlier.features]
-    if missing:
-        raise TrainingError(
-            f'the examples of "{earlier.name}" have no value for {", ".join(missing)} '
-            f"{has(earlier.features)}; save with unused features kept to resume with them, "
-            "or begin without these features"
-        )
-    columns = [earlier.features.index(f) for f in features]
-    return tuple(e.with_columns(columns) for e in earlier.examples)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Self
@@ -64,13 +65,17 @@ class LearningAgent:
             name: of the agent.
             seed: of its random numbers.
 
+        Behaviors that cannot be used are warnings that name the way out.
+
         Raises:
-            LibraryError, VocabularyError: if the library cannot be read or does not fit.
+            LibraryError: if the library's folder cannot be read.
         """
         if library is None:
             self._temporary = tempfile.TemporaryDirectory(prefix="hitab-")
             library = self._temporary.name
         self.agent = Agent(name, domain, BehaviorLibrary(library, domain), seed=seed)
+        for fault in self.agent.faults:
+            warnings.warn(fault, stacklevel=2)
         self._cycle = 0
         self._size: int | None = None
 

@@ -7,6 +7,7 @@ from hitab_core import (
     FeatureKind,
     FeatureValueError,
     LearningAgent,
+    LostBehaviorError,
     TrainingError,
     VocabularyError,
     plain_domain,
@@ -76,6 +77,15 @@ def test_a_saved_behavior_is_a_state_of_the_next(tmp_path):
     assert file.name == "Shuttle.hfa.yaml"
     assert agent.decide([0.0]) == "Shuttle"
     assert LearningAgent(cart(), tmp_path / "library").perform("Shuttle").step([0.0]) == (1.0,)
+
+
+def test_a_damaged_library_is_a_warning_and_what_is_lost_is_refused_with_the_reason(tmp_path):
+    file = shuttle(LearningAgent(cart(), tmp_path / "library")).save()
+    file.write_text("nothing")
+    with pytest.warns(UserWarning, match=r"the file of Shuttle, .* cannot be used"):
+        agent = LearningAgent(cart(), tmp_path / "library")
+    with pytest.raises(LostBehaviorError, match="the file of Shuttle"):
+        agent.perform("Shuttle")
 
 
 def test_functions_of_the_percept_are_features_and_behaviors():

@@ -110,7 +110,6 @@ class Senses:
         self.perceived = True
         self.values[:] = self._blank
 
-
     def check_perceived(self) -> None:
         """Check that there was a percept.
 
