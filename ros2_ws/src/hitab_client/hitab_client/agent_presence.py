@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 
@@ -22,6 +23,12 @@ DISCOVERY_SECONDS_EACH = 0.02
 
 WATCHED_MAX = 100
 """In a larger swarm only the requested agents are watched."""
+
+LOOK_SECONDS = 0.25
+"""Between two looks at topics and processes, which cost more than an event from DDS."""
+
+LOOK_SECONDS_EACH = 0.002
+"""Added per agent of a swarm: the look at the topics of a thousand takes 0.1 s."""
 
 SETTLE_SECONDS = 1.5
 """Without a new agent for this long, no other will come."""
@@ -122,13 +129,19 @@ class AgentPresence:
             self._watch(agent)
         few = bool(agents) and self._is_large
         settled = self._settling()
+        is_due = _pacer(LOOK_SECONDS + LOOK_SECONDS_EACH * len(self.expected))
+        lost: set[str] = set()
 
         def complete() -> bool:
-            if not few:
-                self.discover()
+            if is_due():
+                lost.clear()
+                lost.update(filter(self._is_lost, wanted))
+                if not few:
+                    self.discover()
             if wanted:
-                self.refuse_strangers(wanted)
-                return not self._awaited(wanted)
+                if self.strangers:
+                    self.refuse_strangers(wanted)
+                return wanted <= self.statuses.keys() | lost
             return bool(self.statuses) and settled()
 
         self.link.spin_until(
@@ -159,9 +172,10 @@ class AgentPresence:
         """Wait for an agent that may have been started by hand, until there is no sign of it."""
         topic = names.of_agent(agent, names.STATUS, self.prefix)
         settled = self._settling()
+        is_due = _pacer(LOOK_SECONDS)
 
         def decided() -> bool:
-            if not self._is_large:
+            if is_due() and not self._is_large:
                 self.discover()
             if agent in self.statuses or agent in self.strangers:
                 return True
@@ -179,14 +193,11 @@ class AgentPresence:
     def _awaited(self, agents: Iterable[str]) -> set[str]:
         """Return those of these agents that have not reported and still may."""
         missing = set(agents) - self.statuses.keys()
-        if self.processes is None or len(missing) > WATCHED_MAX:
-            return missing
         return {agent for agent in missing if not self._is_lost(agent)}
 
     def _is_lost(self, agent: str) -> bool:
         """Whether waiting for an agent is no use."""
-        why = self._why_silent(agent)
-        return why is not None and why.lasts
+        return self.processes is not None and self.processes.is_lost(agent)
 
     def _settling(self) -> Callable[[], bool]:
         """Return a function that tells whether no new agent has reported for a while."""
@@ -222,15 +233,29 @@ class AgentPresence:
 
     def silence(self, agent: str) -> str:
         """Return why an agent does not answer, as far as its process shows it; else nothing."""
-        why = self._why_silent(agent)
-        return why.text if why is not None else ""
+        why = self.why_silent(agent)
+        return why.of(agent) if why is not None else ""
 
-    def _why_silent(self, agent: str) -> Silence | None:
-        if self.processes is None or agent not in self.processes:
-            return None
-        return self.processes.why_silent(agent)
+    def why_silent(self, agent: str) -> Silence | None:
+        """Return why an agent does not answer; None: that is unknown."""
+        return self.processes.why_silent(agent) if self.processes is not None else None
 
     def _unexplained(self, agent: str, waited: float) -> str:
         pid = self.processes.pid(agent) if self.processes is not None else 0
         running = f", although its process ({pid}) runs" if pid else ""
         return f"{agent} has been silent for {waited:g} s{running}; see `hitab logs {agent}`"
+
+
+def _pacer(seconds: float) -> Callable[[], bool]:
+    """Return a function that is true when called first, and then once in so many seconds."""
+    due = -math.inf
+
+    def is_due() -> bool:
+        nonlocal due
+        now = time.monotonic()
+        if now < due:
+            return False
+        due = now + seconds
+        return True
+
+    return is_due

@@ -12,7 +12,7 @@ from xmlrpc.client import Fault, ProtocolError, ServerProxy, Transport
 
 import psutil  # type: ignore[import-untyped]
 
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, some
 from hitab_client.run_folder import RunRecord
 
 RPC_SECONDS = 5.0
@@ -71,15 +71,23 @@ def process_states(record: RunRecord) -> list[dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Silence:
-    """Why an agent or the world does not answer.
+    """Why a process does not answer.
 
     Attributes:
-        text: the reason, and the way out.
+        process: its name.
+        what: the reason, and the way out.
         lasts: whether waiting is no use.
     """
 
-    text: str
+    process: str
+    what: str
     lasts: bool
+
+    def of(self, *names: str) -> str:
+        """Return a sentence for agents, or the world, that the process runs."""
+        if names == (self.process,):
+            return f"{self.process}'s process {self.what}"
+        return f"{self.process}, which runs {some(names)}, {self.what}"
 
 
 class RunProcesses:
@@ -87,29 +95,49 @@ class RunProcesses:
 
     def __init__(self, record: RunRecord) -> None:
         self._record = record
+        self._process_of = {
+            name: process for process, names in record.processes.items() for name in names
+        }
         self._states: Mapping[str, Mapping[str, Any]] = {}
+        self._silences: dict[str, Silence | None] = {}
         self._asked = -FRESH_SECONDS
 
     def __contains__(self, name: str) -> bool:
         """Whether the swarm has started this agent, or world."""
-        return name in self._record.agents or (name == "world" and self._record.world)
+        return name in self._process_of or (name == "world" and self._record.world)
 
     def why_silent(self, name: str) -> Silence | None:
         """Return why an agent or the world does not answer; None: its process looks healthy."""
-        process = self._record.process_of(name)
-        state = self._state(process)
+        self._ask()
+        process = self._process_of.get(name, name)
+        if process not in self._silences:
+            self._silences[process] = self._silence(process)
+        return self._silences[process]
+
+    def is_lost(self, name: str) -> bool:
+        """Whether waiting for an agent, or the world, is no use."""
+        why = self.why_silent(name)
+        return why is not None and why.lasts
+
+    def pid(self, name: str) -> int:
+        """Return the process id for an agent or the world; 0: it has none."""
+        self._ask()
+        state = self._states.get(self._process_of.get(name, name))
+        return int(state["pid"]) if state is not None else 0
+
+    def _silence(self, process: str) -> Silence | None:
+        state = self._states.get(process)
         if state is None:
             return None
-        whose = f"{name}'s process" if process == name else f"{process}, which runs {name},"
         logs = f"see `hitab logs {process}`"
         said = state["statename"]
         if said in ENDED:
-            return Silence(f"{whose} has ended{_how(state)}; {logs}", lasts=True)
+            return Silence(process, f"has ended{_how(state)}; {logs}", lasts=True)
         if said in STOPPED:
-            return Silence(f"{whose} was stopped through its supervisor; {logs}", lasts=True)
+            return Silence(process, f"was stopped through its supervisor; {logs}", lasts=True)
         if said in STARTING:
             how = _how(state) if said == "BACKOFF" else ""
-            return Silence(f"{whose} is being started again{how}; {logs}", lasts=False)
+            return Silence(process, f"is being started again{how}; {logs}", lasts=False)
         pid = state["pid"]
         try:
             suspended = psutil.Process(pid).status() == psutil.STATUS_STOPPED
@@ -117,22 +145,33 @@ class RunProcesses:
             return None
         if suspended:
             way_out = f"`kill -CONT {pid}` lets it continue"
-            return Silence(f"{whose} is suspended (process {pid}); {way_out}", lasts=True)
+            return Silence(process, f"is suspended (process {pid}); {way_out}", lasts=True)
         return None
 
-    def pid(self, name: str) -> int:
-        """Return the process id for an agent or the world; 0: it has none."""
-        state = self._state(self._record.process_of(name))
-        return int(state["pid"]) if state is not None else 0
-
-    def _state(self, process: str) -> Mapping[str, Any] | None:
+    def _ask(self) -> None:
+        """Ask the supervisor again, if its last answer is too old."""
         if time.monotonic() > self._asked + FRESH_SECONDS:
             try:
                 self._states = {state["name"]: state for state in process_states(self._record)}
             except SwarmError:
                 self._states = {}
+            self._silences = {}
             self._asked = time.monotonic()
-        return self._states.get(process)
+
+
+def sentences(why: Mapping[str, Silence | None]) -> list[str]:
+    """Return a sentence for each process that does not answer, and one for all unexplained.
+
+    Args:
+        why: reasons, by the names of agents and of the world.
+    """
+    alike: dict[Silence | None, list[str]] = {}
+    for name, silence in why.items():
+        alike.setdefault(silence, []).append(name)
+    told = [silence.of(*names) for silence, names in alike.items() if silence is not None]
+    if unexplained := alike.get(None):
+        told.append(f"{some(unexplained)} {'does' if len(unexplained) == 1 else 'do'} not answer")
+    return told
 
 
 def _how(state: Mapping[str, Any]) -> str:

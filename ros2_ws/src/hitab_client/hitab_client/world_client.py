@@ -11,7 +11,7 @@ from hitab_msgs.srv import Control, Place, Play, Snapshot
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
-from hitab_client.run_processes import RunProcesses
+from hitab_client.run_processes import RunProcesses, Silence
 from hitab_ros import names, qos
 
 NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
@@ -100,13 +100,16 @@ class WorldClient:
 
     def _is_lost(self) -> bool:
         """Whether waiting for the world is no use."""
-        why = self._processes.why_silent(names.WORLD) if self._processes is not None else None
-        return why is not None and why.lasts
+        return self._processes is not None and self._processes.is_lost(names.WORLD)
 
     def silence(self) -> str:
         """Return why the world does not answer, as far as its process shows it; else nothing."""
-        why = self._processes.why_silent(names.WORLD) if self._processes is not None else None
-        return why.text if why is not None else ""
+        why = self.why_silent()
+        return why.of(names.WORLD) if why is not None else ""
+
+    def why_silent(self) -> Silence | None:
+        """Return why the world does not answer; None: that is unknown."""
+        return self._processes.why_silent(names.WORLD) if self._processes is not None else None
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""

@@ -10,7 +10,7 @@ import pytest
 from hitab_client import run_processes
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunFolder, RunRecord
-from hitab_client.run_processes import RunProcesses, process_states
+from hitab_client.run_processes import RunProcesses, process_states, sentences
 
 
 class Handler(SimpleXMLRPCRequestHandler):
@@ -78,7 +78,18 @@ def team(tmp_path):
 )
 def test_a_process_that_does_not_run_is_the_reason_for_silence(team, name, text, lasts):
     why = RunProcesses(team).why_silent(name)
-    assert (why.text, why.lasts) == (text, lasts)
+    assert (why.of(name), why.lasts) == (text, lasts)
+
+
+def test_a_host_is_named_once_for_all_its_agents(team):
+    processes = RunProcesses(team)
+    why = {name: processes.why_silent(name) for name in ("world", "f", "a", "g")}
+    assert sentences(why) == [
+        "host_1, which runs f, g, has ended (exit status 1); see `hitab logs host_1`",
+        "a's process has ended (exit status 3); see `hitab logs a`",
+        "world does not answer",
+    ]
+    assert [processes.is_lost(name) for name in why] == [False, True, True, True]
 
 
 def test_a_process_that_runs_is_no_reason_for_silence(team):

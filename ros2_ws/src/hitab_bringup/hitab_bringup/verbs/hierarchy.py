@@ -75,10 +75,13 @@ def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
     if not swarm_up.record.commanders:
         view.await_groups(STARTED_BY_HAND_SECONDS)
         return []
-    why = {name: swarm_up.agents.silence(name) for name in swarm_up.record.commanders}
-    view.await_groups(WAIT_SECONDS, [name for name, text in why.items() if not text])
+    from hitab_client.run_processes import sentences
+
+    why = {name: swarm_up.agents.why_silent(name) for name in swarm_up.record.commanders}
+    there = [name for name, silence in why.items() if silence is None or not silence.lasts]
+    view.await_groups(WAIT_SECONDS, there)
     view.discover()
-    return [text for name, text in why.items() if text and name not in view.groups]
+    return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
 
 def _nobody(swarm_up: Connection, view: CommandView, lost: Sequence[str]) -> Exception:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from rich.console import Group
 
     from hitab_client import SignsOfLife
+    from hitab_client.run_processes import Silence
 
 LOOK_SECONDS = 1.0  # for a world that was started by hand
 
@@ -43,9 +45,10 @@ def status(
         if watch:
             _watch(swarm_up)
             return
-        data = _status_data(swarm_up)
+        silent = _silent(swarm_up)
+        data = _status_data(swarm_up, silent)
         if json != "-":
-            console.out().print(_rendered(data))
+            console.out().print(_rendered(data, silent))
         console.write_json(json, data)
 
 
@@ -69,7 +72,8 @@ def _watch(swarm_up: Connection) -> None:
     signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
 
     def shown() -> Group:
-        return _rendered(_status_data(swarm_up, signs))
+        silent = _silent(swarm_up, signs)
+        return _rendered(_status_data(swarm_up, silent), silent)
 
     with Live(shown(), console=console.out(), screen=False) as live:
         while True:
@@ -78,7 +82,7 @@ def _watch(swarm_up: Connection) -> None:
             live.update(shown())
 
 
-def _status_data(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Any]:
+def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
     """Return all that is known about a swarm, as plain data."""
     agents = [
         {
@@ -97,14 +101,16 @@ def _status_data(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict
         for name, s in sorted(swarm_up.agents.statuses.items())
     ]
     world = swarm_up.world.status
-    missing = [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses]
     return {
         "swarm": swarm_up.record.swarm if swarm_up.record else None,
         "identity": swarm_up.record.identity if swarm_up.record else None,
         "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
         "agents": agents,
-        "missing": missing,
-        "silent": _silent(swarm_up, missing, signs),
+        "missing": [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses],
+        "silent": {
+            name: why.of(name) if why is not None else f"{name} does not answer"
+            for name, why in silent.items()
+        },
         "world": None
         if world is None
         else {
@@ -122,22 +128,23 @@ def _status_data(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict
     }
 
 
-def _silent(swarm_up: Connection, missing: list[str], signs: SignsOfLife | None) -> dict[str, str]:
-    """Return why agents, or the world, do not answer, by name."""
+def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Silence | None]:
+    """Return why agents, or the world, do not answer, by name; None: that is unknown."""
     agents, world = swarm_up.agents, swarm_up.world
-    told = {}
+    missing = (name for name in agents.expected if name not in agents.statuses)
+    told = {name: agents.why_silent(name) for name in missing}
     if swarm_up.has_world and world.status is None:
-        told["world"] = world.silence() or "the world does not answer"
-    told |= {name: agents.silence(name) or f"{name} does not answer" for name in missing}
-    for name, seconds in (signs.silent() if signs is not None else {}).items():
-        why = world.silence() if name == "world" else agents.silence(name)
-        told[name] = why or f"{name} has been silent for {seconds:.0f} s"
+        told["world"] = world.why_silent()
+    for name in signs.silent() if signs is not None else ():
+        told[name] = world.why_silent() if name == "world" else agents.why_silent(name)
     return told
 
 
-def _rendered(data: dict[str, Any]) -> Group:
+def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Group:
     from rich.console import Group
     from rich.text import Text
+
+    from hitab_client.run_processes import sentences
 
     lines: list[Any] = []
     world = data["world"]
@@ -169,7 +176,7 @@ def _rendered(data: dict[str, Any]) -> Group:
     lines.append(console.table(columns, rows))
     if not data["agents"]:
         lines.append(Text("no agent answers"))
-    lines += [Text(why, style="red") for why in data["silent"].values()]
+    lines += [Text(why, style="red") for why in sentences(silent)]
     lines += [Text(text, style="red") for text in _wrong_with(data["agents"])]
     if data["run_folder"]:
         lines.append(Text(f"logs in {data['run_folder']}/logs", style="dim"))
