@@ -16,12 +16,19 @@ from typing import NamedTuple
 
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
+from hitab_core.errors import (
+    FolderInUseError,
+    LibraryError,
+    LostBehaviorError,
+    TrainingError,
+    VocabularyError,
+)
 from hitab_core.example import Example
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
 from hitab_core.library.change import LibraryChange, refused_name
+from hitab_core.library.contents import Losses
 from hitab_core.library.edition import Edition
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.trimming import check_bound, rebind, trim
@@ -97,8 +104,7 @@ class Agent:
         Behaviors that cannot be used, and a training that cannot be resumed, are `faults`.
 
         Raises:
-            LibraryError: if the library's folder cannot be read, or the journal is in use by
-                another process.
+            FolderInUseError: if another process uses the journal, or keeps the library locked.
         """
         self.name = name
         self.domain = domain
@@ -111,7 +117,7 @@ class Agent:
         self._random = random.Random(agent_seed(seed, 0, name))
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
-        self.edition = library.edition(strict=False)
+        self.edition = _first_edition(library)
         self._context = RunContext(
             self.edition.repertoire,
             self.body,
@@ -593,3 +599,13 @@ class Agent:
         elif self.session is None or self.mode is Mode.PERFORMING:
             self.mode = Mode.IDLE
         return notes
+
+
+def _first_edition(library: BehaviorLibrary) -> Edition:
+    """Return what is sound in a library; nothing if its folder cannot be read."""
+    try:
+        return library.edition(strict=False)
+    except FolderInUseError:
+        raise
+    except LibraryError as error:
+        return library.editions.of({}, Losses.of_unread(str(error), library.domain))

@@ -21,7 +21,8 @@ class Repertoire:
 
     Attributes:
         domain: of the robot.
-        lost: why behaviors cannot be used, by name.
+        lost: why behaviors cannot be used, by name. If the library cannot be read, any unknown
+            one may be among them.
     """
 
     def __init__(
@@ -29,9 +30,11 @@ class Repertoire:
         domain: Domain,
         trained: Mapping[str, Automaton] | None = None,
         lost: Mapping[str, str] | None = None,
+        unread: str = "",
     ) -> None:
         self.domain = domain
         self.lost = dict(lost or {})
+        self._unread = unread
         self._automata: dict[str, Automaton] = {}
         # Kept up to date so that checking a use is cheap.
         self._parameters = {
@@ -107,6 +110,8 @@ class Repertoire:
     def _refuse_lost(self, name: str) -> None:
         if name in self.lost:
             raise LostBehaviorError(self.lost[name])
+        if self._unread and name not in self._parameters:
+            raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}')
 
     def _put(self, automaton: Automaton) -> None:
         before = self._automata.get(automaton.name)

@@ -401,6 +401,31 @@ def test_equal_damage_is_one_edition_for_all_agents_of_a_folder(
     assert Agent("bob", line, library).edition is Agent("cleo", line, library).edition
 
 
+def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_overwritten(
+    trained: Agent, make: Make
+) -> None:
+    note = trained.library.folder / ".commit.json"
+    note.write_text("{}")
+    agent = make()
+    (fault,) = agent.faults
+    assert fault.startswith(f"the library cannot be read: {note}: is not a valid note of a change")
+    agent.perform(Use("Left"))
+    for name, reason in (
+        ("Low", "the library cannot be read"),
+        ("High", '"High" is unknown, and'),
+    ):
+        with pytest.raises(LostBehaviorError, match=f"^{reason}"):
+            agent.perform(Use(name))
+    teach(agent, "New", "Left", save=False)
+    with pytest.raises(LibraryError, match="is not a valid note of a change"):
+        agent.save()
+    note.unlink()
+    assert agent.reload() == ["High", "Low", "Middle", "Other"]
+    assert agent.faults == ()
+    agent.save()
+    assert sorted(make().edition.files) == ["High", "Low", "Middle", "New", "Other"]
+
+
 def test_a_file_whose_name_no_behavior_can_have_is_named(trained: Agent, make: Make) -> None:
     (trained.library.folder / "my notes.hfa.yaml").write_text("remember the milk")
     agent = make()

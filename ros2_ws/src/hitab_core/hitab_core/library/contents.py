@@ -28,15 +28,26 @@ class Losses:
         reasons: why, as a sentence, by name.
         faults: one per cause: what is wrong, what it is needed for, and the way out.
         ways_out: of the causes, by name.
+        unread: why the folder cannot be read, so that more may be lost; empty if it can.
     """
 
     reasons: Mapping[str, str] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
     ways_out: Mapping[str, str] = field(default_factory=dict)
+    unread: str = ""
+
+    @classmethod
+    def of_unread(cls, why: str, domain: Domain) -> Losses:
+        """Return the losses of a folder that cannot be read.
+
+        Any hand-written automaton may have been trained anew there, so none can be used.
+        """
+        unread = f"the library cannot be read: {why}"
+        return cls(dict.fromkeys(domain.automata, unread), (unread,), unread=unread)
 
     def __bool__(self) -> bool:
         """Return whether anything is lost."""
-        return bool(self.reasons)
+        return bool(self.faults)
 
 
 @dataclass(frozen=True)

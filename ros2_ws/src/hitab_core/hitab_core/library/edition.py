@@ -87,7 +87,7 @@ class Editions:
         found = self._editions.get(key)
         if found is None:
             automata = {name: file.automaton for name, file in files.items()}
-            repertoire = Repertoire(self.domain, automata, losses.reasons)
+            repertoire = Repertoire(self.domain, automata, losses.reasons, losses.unread)
             found = Edition(dict(files), repertoire, losses)
             self._editions[key] = found
         return found
