@@ -32,6 +32,7 @@ PATIENCE = 60.0
 """Seconds for what only looks, such as `hitab tree`, to show what the page shows."""
 
 LOOKING = re.compile(r"(scripts/)?hitab (status|tree|examples|vocabulary|library show)\b")
+_COMMAND = re.compile(r"(hitab|scripts/|\. scripts/)")
 ENDLESS = re.compile(r"(scripts/)?hitab (studio\b|.*--watch\b)")
 """What ends with Ctrl-C only."""
 
@@ -65,15 +66,16 @@ def steps_of(page: str) -> list[Step]:
         prompted = any(line.startswith("$ ") for line in block)
         continued = False
         for i, line in enumerate(block, number):
+            typed = line[2:] if line.startswith("$ ") else line
+            begins = prompted and typed != line
+            begins = begins or (not prompted and bool(_COMMAND.match(line)))
             if continued:
                 steps[-1].command = steps[-1].command.removesuffix("\\") + line.strip()
-            elif line.startswith("$ "):
-                steps.append(Step(f"{page}:{i}", line[2:]))
-            elif not prompted and re.match(r"(hitab|scripts/|\. scripts/)", line):
-                steps.append(Step(f"{page}:{i}", line))
+            elif begins:
+                steps.append(Step(f"{page}:{i}", typed))
             elif prompted and steps and line:
                 steps[-1].shown.append(line)
-            continued = bool(steps) and line.endswith("\\")
+            continued = (continued or begins) and line.endswith("\\")
     return steps
 
 
@@ -110,10 +112,14 @@ def matches(output: str, shown: list[str]) -> bool:
 
 
 class Reader:
-    """Types the commands of a page, in a folder that looks like the checkout."""
+    """Types the commands of a page, in a folder that looks like the checkout.
+
+    Attributes:
+        folder: where the reader is.
+    """
 
     def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
-        self._folder = folder
+        self.folder = folder
         for path in ROOT.iterdir():
             if not path.name.startswith("."):
                 (folder / path.name).symlink_to(path)
@@ -144,7 +150,7 @@ class Reader:
 
     def _run(self, command: str) -> tuple[int, str, str]:
         if command.startswith("hitab "):
-            return warm_hitab.run(command, self._folder, self._environment, PATIENCE)
+            return warm_hitab.run(command, self.folder, self._environment, PATIENCE)
         done = self._start(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         out, err = done.communicate(timeout=PATIENCE)
         return done.returncode, out, err
@@ -173,7 +179,7 @@ class Reader:
     def _start(self, command: str, stdout: int, stderr: int) -> subprocess.Popen[str]:
         return subprocess.Popen(
             ["bash", "-c", command],
-            cwd=self._folder,
+            cwd=self.folder,
             env=self._environment,
             stdin=subprocess.DEVNULL,
             stdout=stdout,

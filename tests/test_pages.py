@@ -2,15 +2,18 @@
 
 import os
 import re
+import shutil
 
 import pytest
-from pages import Reader, matches, steps_of
+from mentions import ROOT
+from pages import Reader, Step, matches, steps_of
 
 from hitab_client import domain_ids
 from hitab_client.run_folder import running_swarms
 
 pytestmark = pytest.mark.timeout(300)  # dozens of commands
 
+LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 ELSEWHERE = {
     r"scripts/test\b": "is what runs this",
     r"scripts/hitab demo\b": "test_demo.py",
@@ -50,6 +53,38 @@ def test_the_page_shows_what_its_commands_print(reader, page):
     wrong = [complaint for complaint in map(reader.type, steps) if complaint]
     assert not wrong, "\n\n".join(wrong)
     assert steps[-1].command.endswith("hitab down")
+
+
+def test_the_library_page_shows_what_its_commands_print(reader):
+    library = reader.folder / "lib"
+    shutil.copytree(LIBRARY, library, ignore=shutil.ignore_patterns(".versions"))
+    path = library / "ApproachBall.hfa.yaml"
+
+    def edit(to: str) -> None:
+        """Change example 3 by hand."""
+        text, changed = re.subn(
+            r"(number: +3,.*features: )\[ *[0-9.]+\]", rf"\1[{to}]", path.read_text()
+        )
+        assert changed == 1
+        path.write_text(text)
+
+    def edit_again() -> None:
+        edit("4.0")
+        assert not reader.type(Step("", "hitab library accept lib/ApproachBall.hfa.yaml"))
+
+    first = {"check": [None, lambda: edit("5.5")], "diff": [edit_again]}
+    wrong = []
+    for step in steps_of("docs/library-format.md"):
+        words = step.command.split()
+        if not step.shown or not step.command.endswith((" -l lib", " lib/ApproachBall.hfa.yaml")):
+            continue
+        if (actions := first.get(words[2])) and (action := actions.pop(0)):
+            action()
+        wrong.append(reader.type(step))
+        if words[2] == "rename" and "--with-users" in words:
+            break  # what follows is about another library
+    assert len(wrong) == 8
+    assert not any(wrong), "\n\n".join(filter(None, wrong))
 
 
 def test_what_a_page_shows_wrongly_is_found_out():
