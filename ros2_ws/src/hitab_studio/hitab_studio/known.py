@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from typing import Any
 
 from hitab_ros import names
@@ -50,11 +51,11 @@ class Known:
     recording: str = ""
     recorded: int = 0
 
-    @property
-    def agents(self) -> list[str]:
+    @cached_property
+    def agents(self) -> tuple[str, ...]:
         """Names of the agents that are present or should be."""
         expected = self.target.agents if self.target is not None else ()
-        return sorted({*self.statuses, *expected}, key=natural)
+        return tuple(sorted({*self.statuses, *expected}, key=natural))
 
     def answers(self, agent: str) -> bool:
         """Whether an agent is present and gives signs of life."""
@@ -88,6 +89,7 @@ class Trouble:
     agent: str = ""
 
 
+@lru_cache(maxsize=8192)
 def natural(name: str) -> tuple[str, int, str]:
     """Return a sort key that puts keeper_2 before keeper_10."""
     head = name.rstrip("0123456789")

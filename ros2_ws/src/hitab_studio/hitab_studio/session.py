@@ -143,7 +143,7 @@ class Session:
         return self.shared.store.known.watched.get(self.agent, NOTHING)
 
     @property
-    def agents(self) -> list[str]:
+    def agents(self) -> Sequence[str]:
         """The agents that it shows: of the swarm, or of a recording."""
         if self.player is not None:
             return sorted(self.player.recording.statuses(self.player.at), key=natural)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from hitab_studio.known import natural
@@ -39,21 +39,30 @@ class Branch:
         return any(b.name == agent for branch in self.below for b in branch.all())
 
 
-def tree(agents: Collection[str], groups: Mapping[str, Any]) -> list[Branch]:
+def tree(agents: Iterable[str], groups: Mapping[str, Any]) -> Sequence[Branch]:
     """Return the agents in a tree.
 
     Args:
         agents: their names.
         groups: the last `CommanderStatus` of each commander.
     """
-    below = {sub for group in groups.values() for sub in group.subordinates}
+    commands = tuple((name, tuple(group.subordinates)) for name, group in groups.items())
+    return _tree(tuple(agents), commands)
+
+
+@lru_cache(maxsize=4)
+def _tree(
+    agents: tuple[str, ...], commands: tuple[tuple[str, tuple[str, ...]], ...]
+) -> tuple[Branch, ...]:
+    subordinates = dict(commands)
+    below = {sub for subs in subordinates.values() for sub in subs}
 
     def under(name: str, depth: int) -> Branch:
-        commands = groups[name].subordinates if name in groups and depth < DEEPEST else ()
-        return Branch(name, tuple(under(sub, depth + 1) for sub in commands))
+        subs = subordinates.get(name, ()) if depth < DEEPEST else ()
+        return Branch(name, tuple(under(sub, depth + 1) for sub in subs))
 
     tops = [under(name, 0) for name in agents if name not in below]
-    return tops if len(tops) <= FEW else _by_name(tops)
+    return tuple(tops if len(tops) <= FEW else _by_name(tops))
 
 
 def _by_name(tops: Sequence[Branch]) -> list[Branch]:

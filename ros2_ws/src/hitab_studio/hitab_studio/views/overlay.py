@@ -42,7 +42,7 @@ def context(session: Session) -> dict[str, Any]:
     empty = _empty(session)
     world_absent = reasons.absence(session, WORLD) if live else ""
     history = session.watched.history
-    known = session.shared.store.known
+    known, launch = session.shared.store.known, session.shared.launcher.launch
     return {
         "absent": reasons.absence(session, session.agent) if live and session.agent else "",
         "world_absent": world_absent,
@@ -67,9 +67,9 @@ def context(session: Session) -> dict[str, Any]:
         "legend": _legend(session),
         "player": session.player,
         "empty": empty,
-        "expected": len(known.target.agents) if known.target is not None else 0,
-        "there": sum(map(known.answers, known.agents)),
-        "launch": session.shared.launcher.launch,
+        "launch": launch,
+        "expected": len(known.target.agents) if launch and known.target is not None else 0,
+        "there": sum(map(known.answers, known.agents)) if launch else 0,
         "startable": () if session.shared.launcher.is_busy else _startable(session),
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
