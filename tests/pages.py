@@ -31,6 +31,9 @@ VARYING = (
 PATIENCE = 60.0
 """Seconds for what only looks, such as `hitab tree`, to show what the page shows."""
 
+LONGEST = 240.0
+"""Seconds after which a command hangs."""
+
 LOOKING = re.compile(r"(scripts/)?hitab (status|tree|examples|vocabulary|library show)\b")
 _COMMAND = re.compile(r"(hitab|scripts/|\. scripts/)")
 ENDLESS = re.compile(r"(scripts/)?hitab (studio\b|.*--watch\b)")
@@ -150,9 +153,13 @@ class Reader:
 
     def _run(self, command: str) -> tuple[int, str, str]:
         if command.startswith("hitab "):
-            return warm_hitab.run(command, self.folder, self._environment, PATIENCE)
+            return warm_hitab.run(command, self.folder, self._environment, LONGEST)
         done = self._start(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        out, err = done.communicate(timeout=PATIENCE)
+        try:
+            out, err = done.communicate(timeout=LONGEST)
+        except subprocess.TimeoutExpired:
+            os.killpg(done.pid, signal.SIGKILL)
+            raise
         return done.returncode, out, err
 
     def _watch(self, step: Step) -> str:
@@ -165,7 +172,7 @@ class Reader:
         os.close(inner)
         seen = ""
         interrupted = False
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + LONGEST
         while time.monotonic() < deadline and (more := _read(screen)) is not None:
             seen += more
             if re.search(r"\S\r?\n", seen) and not interrupted:
