@@ -104,7 +104,8 @@ class Distributor:
         agent.repertoire.get(use.name)  # unless it is unknown or lost
         if use.name not in agent.edition.files:
             raise VocabularyError(
-                f'"{use.name}" is not in the library of {agent.name}; save it first'
+                f'"{use.name}" does not need to be sent: it comes with domain '
+                f'"{agent.domain.name}", which its agents have'
             )
         bundle = make_bundle(agent.edition.texts, agent.repertoire, use.name)
         # The time of day makes it unique in the swarm, whichever agents distribute; simulated

@@ -158,6 +158,12 @@ def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Wal
     assert sorted(walkers.library("one").load()) == ["Stroll", "Walk"]
 
 
+def test_what_every_agent_has_does_not_need_to_be_sent(walkers: Walkers) -> None:
+    walkers.start("one")
+    refused = walkers.ask("one", srv.Distribute, names.DISTRIBUTE, behavior="Go")
+    assert refused.message.startswith('"Go" does not need to be sent: it comes with domain')
+
+
 def test_other_behaviors_arrive_while_one_is_lost(walkers: Walkers) -> None:
     give(walkers, "one")
     walkers.damage("one", "Walk")

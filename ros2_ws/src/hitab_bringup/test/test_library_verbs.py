@@ -134,6 +134,12 @@ def test_all_libraries_of_the_swarm_that_is_up_are_checked(up: RunFolder) -> Non
     assert f"`hitab library delete GotoBall -l {where}`" in text
 
 
+def test_a_swarm_that_has_learned_nothing_has_nothing_to_check(up: RunFolder) -> None:
+    for path in up.path.glob("libraries/*/*.hfa.yaml"):
+        path.unlink()
+    assert "nothing is saved in the libraries of swarm" in refused("library", "check")
+
+
 def test_a_library_whose_only_file_is_damaged_is_not_called_empty(tmp_path: Path) -> None:
     folder = tmp_path / "one"
     folder.mkdir()

@@ -399,7 +399,7 @@ class Agent:
             LibraryError: if it cannot be written; nothing has changed.
             VocabularyError: if it does not fit the repertoire; nothing has changed.
         """
-        session = self._session()
+        session = self._session("nothing can be saved: ")
         curriculum = session.curriculum
         automaton, notes = self.preview_save(name, bindings, description, keep_unused=keep_unused)
         then = self.top if self.mode is Mode.PERFORMING else None
@@ -448,7 +448,7 @@ class Agent:
             TrainingError: if there is no training, or no example leaves Start.
             VocabularyError: if something would remain unbound.
         """
-        session = self._session()
+        session = self._session("nothing can be saved: ")
         classifier = session.curriculum.classifier
         learned = session.automaton("saved")
         if name or description:
@@ -474,9 +474,11 @@ class Agent:
         self.session = self.top = self._performance = None
         self.mode = Mode.IDLE
 
-    def _session(self) -> TrainingSession:
+    def _session(self, refused: str = "") -> TrainingSession:
         if self.session is None:
-            raise TrainingError(f"{self.name} is not training anything; begin a training first")
+            raise TrainingError(
+                f"{refused}{self.name} is not training anything; begin a training first"
+            )
         return self.session
 
     # -- library ----------------------------------------------------------------------------

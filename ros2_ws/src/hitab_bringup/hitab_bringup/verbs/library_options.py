@@ -36,16 +36,24 @@ def opened(library: str | None, agent: str | None, swarm: str | None = None) -> 
 
 
 def chosen_folders(library: str | None, agent: str | None, swarm: str | None) -> list[Path]:
-    """Return the folders that the options mean: without any, all of the swarm that is up."""
+    """Return the folders that the options mean: without any, all of the swarm that is up.
+
+    Raises:
+        LibraryError, SwarmError: as `chosen_folder`; also if there is nothing in any of them.
+    """
     from hitab_bringup import library_choice as choice
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.swarm_choice import find_meant
+    from hitab_core import LibraryError
 
     found = None if library or agent else find_meant(swarm, chosen_by_user())
     if found is None:
         return [chosen_folder(library, agent, swarm)]
-    # A library to which nothing was saved yet has nothing to check.
-    return [f for f in choice.libraries_in_use(found[0]) if choice.holds_behaviors(f)]
+    folder, record = found
+    holding = [f for f in choice.libraries_in_use(folder) if choice.holds_behaviors(f)]
+    if not holding:
+        raise LibraryError(f"nothing is saved in the libraries of swarm {record.swarm} yet")
+    return holding
 
 
 def chosen_folder(
