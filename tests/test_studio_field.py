@@ -61,6 +61,7 @@ def test_what_is_out_of_sight_has_an_arrow_that_leads_to_it(swarm, person):
 @needs_browser
 def test_the_field_stays_where_it_is_when_an_agent_is_chosen_and_trained(swarm, person):
     away_from_everybody(swarm, 6.0)
+    shown_at(person, TWO, 8.0, 8.0)
     before = field(person, "[f.width, f.height, f.view.scale, f.view.x, f.view.y]")
     person.page.mouse.click(*person.on_screen(*person.place_of(TWO)))
     person.sees("banner", TWO)
@@ -69,6 +70,22 @@ def test_the_field_stays_where_it_is_when_an_agent_is_chosen_and_trained(swarm, 
     person.sees("mode", "Training")
     person.page.wait_for_timeout(400)
     assert field(person, "[f.width, f.height, f.view.scale, f.view.x, f.view.y]") == before
+
+
+@needs_browser
+def test_more_rows_of_behaviors_get_room_once_the_pointer_has_left_the_field(swarm, person):
+    away_from_everybody(swarm, 6.0)
+    shown_at(person, TWO, 8.0, 8.0)
+    person.page.mouse.click(*person.on_screen(*person.place_of(TWO)))
+    person.sees("behaviors")
+    before = field(person, "f.view.scale")
+    person.page.evaluate("document.querySelector('.deck').style.minHeight = '150px'")
+    person.page.wait_for_timeout(700)
+    assert field(person, "f.view.scale") == before
+    person.page.hover(f'[data-test="agent-{TWO}"]')
+    person.waits_until(lambda: field(person, "f.view.scale") < before, "there is room")
+    deck = person.page.locator(".deck").bounding_box()
+    assert person.on_screen(0.0, -10.0)[1] < deck["y"]
 
 
 @needs_browser
@@ -176,6 +193,7 @@ def test_a_finger_chooses_drags_and_turns(swarm, tablet):
 def test_a_finger_that_stays_chooses_several(swarm, tablet):
     away_from_everybody(swarm, 6.0)
     shown_at(tablet, ONE, -6.0, 0.0)
+    shown_at(tablet, TWO, 8.0, 8.0)
     finger = Finger(tablet.page)
     finger.taps(tablet.on_screen(*tablet.place_of(ONE)))
     tablet.sees("banner", ONE)

@@ -70,6 +70,7 @@ def train(person: Any, swarm: RunningSwarm) -> None:
         person.sees("counts", f"{examples} examples")
     person.page.wait_for_timeout(5500)  # messages have gone, curves are there
     person.page.screenshot(path=HERE / "studio-train.png")
+    person.page.mouse.move(2, 2)
     person.page.set_viewport_size(TABLET)
     person.page.wait_for_timeout(500)
     person.page.screenshot(path=HERE / "studio-tablet.png")
@@ -78,11 +79,12 @@ def train(person: Any, swarm: RunningSwarm) -> None:
     person.page.wait_for_timeout(300)
     # In the middle of dragging, two things at once.
     mouse = person.page.mouse
-    for name in ("taker_1", "taker_2"):
-        person.page.keyboard.down("Shift")
-        mouse.click(*person.on_screen(*person.place_of(name)))
-        person.page.keyboard.up("Shift")
-        person.page.wait_for_timeout(200)
+    mouse.click(*person.on_screen(*person.place_of("taker_1")))
+    person.page.wait_for_timeout(200)
+    person.page.keyboard.down("Shift")
+    mouse.click(*person.on_screen(*person.place_of("taker_2")))
+    person.page.keyboard.up("Shift")
+    person.page.wait_for_timeout(200)
     mouse.move(*person.on_screen(*person.place_of("taker_1")))
     mouse.down()
     mouse.move(*person.on_screen(-2.0, 3.5), steps=5)

@@ -4,6 +4,7 @@ import { MANY, draw } from "./drawing.js";
 import { cancelDrag, listen } from "./pointing.js";
 import { openStream } from "./stream.js";
 
+const ROOM = 122; // px; below the field, for two rows of behaviors
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
 const TRAIL = 90;
@@ -25,10 +26,12 @@ class Field {
     this.handles = []; // knobs that turn what is chosen, on the screen
     this.arrows = []; // to what is out of sight, on the screen
     this.drawn = this.frames = 0;
+    this.below = ROOM;
     this.recolor();
     listen(this);
     openStream(session, (message) => this.take(message));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    setInterval(() => this.makeRoom(), 300);
     this.resize();
   }
 
@@ -101,6 +104,7 @@ class Field {
     this.canvas.height = Math.max(1, clientHeight * ratio);
     this.canvas.style.width = `${clientWidth}px`;
     this.canvas.style.height = `${clientHeight}px`;
+    if (clientWidth !== this.width) this.below = ROOM;
     this.width = clientWidth;
     this.height = clientHeight;
     this.ratio = ratio;
@@ -116,10 +120,19 @@ class Field {
     this.redraw();
   }
 
-  // What may lie over the field at its top and bottom: always the same, so that the field stays
-  // where it is when an agent is chosen.
+  // What may lie over the field at its top and bottom: the same with and without an agent that is
+  // chosen, so that the field stays where it is.
   margins() {
-    return [Math.min(92, 0.25 * this.height), Math.min(122, 0.25 * this.height)];
+    return [Math.min(92, 0.25 * this.height), Math.min(this.below, 0.25 * this.height)];
+  }
+
+  // Makes room for more rows of behaviors, but never under the pointer.
+  makeRoom() {
+    const deck = document.querySelector(".deck");
+    const needed = deck ? deck.offsetHeight + 34 : 0;
+    if (needed <= this.below || this.drag || this.canvas.matches(":hover")) return;
+    this.below = needed;
+    if (this.view.fitted) this.fit();
   }
 
   toScreen(x, y) {
