@@ -123,7 +123,7 @@ def test_wrong_edits_are_refused(training):
 def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
     agents = training.agents
     (tmp_path / "Bad.hfa.yaml").write_text("format: 99\nname: Bad\n")
-    with pytest.raises(SwarmError, match=r"Bad.hfa.yaml:1: has format 99"):
+    with pytest.raises(SwarmError, match=r"Bad\.hfa\.yaml, cannot be used: line 1: has format 99"):
         agents.load_library("keeper_2", str(tmp_path))
     for folder in ("nowhere", "~nobody/library", str(tmp_path / "Bad.hfa.yaml")):
         with pytest.raises(SwarmError, match="is not a folder"):
