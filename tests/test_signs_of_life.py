@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 from collections.abc import Iterator
@@ -10,12 +11,13 @@ from pathlib import Path
 
 import pytest
 from hitab_msgs.msg import Alive
+from hitab_msgs.srv import ReadFeatures
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client.run_processes import process_states
 from hitab_client.signs_of_life import SignsOfLife
-from hitab_ros import qos
+from hitab_ros import names, qos
 
 SECONDS = 30.0
 SWARM = """\
@@ -45,10 +47,16 @@ def swarm(home: Path, tmp_path_factory) -> Iterator[RunningSwarm]:
         yield running
 
 
+def pid_of(swarm: RunningSwarm, name: str) -> int:
+    """Return a process of the swarm."""
+    states = process_states(swarm.record)
+    return int(next(state["pid"] for state in states if state["name"] == name))
+
+
 @contextmanager
 def stopped(swarm: RunningSwarm, name: str) -> Iterator[None]:
     """Have a process hang."""
-    pid = next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
+    pid = pid_of(swarm, name)
     os.kill(pid, signal.SIGSTOP)
     try:
         yield
@@ -86,6 +94,22 @@ def test_a_process_that_hangs_is_noticed_with_all_whom_it_runs(swarm, process, s
         # On a busy machine another one may be late, but not for long.
         assert swarm.link.spin_until(lambda: signs.silent().keys() == silent, SECONDS)
     assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS), "it is heard again"
+
+
+@pytest.mark.parametrize(("process", "agent"), [("keeper_1", "keeper_1"), ("both", "keeper_3")])
+def test_a_restarted_agent_perceives_a_paused_world(swarm, process, agent):
+    """It would refuse each command until somebody lets the world run or moves something."""
+    before = swarm.agents.statuses.pop(agent)
+    os.kill(pid_of(swarm, process), signal.SIGKILL)
+    assert swarm.link.spin_until(lambda: agent in swarm.agents.statuses, 2 * SECONDS), before
+
+    def perceives() -> bool:
+        answer = swarm.agents.ask(
+            agent, ReadFeatures, names.READ_FEATURES, also=["DistanceTo(ball)"]
+        )
+        return not math.isnan(answer.values[-1])
+
+    assert swarm.link.spin_until(perceives, SECONDS), "it has perceived nothing"
 
 
 def test_signs_of_another_swarm_are_not_heard(swarm):

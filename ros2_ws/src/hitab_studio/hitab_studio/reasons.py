@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from jinja2.utils import markupsafe
 
 from hitab_core import START, quantity
@@ -63,7 +61,8 @@ def absence(session: Session, name: str) -> str:
 def undoing(session: Session) -> str:
     """Return why nothing can be undone."""
     watched = session.watched
-    if watched.training is not None and not watched.history.done:
+    known = watched.training is not None or not _examples(session)
+    if known and not watched.history.done:
         return "There is nothing to undo: no command and no edit was made yet."
     return agent(session)
 
@@ -78,14 +77,19 @@ def redoing(session: Session) -> str:
 def testing(session: Session) -> str:
     """Return why what was learned cannot be tested."""
     training = session.watched.training
-    if training is not None and not any(e.state == START for e in training.examples):
+    begun = training is not None and any(e.state == START for e in training.examples)
+    if not begun and (training is not None or not _examples(session)):
         return "There is nothing to test yet: command the behavior that it should begin with."
     return agent(session)
 
 
+def _examples(session: Session) -> int:
+    """Return the number of examples by the status, which is known before what they are."""
+    return session.status.examples if session.status is not None else 0
+
+
 def saving(session: Session) -> str:
     """Return why a training cannot be saved."""
-    status: Any = session.status
-    if status is not None and not status.examples:
+    if not _examples(session):
         return "There is nothing to save yet: no example was recorded."
     return testing(session)

@@ -21,6 +21,7 @@ class Audience:
         self._node = node
         self._agents = agents
         self._alone: dict[str, tuple[Any, msg.Percept]] = {}
+        self._listeners: dict[str, int] = {}
         self._hosts: HostRegistry | None = None
         if len(agents) <= ALONE_MAX:
             for name in agents:
@@ -36,10 +37,18 @@ class Audience:
         self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL)
         self._hosts = HostRegistry(self._node, self._agents, take)
 
-    def look(self) -> None:
-        """Update which hosts are present."""
-        if self._hosts is not None:
-            self._hosts.look()
+    def look(self) -> bool:
+        """Update which hosts are present; return whether some receiver is another process now.
+
+        A process that takes the place of a killed one is found before the other is given up.
+        """
+        listeners = {
+            name: publisher.get_subscription_count()
+            for name, (publisher, _) in self._alone.items()
+        }
+        changed = listeners != self._listeners
+        self._listeners = listeners
+        return (self._hosts is not None and self._hosts.look()) or changed
 
     def has(self, agent: str) -> bool:
         """Whether a node or a host answers for an agent."""

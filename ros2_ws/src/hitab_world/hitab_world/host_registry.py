@@ -59,6 +59,7 @@ class HostRegistry:
         self._take = take
         self._hosts: dict[str, _Host] = {}
         self._there: set[str] = set()
+        self._listening: set[tuple[str, int]] = set()  # names and numbers of hosts
         self._rosters = node.create_subscription(
             msg.HostRoster, names.in_swarm(node, names.HOSTS), self._on_roster, TAKE_IN
         )
@@ -82,11 +83,15 @@ class HostRegistry:
     def _forget(self, name: str) -> None:
         self._node.destroy_publisher(self._hosts.pop(name).publisher)
 
-    def look(self) -> None:
-        """Update which hosts are present."""
+    def look(self) -> bool:
+        """Update which hosts are present; return whether that has changed."""
+        listening = {(name, host.number) for name, host in self._hosts.items() if host.listens}
+        changed = listening != self._listening
+        self._listening = listening
         self._there = {
             host.names[i] for host in self._hosts.values() if host.listens for i in host.indices
         }
+        return changed
 
     def has(self, agent: str) -> bool:
         """Whether a host that was present at the last `look` runs an agent."""

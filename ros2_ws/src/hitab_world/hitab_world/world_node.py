@@ -82,8 +82,8 @@ class WorldNode(GuardedNode):
 
     def look_who_is_there(self) -> bool:
         """Update which agents have joined the world; return whether that has changed."""
-        self._audience.look()
-        return self.attendance.look()
+        replaced = self._audience.look()
+        return self.attendance.look() or replaced
 
     # -- the main loop ----------------------------------------------------------------------
 

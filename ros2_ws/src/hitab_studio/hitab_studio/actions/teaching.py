@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from hitab_client import SwarmError
+from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
@@ -57,6 +58,8 @@ async def _commanded(session: Session, behavior: str, sequence: int = 0) -> None
     """
     session.lost = None
     agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
+    # An agent that was restarted meanwhile has to be discovered first.
+    seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
 
     def job(swarm: Connected, agent: str) -> None:
         nonlocal sent
@@ -64,7 +67,7 @@ async def _commanded(session: Session, behavior: str, sequence: int = 0) -> None
         if swarm.agents.await_agent(agent).mode == "testing":
             # One keystroke: a command also takes over.
             swarm.agents.set_mode(agent, "training")
-        swarm.agents.command(agent, behavior, sequence=number, seconds=TAKEN_SECONDS)
+        swarm.agents.command(agent, behavior, sequence=number, seconds=seconds)
 
     try:
         await session.ask_agent(job)

@@ -1,0 +1,125 @@
+"""Who hangs or has ended is said on the page, and what was asked of them is not lost."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from browsing import ONE, Person, away_from_everybody, needs_browser, studio
+
+from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.supervision import process_states
+from keepaway_world.verbs.evaluation import trained_keepers
+
+SECONDS = 60.0
+
+
+def pid_of(swarm: Any, name: str) -> int:
+    """Return the process of an agent or the world, 0 while it has none."""
+    states = process_states(swarm.record)
+    return next((state["pid"] for state in states if state["name"] == name), 0)
+
+
+@contextmanager
+def hanging(swarm: Any, name: str) -> Iterator[int]:
+    """Have a process hang; it may be killed meanwhile."""
+    pid = pid_of(swarm, name)
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        yield pid
+    finally:
+        if pid_of(swarm, name) == pid:
+            os.kill(pid, signal.SIGCONT)
+
+
+@pytest.fixture
+def training(swarm, person) -> Person:
+    """Somebody who trains keeper_1, with one command given."""
+    away_from_everybody(swarm, 5.0)
+    swarm.agents.begin(ONE, "Lost", features=["DistanceTo(ball)"], discard=True)
+    person.click(f"agent-{ONE}")
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    return person
+
+
+def told_absent(person: Person) -> None:
+    """Wait until the page says that the agent is silent, wherever it shows the agent."""
+    person.sees("absent", "no sign of life")
+    person.sees(f"agent-{ONE}", "silent")
+    person.sees("as-it-was", "known before")
+    off = person.page.locator('[data-test="do-GoSlow"]')
+    assert "no sign of life" in off.get_attribute("title")
+    assert off.get_attribute("aria-disabled") == "true"
+
+
+@needs_browser
+def test_a_command_that_an_agent_takes_late_is_not_given_twice(swarm, training):
+    with hanging(swarm, ONE):
+        training.click("do-Stop")
+        training.sees("lost", f"Stop was not taken by {ONE}: send again?")
+        told_absent(training)
+    training.does_not_see("lost")
+    training.sees("message", f"{ONE} has taken Stop after all")
+    training.sees("counts", "4 examples")
+    training.does_not_see("absent")
+
+
+@needs_browser
+@pytest.mark.timeout(300)
+def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, training):
+    with hanging(swarm, ONE) as pid:
+        training.click("do-Stop")
+        training.sees("lost", "send again?")
+        os.kill(pid, signal.SIGKILL)
+        training.waits_until(lambda: pid_of(swarm, ONE) not in (0, pid), "restarted", SECONDS)
+    training.page.wait_for_selector('[data-test="send-again"]:not([aria-disabled])')
+    training.sees("mode", "Training")  # it has resumed from its journal
+    training.click("send-again")
+    training.does_not_see("lost")
+    training.sees("counts", "4 examples")
+    listed = swarm.agents.list_examples(ONE).examples
+    assert [e.next_state for e in listed if e.kind != "default"] == ["GoFast", "Stop"]
+
+
+@needs_browser
+def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swarm, person):
+    with hanging(swarm, "world"):
+        person.sees("world-absent", "no sign of life")
+        person.sees("world-silent")
+        assert person.page.locator(".overlay[data-stale]").count() == 1
+        person.page.keyboard.press("n")
+        person.sees("message", "The world gives no sign of life")
+    person.does_not_see("world-absent")
+    cycle = swarm.world.status.cycle
+    person.click("step")
+    person.waits_until(
+        lambda: swarm.link.spin(0.02) or swarm.world.state.cycle > cycle, "it is played again"
+    )
+
+
+@needs_browser
+def test_a_swarm_that_is_down_is_not_shown_as_if_it_were_up(chrome, home, tmp_path):
+    """Its robots stood there as before, with a button that would train them."""
+    alone = trained_keepers(None, "", {})
+    description = replace(alone, agents=alone.agents[:1])
+    with studio(tmp_path / "log", "falls") as address:
+        page = chrome.new_page(viewport={"width": 1280, "height": 720})
+        someone = Person(page, address)
+        with temporary_swarm(description, tmp_path / "falls") as running:
+            running.folder.write(replace(running.record, swarm="falls"), register=True)
+            someone.sees_field()
+            someone.click(f"agent-{ONE}")
+            page.wait_for_selector("text=Nothing learned yet")
+        page.wait_for_selector("text=is not up")
+        someone.sees("unknown", "not known until it does")
+        assert page.locator("text=Nothing learned yet").count() == 0
+        assert page.locator('[data-do="new"]:not([aria-disabled])').count() == 0
+        assert page.locator(".overlay[data-stale]").count() == 1
+        assert someone.complaints == []
+        page.close()
