@@ -6,7 +6,7 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core import FLAGS, Agent, Automaton, BasicBehavior, Domain, TrainingError, Use
+from hitab_core import FLAGS, Agent, Automaton, BasicBehavior, Domain, TrainingError, Use, quantity
 from hitab_core.library import difference, scale_of
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import example_message
@@ -60,7 +60,8 @@ class InspectionServices:
         if request.trim:
             if len(request.bind_from) != len(request.bind_to):
                 raise TrainingError(
-                    f"bind_from has {len(request.bind_from)} names, bind_to {len(request.bind_to)}"
+                    f"bind_from has {quantity(len(request.bind_from), 'name')}, "
+                    f"bind_to {len(request.bind_to)}"
                 )
             bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
             automaton, answer.trimmed = self._agent.preview_save(

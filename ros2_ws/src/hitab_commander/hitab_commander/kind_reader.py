@@ -40,7 +40,7 @@ from hitab_commander.kind import (
     Over,
     Pick,
 )
-from hitab_core import FLAGS, NAME, HitabError, Use, VocabularyError
+from hitab_core import FLAGS, NAME, HitabError, Use, VocabularyError, quantity
 from hitab_core.commanding import OTHERS
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, open_yaml
@@ -119,7 +119,8 @@ def _each(top: Fields, key: str, read: Callable[[Fields, str, str, str], Any]) -
             continue
         if len(use.arguments) > 1:
             section.complain(
-                f'"{label}" has {len(use.arguments)} parameters; leave one, for one subordinate',
+                f'"{label}" has {quantity(len(use.arguments), "parameter")}; '
+                "leave one, for one subordinate",
                 label,
             )
             continue

@@ -10,6 +10,7 @@ from pathlib import Path
 from hitab_bringup.doctor.finding import Finding, error, warning
 from hitab_client import domain_ids
 from hitab_client.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
+from hitab_core import quantity
 
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
@@ -128,7 +129,8 @@ def neighbors(started_here: bool) -> Iterator[Finding]:
             for topic in link.topics_of_type(kind)
             if link.node.count_publishers(topic)
         }
-    who = f"{len(found)} agents and worlds answer in ROS domain {number}"
+    nodes = quantity(len(found), "agent or world", "agents and worlds")
+    who = f"{nodes} in ROS domain {number}"
     if found and not started_here:
         yield warning(
             "nodes",
