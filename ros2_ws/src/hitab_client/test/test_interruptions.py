@@ -1,0 +1,73 @@
+"""Ctrl-C and SIGTERM wait where half of something must not be left, and end the process then."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+
+BEGIN = """
+import signal
+from hitab_client.interruptions import *
+handle_interruptions()
+"""
+DEFERRED = (
+    BEGIN
+    + """
+try:
+    with {which}():
+        signal.raise_signal({number})
+        with {which}():
+            pass
+        print("done", flush=True)
+    print("not reached")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+)
+TWICE = (
+    BEGIN
+    + """
+with not_interrupted():
+    signal.raise_signal(signal.SIGINT)
+    print("first", flush=True)
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        print("second", flush=True)
+"""
+)
+
+
+def run(code: str, **options) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, **options
+    )
+
+
+@pytest.mark.parametrize("which", ["not_interrupted", "cheaply_not_interrupted"])
+def test_ctrl_c_is_deferred_to_the_end_of_what_must_be_done_whole(which):
+    done = run(DEFERRED.format(which=which, number="signal.SIGINT"))
+    assert (done.returncode, done.stdout) == (0, "done\ninterrupted\n"), done.stderr
+
+
+def test_sigterm_is_deferred_too_and_ends_with_its_status():
+    done = run(DEFERRED.format(which="not_interrupted", number="signal.SIGTERM"))
+    assert (done.returncode, done.stdout) == (128 + signal.SIGTERM, "done\n"), done.stderr
+
+
+def test_the_second_ctrl_c_is_not_deferred():
+    done = run(TWICE)
+    assert done.stdout == "first\nsecond\n", done.stderr
+
+
+def test_where_nothing_was_set_up_it_is_deferred_as_well():
+    code = DEFERRED.replace("handle_interruptions()", "")
+    done = run(code.format(which="not_interrupted", number="signal.SIGINT"))
+    assert (done.returncode, done.stdout) == (0, "done\ninterrupted\n"), done.stderr
+
+
+def test_a_process_that_was_started_to_ignore_ctrl_c_does_so():
+    code = BEGIN + "signal.raise_signal(signal.SIGINT)\nprint('goes on')"
+    done = run(code, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
+    assert (done.returncode, done.stdout) == (0, "goes on\n"), done.stderr
