@@ -116,12 +116,15 @@ def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
 
 @pytest.mark.timeout(SECONDS * 5)
 def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path) -> None:
-    """What an earlier run in the same folder performed is not taken up."""
-    for _ in range(2):
+    """What an earlier run in the same folder performed is not taken up; snapshots are kept."""
+    for kept in ([], ["five"]):
         with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as running:
             status = running.world.wait()
             assert status.cycle == 0
-            assert list(running.world.snapshot("list").names) == []
+            assert list(running.world.snapshot("list").names) == kept
+            if kept:
+                running.world.snapshot("restore", "five")
+                assert running.world.step(1).cycle == 6
             assert running.agents.statuses[AGENT].mode == "idle"
             running.agents.perform(AGENT, "GoFast")
             running.world.step(5)

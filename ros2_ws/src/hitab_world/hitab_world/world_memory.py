@@ -1,8 +1,8 @@
 """What a world continues from after a restart of its process: its latest state and snapshots.
 
 A thread replaces the latest state at a period, so that no cycle waits for a disk. A snapshot that
-a person saves is on disk before it is acknowledged. Both are valid for the swarm that wrote them:
-the world of another swarm starts as its description says.
+a person saves is on disk before it is acknowledged, and stays until a person deletes it. The
+latest state is valid for one start of a swarm: the next one starts as its description says.
 """
 
 from __future__ import annotations
@@ -47,7 +47,12 @@ class WorldMemory:
 
     def latest(self) -> dict[str, Any] | None:
         """Return the latest state saved by this swarm's world; None if there is none."""
-        return self._read(self._folder / LATEST)
+        path = self._folder / LATEST
+        saved = self._read(path)
+        if saved is not None and saved.get("swarm") != self._swarm:
+            path.unlink(missing_ok=True)  # of an earlier swarm, which will not return
+            return None
+        return saved
 
     def keep(self, state: Mapping[str, Any]) -> None:
         """Replace the latest state soon; one that has not been written yet is skipped.
@@ -96,7 +101,7 @@ class WorldMemory:
     # -- saved snapshots --------------------------------------------------------------------
 
     def named(self) -> dict[str, dict[str, Any]]:
-        """Return the snapshots saved in this swarm, by name; remove those of other swarms."""
+        """Return the snapshots saved in this folder, by name, also at earlier starts."""
         found = {}
         for path in sorted(self._folder.glob(f"{NAMED}*.json")):
             saved = self._read(path)
@@ -146,9 +151,6 @@ class WorldMemory:
             return None
         except (OSError, ValueError, RecursionError) as error:
             self._say(f"{path} is ignored because it cannot be read: {error}")
-            return None
-        if values.get("swarm") != self._swarm:
-            path.unlink(missing_ok=True)  # of an earlier swarm, which will not return
             return None
         return values
 

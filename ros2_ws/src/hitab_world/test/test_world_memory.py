@@ -36,7 +36,7 @@ def test_saved_snapshots_are_there_under_any_name_until_they_are_deleted(tmp_pat
     memory.delete("corner")
     found = make(tmp_path, warned).named()
     assert found == {name: {"of": name} for name in ("../x", "a" * 300, "")}
-    assert make(tmp_path, warned, NEXT_RUN).named() == {}
+    assert make(tmp_path, warned, NEXT_RUN).named() == found, "somebody may have saved them"
 
 
 @pytest.mark.parametrize("damaged", [b"", b"\0" * 50, b'{"swarm"', b"[]", b"\xff", b"[" * 10**5])
