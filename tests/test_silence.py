@@ -2,7 +2,11 @@
 
 import json
 import os
+import pty
+import select
 import signal
+import subprocess
+import sys
 
 import psutil
 import pytest
@@ -64,6 +68,32 @@ def test_the_status_names_a_suspended_agent_and_shows_the_others(swarm, hitab, s
     assert [agent["agent"] for agent in told["agents"]] == ["keeper_2", "keeper_3"]
     assert told["missing"] == [ONE]
     assert "is suspended" in told["silent"][ONE]
+
+
+def test_the_watching_status_notices_who_falls_silent(swarm, suspended):
+    terminal, other_end = pty.openpty()
+    environment = {**os.environ, "COLUMNS": "200", "LINES": "50"}
+    command = [sys.executable, "-m", "hitab_bringup.main", "status", "--watch"]
+    watching = subprocess.Popen(
+        command, stdin=other_end, stdout=other_end, stderr=other_end, env=environment
+    )
+    seen = bytearray()
+
+    def shows(text: str) -> bool:
+        while select.select([terminal], [], [], 0.0)[0]:
+            seen.extend(os.read(terminal, 1 << 16))
+        return text.encode() in seen
+
+    try:
+        assert within(60, lambda: shows("keeper_3"))
+        assert not shows("is suspended")
+        pid = suspended("keeper_3")
+        assert within(60, lambda: shows(f"keeper_3's process is suspended (process {pid})"))
+    finally:
+        watching.kill()
+        watching.wait()
+        os.close(other_end)
+        os.close(terminal)
 
 
 def test_a_suspended_world_is_named(swarm, hitab, suspended):

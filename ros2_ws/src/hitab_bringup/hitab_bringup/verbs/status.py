@@ -130,13 +130,20 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
 
 def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Silence | None]:
     """Return why agents, or the world, do not answer, by name; None: that is unknown."""
+    from hitab_client.run_processes import Silence
+
     agents, world = swarm_up.agents, swarm_up.world
-    missing = (name for name in agents.expected if name not in agents.statuses)
-    told = {name: agents.why_silent(name) for name in missing}
-    if swarm_up.has_world and world.status is None:
+    told = {name: agents.why_silent(name) for name in agents.expected}
+    if swarm_up.has_world:
         told["world"] = world.why_silent()
-    for name in signs.silent() if signs is not None else ():
-        told[name] = world.why_silent() if name == "world" else agents.why_silent(name)
+    reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
+    # Of one that has reported only a process that has ended or is suspended counts.
+    told = {n: why for n, why in told.items() if n not in reported or (why and why.lasts)}
+    for name, seconds in (signs.silent() if signs is not None else {}).items():
+        why = world.why_silent() if name == "world" else agents.why_silent(name)
+        process = swarm_up.record.process_of(name) if swarm_up.record is not None else name
+        silent = Silence(process, f"has been silent for {seconds:.0f} s", lasts=False)
+        told[name] = why or silent
     return told
 
 
