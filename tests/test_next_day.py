@@ -99,7 +99,12 @@ def test_a_swarm_is_up_with_a_damaged_library_and_says_what_it_lost(
     assert refused.returncode == 1
     assert "the file of Wander" in refused.stderr
     done(hitab, "library", "restore", "Wander", "1")
-    done(hitab, "library", "reload")
+    told = done(hitab, "library", "reload")
+    assert "keeper_1, keeper_2, keeper_3: 1 trained behavior" in told
     agents = status(hitab)
     assert {a["behavior"] for a in agents.values()} == {"Wander"}
     assert [a["faults"] for a in agents.values()] == [[], [], []]
+    done(hitab, "library", "delete", "Wander")
+    refused = hitab("library", "reload")
+    assert refused.returncode == 1
+    assert "keeper_1, keeper_2, keeper_3: keeps what it knew: it could no" in refused.stderr

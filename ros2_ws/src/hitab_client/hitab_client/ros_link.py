@@ -138,6 +138,11 @@ class RosLink:
             if kind in kinds:
                 yield topic
 
+    def will_call(self, kind: Any, service: str) -> None:
+        """Prepare to call a service, so that it appears while others are called."""
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, service)
+
     def call(
         self,
         kind: Any,
@@ -165,9 +170,8 @@ class RosLink:
         Raises:
             SwarmError: if the service is not there or does not answer.
         """
-        client = self._clients.get(service)
-        if client is None:
-            client = self._clients[service] = self.node.create_client(kind, service)
+        self.will_call(kind, service)
+        client = self._clients[service]
         if not self.spin_until(
             client.service_is_ready, discovery, 0.01, lambda: f"{service} to appear"
         ):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import getpass
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus, Command
@@ -29,6 +29,8 @@ from hitab_ros import names, qos
 
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
+AT_ONCE = 50
+"""Agents of a host create a service when a client appears; for so many at the same time."""
 
 
 class SwarmClient(AgentPresence):
@@ -191,6 +193,19 @@ class SwarmClient(AgentPresence):
         return self.ask(
             agent, Perform, names.PERFORM, behavior=behavior, arguments=list(arguments)
         )
+
+    def reload(self, agents: Sequence[str]) -> Iterator[tuple[str, str, bool]]:
+        """Make agents reload their libraries; yield each, its answer and whether it did."""
+        for start in range(0, len(agents), AT_ONCE):
+            together = agents[start : start + AT_ONCE]
+            for agent in together:
+                service = names.of_agent(agent, names.LOAD_LIBRARY, self.prefix)
+                self.link.will_call(LoadLibrary, service)
+            for agent in together:
+                try:
+                    yield agent, self.load_library(agent).message, True
+                except SwarmError as error:
+                    yield agent, str(error).removeprefix(f"{agent}: "), False
 
     def load_library(self, agent: str, path: str = "") -> Any:
         """Make an agent reload its library, or load another one."""

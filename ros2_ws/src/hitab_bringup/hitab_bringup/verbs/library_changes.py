@@ -237,17 +237,18 @@ def reload(
 
       hitab library reload keeper_1
     """
-    from hitab_client import SwarmError
+    from hitab_client import SwarmError, some
 
+    done: dict[str, list[str]] = {}
+    refused: dict[str, list[str]] = {}
     with connection(swarm) as swarm_up:
-        wrong = []
-        for agent in agents or swarm_up.agents.await_agents():
-            try:
-                console.say(f"{agent}: {swarm_up.agents.load_library(agent).message}")
-            except SwarmError as error:
-                wrong.append(str(error))
-    if wrong:
-        raise SwarmError("\n".join(wrong))
+        for agent, text, did in swarm_up.agents.reload(agents or swarm_up.agents.await_agents()):
+            answers = done if did else refused
+            answers.setdefault(text.removeprefix(f"{agent} "), []).append(agent)
+    for text, having in done.items():
+        console.say(f"{some(having)}: {text}")
+    if refused:
+        raise SwarmError("\n".join(f"{some(having)}: {t}" for t, having in refused.items()))
 
 
 def _tell_users(folder: Path) -> None:
