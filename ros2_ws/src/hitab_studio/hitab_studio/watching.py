@@ -114,7 +114,8 @@ class Watch:
         self._clients: dict[str, Any] = {}
         self._pending: dict[str, tuple[float, Any, Any]] = {}
         self._next_read = self._next_refresh = 0.0
-        self._digest = ""
+        self._library_key: tuple[Any, ...] = ()
+        self._open = False
         self._training_key: tuple[Any, ...] = ()
         self._wanted: set[str] = set()
         self._probing = False
@@ -146,11 +147,15 @@ class Watch:
             return
         now = time.monotonic()
         self._forget_unanswered(now)
-        if status.library_digest != self._digest or not self.known.vocabulary.domain:
-            self._digest = status.library_digest
+        library_key = (status.library_digest, status.distribution)
+        training = status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING)
+        was_open, self._open = self._open, training or status.examples > 0
+        # What is saved again may have learned the same, under another version and description.
+        ended = was_open and not self._open
+        if library_key != self._library_key or ended or not self.known.vocabulary.domain:
+            self._library_key = library_key
             self._know(behaviors=NOTHING)
             self._ask("vocabulary", GetVocabulary, "get_vocabulary", {}, self._take_vocabulary)
-        training = status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING)
         key = (
             training,
             status.behavior if training else "",
