@@ -12,6 +12,7 @@ from hitab_client import DescriptionError, LessonError, SwarmError
 from hitab_client.lessons import read_lesson
 from hitab_commander import read_kind
 from hitab_core import Agent, BehaviorLibrary, VocabularyError, load_domain
+from hitab_core.library import read_bundle_file
 from hitab_studio.replay import Recording
 from keepaway_world.world import KeepawayWorld
 
@@ -32,6 +33,14 @@ def test_a_library_from_before_loads_and_can_be_performed(tmp_path):
         "Keepaway": 8,
     }
     assert list(behaviors["ControlBall"].transitions["Stop"].predict([[2.0, 1.0]])) == ["Pass"]
+
+
+def test_exported_behaviors_from_before_are_imported(tmp_path):
+    bundle = read_bundle_file(FORMATS / "GotoBall.bundle.yaml")
+    library = BehaviorLibrary(tmp_path / "library", load_domain(bundle.domain))
+
+    assert library.install(bundle.texts) == ["ApproachBall", "GotoBall"]
+    assert sorted(library.load()) == ["ApproachBall", "GotoBall"]
 
 
 def test_a_lesson_from_before_loads():
