@@ -49,13 +49,9 @@ def list_behaviors(
             }
         )
     if json != "-":
-        from rich.table import Table
-
-        table = Table(box=None, pad_edge=False)
-        for column in ("behavior", "examples", "states", "features", "version", "created"):
-            table.add_column(column)
-        for row in data:
-            table.add_row(
+        columns = ("behavior", "examples", "states", "features", "version", "created")
+        rows = [
+            (
                 row["name"],
                 str(row["examples"]),
                 ", ".join(row["states"]),
@@ -63,7 +59,9 @@ def list_behaviors(
                 str(row["version"]),
                 row["created"][:10],
             )
-        console.out().print(table)
+            for row in data
+        ]
+        console.out().print(console.table(columns, rows))
     for problem in there.problems.values():
         console.error(problem)
     console.write_json(json, data)
