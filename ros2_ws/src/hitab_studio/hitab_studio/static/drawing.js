@@ -8,6 +8,7 @@ export const STATE_COLORS = [
 ];
 const NAMED = 26; // things; with more, names are shown for chosen ones only
 export const MANY = 120; // things; with more, they are drawn smaller
+const SILENT = 5; // mode of an agent that does not answer
 const HANDLE = 24; // px; from a thing's edge to the knob that turns it
 const EDGE = 20; // px; from the edge of the view to the middle of an arrow
 
@@ -95,14 +96,22 @@ function drawThings(field, c, screen) {
       c.arc(px, py, radius + 4.5, 0, 2 * Math.PI);
       c.stroke();
     }
-    c.fillStyle = fill(field, i);
-    c.globalAlpha = look.opacity;
+    const silent = mode === SILENT;
+    c.fillStyle = silent ? field.colors.faint : fill(field, i);
+    c.globalAlpha = silent ? 0.3 : look.opacity;
     c.beginPath();
     if (look.shape === "square") c.rect(px - radius, py - radius, 2 * radius, 2 * radius);
     else if (look.faces && many) dart(c, px, py, 1.5 * radius, -heading);
     else c.arc(px, py, radius, 0, 2 * Math.PI);
     c.fill();
     c.globalAlpha = 1;
+    if (silent) {
+      c.strokeStyle = field.colors.faint;
+      c.lineWidth = 1.5;
+      c.setLineDash([3, 3]);
+      c.stroke();
+      c.setLineDash([]);
+    }
     if (look.shape === "ball") {
       c.strokeStyle = field.colors.ink;
       c.lineWidth = 1;
@@ -123,7 +132,7 @@ function drawThings(field, c, screen) {
       c.lineWidth = 2;
       c.setLineDash(chosen ? [] : [3, 3]);
       c.beginPath();
-      c.arc(px, py, radius + (mode > 2 ? 8.5 : 5), 0, 2 * Math.PI);
+      c.arc(px, py, radius + (mode === 3 || mode === 4 ? 8.5 : 5), 0, 2 * Math.PI);
       c.stroke();
       c.setLineDash([]);
     }
@@ -173,15 +182,18 @@ function drawNames(field, c, screen, footer) {
   const few = now.n <= NAMED;
   const { names } = field.roster;
   const important = (i) => (field.chosen.has(names[i]) ? 2 : i === field.hovered ? 1 : 0);
-  const wanted = [];
   const labels = new Labels();
   if (footer) labels.block(...footer);
-  for (let i = 0; i < now.n; i++) {
-    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
+  for (let i = 0; few && i < now.n; i++) {
     const radius = field.radius(i);
-    if (few) labels.block(px - radius, py - radius, 2 * radius, 2 * radius);
-    if ((few && field.looks[i].labelled) || important(i)) wanted.push(i);
+    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
+    labels.block(px - radius, py - radius, 2 * radius, 2 * radius);
   }
+  const chosen = [...field.chosen].map((name) => field.index.get(name) ?? -1);
+  const named = few ? now.colors.keys() : new Set([...chosen, field.hovered]);
+  const wanted = [...named].filter(
+    (i) => i >= 0 && i < now.n && (important(i) || field.looks[i].labelled),
+  );
   wanted.sort((a, b) => important(b) - important(a) || a - b);
   field.labels = [];
   c.textAlign = "center";
