@@ -14,9 +14,11 @@ from browsing import ONE, Person, away_from_everybody, needs_browser, studio
 
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.supervision import process_states
+from hitab_studio.scene import MODES, SILENT
 from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
+SILENT_MODE = 1 + MODES.index(SILENT)
 
 
 def pid_of(swarm: Any, name: str) -> int:
@@ -53,6 +55,16 @@ def told_absent(person: Person) -> None:
     person.sees("absent", "no sign of life")
     person.sees(f"agent-{ONE}", "silent")
     person.sees("as-it-was", "known before")
+    person.waits_until(
+        lambda: (
+            person.page.evaluate(
+                "name => { const f = window.studioField; return f.now.modes[f.index.get(name)]; }",
+                ONE,
+            )
+            == SILENT_MODE
+        ),
+        "the field shows it as before",
+    )
     off = person.page.locator('[data-test="do-GoSlow"]')
     assert "no sign of life" in off.get_attribute("title")
     assert off.get_attribute("aria-disabled") == "true"

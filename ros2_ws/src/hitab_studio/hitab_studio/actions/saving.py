@@ -29,7 +29,14 @@ async def save_dialog(session: Session, data: Data) -> None:
     training = session.watched.training
     if training is None:
         raise SwarmError(f"{session.agent or 'no agent'} is not training anything.")
-    session.dialog = {"kind": "save", "agent": session.agent, "training": training, "values": {}}
+    session.dialog = {
+        "kind": "save",
+        "agent": session.agent,
+        "training": training,
+        "values": {},
+        "preview": None,
+        "problem": "",
+    }
     await _preview(session, {})
 
 
