@@ -22,6 +22,7 @@ from .ros_link import RosLink as RosLink
 from .run_folder import RunFolder as RunFolder
 from .run_folder import RunRecord as RunRecord
 from .signs_of_life import SignsOfLife as SignsOfLife
+from .swarm_client import ACKNOWLEDGE_SECONDS as ACKNOWLEDGE_SECONDS
 from .swarm_client import SwarmClient as SwarmClient
 from .world_client import WorldClient as WorldClient
 from .world_view import Thing as Thing

@@ -6,8 +6,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_client import SwarmError
-from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS
+from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
