@@ -43,9 +43,15 @@ def guide() -> str:
     return " ".join(" ".join(listed).split())
 
 
+def press(person: Person, key: str, name: str) -> None:
+    """Press a key once what it stands for can be done: on a busy machine an agent may be late."""
+    person.page.wait_for_selector(f'[data-test="{name}"]:not([aria-disabled])')
+    person.page.keyboard.press(key)
+
+
 def press_key_of(person: Person, behavior: str) -> None:
     button = person.page.locator(f'[data-test="do-{behavior}"]')
-    person.page.keyboard.press(button.locator("kbd").inner_text().lower())
+    press(person, button.locator("kbd").inner_text().lower(), f"do-{behavior}")
     person.page.wait_for_selector(f'[data-test="do-{behavior}"].active')
 
 
@@ -187,7 +193,7 @@ def shows_all_once_more(person: Person, swarm: Any) -> None:
 
 @step("Press `T`: now what the keeper has learned decides, and the frame turns teal.")
 def hands_over(person: Person, swarm: Any) -> None:
-    person.page.keyboard.press("t")
+    press(person, "t", "toggle")
     person.page.wait_for_selector('.overlay[data-mode="testing"]')
 
 
@@ -197,13 +203,13 @@ def hands_over(person: Person, swarm: Any) -> None:
 )
 def lets_it_run(person: Person, swarm: Any) -> None:
     before = swarm.world.status.episode
-    person.page.keyboard.press("r")
+    press(person, "r", "pause")
     person.waits_until(
         lambda: swarm.link.spin(0.02) or swarm.world.status.episode > before, "no new episode"
     )
     person.waits_until(lambda: state_of(swarm) == "Start", "it does not begin at Start")
     swarm.world.control("pace", pace="realtime", factor=0.25)  # this machine may be busy
-    person.page.keyboard.press(" ")
+    press(person, " ", "pause")
     person.waits_until(lambda: stands_at_the_ball(swarm), "it has not come to the ball", 60.0)
 
 

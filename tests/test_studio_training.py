@@ -65,6 +65,7 @@ def test_the_history_shows_what_undo_takes_back_and_redo_does_again(swarm, perso
     person.sees("history", "GoFast → Stop, 2 examples")
     title = person.page.locator('[data-test="undo"]').get_attribute("title")
     assert title == "Take back: GoFast → Stop, 2 examples (U)"
+    person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     undone = person.page.wait_for_selector('[data-test="history"] .undone')
     assert "GoFast → Stop" in undone.inner_text()
