@@ -31,6 +31,7 @@ class Broken:
     def __init__(self) -> None:
         self.seed = self.episode = self.cycle = self.episode_cycle = 0
         self.refused: dict[str, str] = {}
+        self.looks: dict[str, Any] = {}
         self.broken: set[str] = set()
         self.acted: set[str] = set()
 
