@@ -244,7 +244,7 @@ def test_without_features_only_frequencies_count():
 def test_examples_that_the_classifier_cannot_learn_from_are_the_demonstrators_to_mend():
     too_few = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=5)"
     for spec in (too_few, "sklearn.svm.SVC(C='many')"):
-        with pytest.raises(TrainingError, match=r"these 2 examples: .*use the tree"):
+        with pytest.raises(TrainingError, match=r"cannot learn from 2 examples: .*use the tree"):
             learn_transition(spec, [METERS], *TWO)
 
 
