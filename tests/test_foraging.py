@@ -69,9 +69,6 @@ def test_foragers_do_over_topics_what_they_do_in_one_process(home, tmp_path):
     assert told == places(world.entities())
 
 
-@pytest.mark.parametrize(
-    ("name", "kind"), [("foraging_commanders", "one_level"), ("foraging_two_levels", "two_levels")]
-)
 def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
     home, tmp_path, name, kind
 ):
@@ -117,6 +114,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         # The company's lesson takes a minute.
         companies = ("foraging_company",) if metafunc.config.getoption("long") else ()
         metafunc.parametrize("taught_commander", ("foraging_squad", *companies))
+    if "kind" in metafunc.fixturenames:
+        one_level = (("foraging_commanders", "one_level"),)
+        games = one_level if metafunc.config.getoption("long") else ()
+        metafunc.parametrize(("name", "kind"), (("foraging_two_levels", "two_levels"), *games))
 
 
 def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, taught_commander):
