@@ -21,6 +21,9 @@ RPC_SECONDS = 5.0
 FRESH_SECONDS = 0.3
 """How long the supervisor's answer is used before it is asked again."""
 
+PATIENCE = 60.0
+"""s; how long the supervisor of a starting swarm may take to answer."""
+
 ENDED = ("EXITED", "FATAL", "UNKNOWN")
 STOPPED = ("STOPPED", "STOPPING")
 STARTING = ("STARTING", "BACKOFF")
@@ -29,8 +32,8 @@ STARTING = ("STARTING", "BACKOFF")
 class _SocketConnection(http.client.HTTPConnection):
     """HTTP over a socket file."""
 
-    def __init__(self, path: str) -> None:
-        super().__init__("localhost", timeout=RPC_SECONDS)
+    def __init__(self, path: str, seconds: float) -> None:
+        super().__init__("localhost", timeout=seconds)
         self._path = path
 
     def connect(self) -> None:
@@ -43,22 +46,26 @@ class _SocketConnection(http.client.HTTPConnection):
 class _SocketTransport(Transport):
     """XML-RPC over a socket file."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, seconds: float) -> None:
         super().__init__()
-        self._path = path
+        self._path, self._seconds = path, seconds
 
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         """Return the connection."""
-        return _SocketConnection(self._path)
+        return _SocketConnection(self._path, self._seconds)
 
 
-def process_states(record: RunRecord) -> list[dict[str, Any]]:
+def process_states(record: RunRecord, seconds: float = PATIENCE) -> list[dict[str, Any]]:
     """Return the supervisor's data on each process: name, statename, pid, exitstatus.
+
+    Args:
+        record: of the run.
+        seconds: to wait for its answer; it may be busy starting many processes.
 
     Raises:
         SwarmError: if the supervisor does not answer.
     """
-    proxy = ServerProxy("http://localhost", transport=_SocketTransport(record.socket))
+    proxy = ServerProxy("http://localhost", transport=_SocketTransport(record.socket, seconds))
     try:
         found: Any = proxy.supervisor.getAllProcessInfo()
         return list(found)
@@ -152,7 +159,9 @@ class RunProcesses:
         """Ask the supervisor again, if its last answer is too old."""
         if time.monotonic() > self._asked + FRESH_SECONDS:
             try:
-                self._states = {state["name"]: state for state in process_states(self._record)}
+                self._states = {
+                    state["name"]: state for state in process_states(self._record, RPC_SECONDS)
+                }
             except SwarmError:
                 self._states = {}
             self._silences = {}

@@ -112,7 +112,9 @@ def test_a_supervisor_that_does_not_answer_is_no_reason_either(tmp_path):
 def test_the_supervisor_is_not_asked_for_each_agent(team, monkeypatch):
     monkeypatch.setattr(run_processes, "FRESH_SECONDS", 1000.0)
     asked = []
-    monkeypatch.setattr(run_processes, "process_states", lambda told: asked.append(told) or STATES)
+    monkeypatch.setattr(
+        run_processes, "process_states", lambda told, seconds: asked.append(told) or STATES
+    )
     processes = RunProcesses(team)
     for name in team.agents:
         processes.why_silent(name)
