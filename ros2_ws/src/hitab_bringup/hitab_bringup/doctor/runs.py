@@ -8,7 +8,7 @@ from pathlib import Path
 from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import SwarmError
 from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms
-from hitab_client.run_processes import process_states
+from hitab_client.run_processes import RPC_SECONDS, process_states
 
 SHOWN = 5  # processes by name
 
@@ -27,7 +27,7 @@ def swarms() -> Iterator[Finding]:
             continue
         where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
         try:
-            states = process_states(record)
+            states = process_states(record, RPC_SECONDS)
         except SwarmError as error:
             yield warning("swarm", str(error), f"`hitab down {record.swarm}`")
             continue
