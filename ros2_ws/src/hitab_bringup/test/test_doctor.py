@@ -158,7 +158,7 @@ def test_a_swarm_that_is_up_is_reported_with_its_processes(monkeypatch):
     )
     monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
     states = [{"name": "world", "statename": "RUNNING", "pid": 11}]
-    monkeypatch.setattr(runs, "process_states", lambda _: states)
+    monkeypatch.setattr(runs, "process_states", lambda _, seconds: states)
     assert one(runs.swarms()).text == "red is up in ROS domain 7, supervisor 1: world 11"
     states.append({"name": "a", "statename": "EXITED", "pid": 0})
     assert one(runs.swarms()).way_out == "`hitab logs a` shows why"
