@@ -23,9 +23,9 @@ from hitab_client import (
     SwarmError,
     WorldClient,
     domain_ids,
-    some,
 )
 from hitab_client.run_folder import registry_held, running_swarms
+from hitab_core import each_once, some
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
@@ -74,18 +74,10 @@ def bring_up(
             record = stack.enter_context(_started(swarm, folder, domain_id, temporary=False))
         link = stack.enter_context(RosLink(domain_id))
         agents, _ = _await_all(swarm, record, folder, link, progress)
-        for fault, having in _faults(agents).items():
-            warn(f"{some(having)}: {fault}")
+        there = sorted(agents.statuses.items())
+        for text in each_once((name, fault) for name, s in there for fault in s.faults):
+            warn(text)
     return record
-
-
-def _faults(agents: SwarmClient) -> dict[str, list[str]]:
-    """Return the faults of agents, each with the names of those that have it."""
-    found: dict[str, list[str]] = {}
-    for name, status in sorted(agents.statuses.items()):
-        for fault in status.faults:
-            found.setdefault(fault, []).append(name)
-    return found
 
 
 @contextlib.contextmanager

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
 from hitab_client import DescriptionError, RunFolder, SwarmError
 from hitab_client.run_folder import running_swarms, state_home
 from hitab_client.shipped import shipped_folders
-from hitab_core import LibraryError, did_you_mean, has
+from hitab_core import LibraryError, did_you_mean, has, some
 from hitab_core.library import SUFFIX
 
 NAMED_MAX = 12
@@ -67,10 +67,7 @@ def shipped_libraries() -> dict[str, Path]:
 
 
 def _listed(known: Mapping[str, Path]) -> str:
-    names = list(known)
-    more = len(names) - NAMED_MAX
-    shown = ", ".join(names[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
-    return f"there are {shown}"
+    return f"there are {some(list(known), NAMED_MAX)}"
 
 
 def library_of_agent(agent: str, folder: RunFolder, swarm: str) -> Path:
@@ -185,9 +182,3 @@ def _members_of(swarm: SwarmDescription, domain: str | None) -> set[str]:
             "share a new library; write `library:` for each of them in its description"
         )
     return {agent.name for agent in swarm.agents}
-
-
-def named(agents: Iterable[str]) -> str:
-    """Return some of the names of agents, for a sentence."""
-    names = list(agents)
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

@@ -27,7 +27,7 @@ from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.dds_profile import RANGE, choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import MARK
-from hitab_client.run_processes import process_states
+from hitab_client.run_processes import ENDED, process_states
 from hitab_ros.exit_codes import FINAL
 
 STOP_SECONDS = 10.0
@@ -145,7 +145,7 @@ def _await_socket(supervisor: subprocess.Popen[bytes], socket: Path, folder: Run
         time.sleep(0.01)
 
 
-FAILED = ("BACKOFF", "FATAL", "EXITED", "UNKNOWN")
+FAILED = (*ENDED, "BACKOFF")
 
 
 def refuse_failed(record: RunRecord, folder: RunFolder) -> None:

@@ -16,7 +16,6 @@ from .errors import DescriptionError as DescriptionError
 from .errors import LessonError as LessonError
 from .errors import NamesTakenError as NamesTakenError
 from .errors import SwarmError as SwarmError
-from .errors import some as some
 from .path_tracker import PathTracker as PathTracker
 from .ros_link import RosLink as RosLink
 from .run_folder import RunFolder as RunFolder
@@ -24,5 +23,6 @@ from .run_folder import RunRecord as RunRecord
 from .signs_of_life import SignsOfLife as SignsOfLife
 from .swarm_client import ACKNOWLEDGE_SECONDS as ACKNOWLEDGE_SECONDS
 from .swarm_client import SwarmClient as SwarmClient
+from .swarm_client import is_answered as is_answered
 from .world_client import WorldClient as WorldClient
 from .world_view import Thing as Thing

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable, Sequence
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client.errors import SwarmError, some
+from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
-from hitab_client.run_processes import RunProcesses, Silence
-from hitab_core import has
+from hitab_client.run_processes import RunProcesses
+from hitab_core import has, some
 from hitab_ros import names, qos, refuse_other_definitions
 
 DISCOVERY_SECONDS = 8.0
@@ -42,7 +42,7 @@ class AgentPresence:
         expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
         identity: of the swarm in question; empty: any.
-        processes: of the swarm, if they are known; tells why an agent does not answer.
+        processes: of the swarm; they show why an agent does not answer.
 
     Attributes:
         statuses: the last status of each agent of the swarm, by name.
@@ -62,7 +62,7 @@ class AgentPresence:
         self.prefix = prefix
         self.expected = tuple(expected)
         self.identity = identity
-        self.processes = processes
+        self.processes = processes or RunProcesses()
         self.statuses: dict[str, AgentStatus] = {}
         self.strangers: dict[str, str] = {}
         self._watched: set[str] = set()
@@ -135,7 +135,7 @@ class AgentPresence:
         def complete() -> bool:
             if is_due():
                 lost.clear()
-                lost.update(filter(self._is_lost, wanted))
+                lost.update(filter(self.processes.is_lost, wanted))
                 if not few:
                     self.discover()
             if wanted:
@@ -193,11 +193,7 @@ class AgentPresence:
     def _awaited(self, agents: Iterable[str]) -> set[str]:
         """Return those of these agents that have not reported and still may."""
         missing = set(agents) - self.statuses.keys()
-        return {agent for agent in missing if not self._is_lost(agent)}
-
-    def _is_lost(self, agent: str) -> bool:
-        """Whether waiting for an agent is no use."""
-        return self.processes is not None and self.processes.is_lost(agent)
+        return {agent for agent in missing if not self.processes.is_lost(agent)}
 
     def _settling(self) -> Callable[[], bool]:
         """Return a function that tells whether no new agent has reported for a while."""
@@ -225,23 +221,14 @@ class AgentPresence:
     def _absence(self, agent: str, waited: float) -> str:
         """Return an error text for an agent that did not answer for some seconds."""
         if agent in self.expected or agent in self.statuses:
-            return self.silence(agent) or self._unexplained(agent, waited)
+            return self.processes.reason(agent) or self._unexplained(agent, waited)
         known = {*self.statuses, *self.expected}
         if not known:
             return f'no agent "{agent}" answers, and no other does; `hitab up` starts a swarm'
         return f'no agent "{agent}" answers {has(known, agent)}; `hitab status` shows all'
 
-    def silence(self, agent: str) -> str:
-        """Return why an agent does not answer, as far as its process shows it; else nothing."""
-        why = self.why_silent(agent)
-        return why.of(agent) if why is not None else ""
-
-    def why_silent(self, agent: str) -> Silence | None:
-        """Return why an agent does not answer; None: that is unknown."""
-        return self.processes.why_silent(agent) if self.processes is not None else None
-
     def _unexplained(self, agent: str, waited: float) -> str:
-        pid = self.processes.pid(agent) if self.processes is not None else 0
+        pid = self.processes.pid(agent)
         running = f", although its process ({pid}) runs" if pid else ""
         return f"{agent} has been silent for {waited:g} s{running}; see `hitab logs {agent}`"
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_client.errors import some
 from hitab_client.identity import is_own
 from hitab_client.ros_link import RosLink
+from hitab_core import some
 from hitab_ros import names, qos
 from hitab_ros.names import GROUP
 

@@ -2,17 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from hitab_core import HitabError
-
-NAMED_MAX = 5  # maximum number of names in an error
-
-
-def some(names: Sequence[str]) -> str:
-    """Return the first names of many, for an error: ``a, b, c, d, e and 3 more``."""
-    more = len(names) - NAMED_MAX
-    return ", ".join(names[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
 
 
 class DescriptionError(HitabError):

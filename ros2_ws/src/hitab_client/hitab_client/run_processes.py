@@ -12,17 +12,19 @@ from xmlrpc.client import Fault, ProtocolError, ServerProxy, Transport
 
 import psutil  # type: ignore[import-untyped]
 
-from hitab_client.errors import SwarmError, some
+from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
+from hitab_core import some
+from hitab_ros.names import WORLD
 
-RPC_SECONDS = 5.0
-"""How long to wait for the supervisor."""
+ANSWER_SECONDS = 5.0
+"""How long to wait for the answer of the supervisor of a swarm that is up."""
+
+START_SECONDS = 60.0
+"""How long to wait for it while it starts many processes."""
 
 FRESH_SECONDS = 0.3
 """How long the supervisor's answer is used before it is asked again."""
-
-PATIENCE = 60.0
-"""s; how long the supervisor of a starting swarm may take to answer."""
 
 ENDED = ("EXITED", "FATAL", "UNKNOWN")
 STOPPED = ("STOPPED", "STOPPING")
@@ -55,12 +57,12 @@ class _SocketTransport(Transport):
         return _SocketConnection(self._path, self._seconds)
 
 
-def process_states(record: RunRecord, seconds: float = PATIENCE) -> list[dict[str, Any]]:
+def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[dict[str, Any]]:
     """Return the supervisor's data on each process: name, statename, pid, exitstatus.
 
     Args:
         record: of the run.
-        seconds: to wait for its answer; it may be busy starting many processes.
+        seconds: to wait for its answer.
 
     Raises:
         SwarmError: if the supervisor does not answer.
@@ -98,25 +100,45 @@ class Silence:
 
 
 class RunProcesses:
-    """The processes of a swarm that `hitab up` has started."""
+    """The processes of a swarm that `hitab up` has started.
 
-    def __init__(self, record: RunRecord) -> None:
+    Args:
+        record: of the run; None: nothing is known of any process.
+    """
+
+    def __init__(self, record: RunRecord | None = None) -> None:
         self._record = record
+        processes = record.processes if record is not None else {}
         self._process_of = {
-            name: process for process, names in record.processes.items() for name in names
+            name: process for process, names in processes.items() for name in names
         }
         self._states: Mapping[str, Mapping[str, Any]] = {}
         self._silences: dict[str, Silence | None] = {}
         self._asked = -FRESH_SECONDS
 
+    @property
+    def are_known(self) -> bool:
+        """Whether anything is known of the swarm's processes."""
+        return self._record is not None
+
     def __contains__(self, name: str) -> bool:
         """Whether the swarm has started this agent, or world."""
-        return name in self._process_of or (name == "world" and self._record.world)
+        has_world = self._record is not None and self._record.world
+        return name in self._process_of or (name == WORLD and has_world)
+
+    def process_of(self, name: str) -> str:
+        """Return the name of the process that runs an agent, or the world."""
+        return self._process_of.get(name, name)
+
+    def reason(self, name: str) -> str:
+        """Return why an agent or the world does not answer, as far as its process shows it."""
+        why = self.why_silent(name)
+        return why.of(name) if why is not None else ""
 
     def why_silent(self, name: str) -> Silence | None:
         """Return why an agent or the world does not answer; None: its process looks healthy."""
         self._ask()
-        process = self._process_of.get(name, name)
+        process = self.process_of(name)
         if process not in self._silences:
             self._silences[process] = self._silence(process)
         return self._silences[process]
@@ -129,7 +151,7 @@ class RunProcesses:
     def pid(self, name: str) -> int:
         """Return the process id for an agent or the world; 0: it has none."""
         self._ask()
-        state = self._states.get(self._process_of.get(name, name))
+        state = self._states.get(self.process_of(name))
         return int(state["pid"]) if state is not None else 0
 
     def _silence(self, process: str) -> Silence | None:
@@ -157,10 +179,10 @@ class RunProcesses:
 
     def _ask(self) -> None:
         """Ask the supervisor again, if its last answer is too old."""
-        if time.monotonic() > self._asked + FRESH_SECONDS:
+        if self._record is not None and time.monotonic() > self._asked + FRESH_SECONDS:
             try:
                 self._states = {
-                    state["name"]: state for state in process_states(self._record, RPC_SECONDS)
+                    state["name"]: state for state in process_states(self._record, ANSWER_SECONDS)
                 }
             except SwarmError:
                 self._states = {}

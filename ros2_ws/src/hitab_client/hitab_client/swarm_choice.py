@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,6 +49,11 @@ def meant(which: str, among: Iterable[Found]) -> list[Found]:
         for folder, record in among
         if which in (record.swarm, record.identity) or folder.path == path
     ]
+
+
+def folder_called(which: str) -> RunFolder:
+    """Return the run folder at a path, or the default one of a swarm with a name."""
+    return RunFolder(Path(which) if os.sep in which else state_home() / which)
 
 
 def find_running(which: str | None) -> Found | None:
@@ -107,19 +112,23 @@ def none_is_up(domain_id: int | None) -> str:
     return " ".join(known)
 
 
+def reported_on(link: RosLink) -> Iterator[str]:
+    """Yield the topics on which agents and worlds report their status."""
+    from hitab_ros import names
+
+    for kind in names.STATUS_TYPES:
+        for topic in link.topics_of_type(kind):
+            if link.node.count_publishers(topic):
+                yield topic
+
+
 def look_elsewhere(link: RosLink) -> None:
     """Look for nodes of a swarm that was started by hand, or on another computer.
 
     Raises:
         SwarmError: if there are none.
     """
-    from hitab_ros import names
-
-    def found() -> bool:
-        topics = (t for kind in names.STATUS_TYPES for t in link.topics_of_type(kind))
-        return any(link.node.count_publishers(topic) for topic in topics)
-
-    if not link.spin_until(found, LOOK_SECONDS):
+    if not link.spin_until(lambda: any(reported_on(link)), LOOK_SECONDS):
         raise SwarmError("no swarm is up; start one with `hitab up keepaway`")
 
 
@@ -136,7 +145,7 @@ def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None
     found = only(meant(which, up)) or only(meant(which, left))
     if found is not None:
         return found
-    folder = RunFolder(Path(which) if os.sep in which else state_home() / which)
+    folder = folder_called(which)
     record = folder.read()
     if record is not None or folder.processes():
         return folder, record

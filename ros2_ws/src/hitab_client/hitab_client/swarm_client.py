@@ -33,6 +33,11 @@ AT_ONCE = 50
 """Agents of a host create a service when a client appears; for so many at the same time."""
 
 
+def is_answered(status: AgentStatus, sequence: int) -> bool:
+    """Return whether an agent's status shows that it has taken, or refused, a command."""
+    return sequence in (status.last_command_sequence, status.last_refused_sequence)
+
+
 class SwarmClient(AgentPresence):
     """The agents of a swarm, as seen and commanded over ROS.
 
@@ -42,7 +47,7 @@ class SwarmClient(AgentPresence):
         prefix: namespace of the swarm.
         demonstrator: name of the demonstrator; by default, the user.
         identity: of the swarm in question; empty: any.
-        processes: of the swarm, if they are known; tells why an agent does not answer.
+        processes: of the swarm; they show why an agent does not answer.
     """
 
     def __init__(
@@ -97,11 +102,10 @@ class SwarmClient(AgentPresence):
         )
 
         def answered() -> bool:
-            status = self.statuses[agent]
-            return sequence in (status.last_command_sequence, status.last_refused_sequence)
+            return is_answered(self.statuses[agent], sequence)
 
         deadline = time.monotonic() + seconds
-        while time.monotonic() < deadline and not self._is_lost(agent):
+        while time.monotonic() < deadline and not self.processes.is_lost(agent):
             # The subscriber may be an agent whose death is not yet known; its successor gets the
             # next copy. An agent ignores commands that it has already obeyed.
             publisher.publish(command)
@@ -111,7 +115,7 @@ class SwarmClient(AgentPresence):
                 break  # it was restarted and does not remember obeyed commands
         if not answered():
             raise SwarmError(
-                self.silence(agent)
+                self.processes.reason(agent)
                 or f"{agent} did not acknowledge the command within {seconds:g} s; "
                 f"check with `hitab examples list {agent}` whether it was recorded"
             )

@@ -11,7 +11,7 @@ from hitab_msgs.srv import Control, Place, Play, Snapshot
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
-from hitab_client.run_processes import RunProcesses, Silence
+from hitab_client.run_processes import RunProcesses
 from hitab_ros import names, qos
 
 NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
@@ -27,7 +27,7 @@ class WorldClient:
         prefix: namespace of the swarm.
         identity: of the swarm in question; empty: any.
         started_by_it: whether that swarm has started a world.
-        processes: of the swarm, if they are known; tells why the world does not answer.
+        processes: of the swarm; they show why the world does not answer.
 
     Attributes:
         status: the last status of the swarm's world.
@@ -47,7 +47,7 @@ class WorldClient:
         self.prefix = prefix
         self.identity = identity
         self._started_by_it = started_by_it
-        self._processes = processes
+        self._processes = processes or RunProcesses()
         self.status: WorldStatus | None = None
         self.stranger: str | None = None
         self.state: WorldState | None = None
@@ -85,31 +85,24 @@ class WorldClient:
         Raises:
             SwarmError: if there is none, saying why if that is known, or only another swarm's.
         """
-        own = self._processes is not None and names.WORLD in self._processes
-        if self._processes is not None and not own:
+        own = names.WORLD in self._processes
+        if self._processes.are_known and not own:
             seconds = min(seconds, STARTED_BY_HAND_SECONDS)
 
+        is_lost = self._processes.is_lost
+
         def decided() -> bool:
-            return self.status is not None or self.stranger is not None or self._is_lost()
+            return self.status is not None or self.stranger is not None or is_lost(names.WORLD)
 
         self.link.spin_until(decided, seconds, waiting_for=lambda: "the world")
         self.refuse_stranger()
         if self.status is None:
-            raise SwarmError(self.silence() or (_unexplained(seconds) if own else NO_WORLD))
+            raise SwarmError(self._reason() or (_unexplained(seconds) if own else NO_WORLD))
         return self.status
 
-    def _is_lost(self) -> bool:
-        """Whether waiting for the world is no use."""
-        return self._processes is not None and self._processes.is_lost(names.WORLD)
-
-    def silence(self) -> str:
-        """Return why the world does not answer, as far as its process shows it; else nothing."""
-        why = self.why_silent()
-        return why.of(names.WORLD) if why is not None else ""
-
-    def why_silent(self) -> Silence | None:
-        """Return why the world does not answer; None: that is unknown."""
-        return self._processes.why_silent(names.WORLD) if self._processes is not None else None
+    def _reason(self) -> str:
+        """Return why the world does not answer, as far as its process shows it."""
+        return self._processes.reason(names.WORLD)
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""
@@ -126,7 +119,7 @@ class WorldClient:
             kind,
             self._name(service),
             kind.Request(**fields),
-            missing=lambda: self.silence() or NO_WORLD,
+            missing=lambda: self._reason() or NO_WORLD,
         )
         if not answer.success:
             raise SwarmError(f"the world refuses: {answer.message}")
@@ -167,7 +160,7 @@ class WorldClient:
     ) -> WorldState:
         if not self.link.spin_until(lambda: self.state is not None and right(self.state), seconds):
             raise SwarmError(
-                self.silence()
+                self._reason()
                 or f"the world did not {what} within {seconds:g} s; see `hitab logs {names.WORLD}`"
             )
         assert self.state is not None

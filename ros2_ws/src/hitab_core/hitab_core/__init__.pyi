@@ -40,4 +40,7 @@ from .use import Use as Use
 from .vocabulary import did_you_mean as did_you_mean
 from .vocabulary import has as has
 from .vocabulary import unknown as unknown
+from .wording import each_once as each_once
+from .wording import natural as natural
 from .wording import quantity as quantity
+from .wording import some as some

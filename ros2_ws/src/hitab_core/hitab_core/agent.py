@@ -84,8 +84,8 @@ class Agent:
     journal folder, across restarts of the process.
 
     Attributes:
-        awaited: what it begins to perform once that is no longer lost, unless it is told otherwise
-            before; None: nothing.
+        awaited: what it begins to perform once that is no longer lost, unless something else is
+            asked of it before; None: nothing.
     """
 
     def __init__(

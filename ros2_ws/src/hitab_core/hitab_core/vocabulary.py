@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Collection, Iterable
 
 from hitab_core.errors import VocabularyError
+from hitab_core.wording import natural
 
 LISTED = 10
 """Maximum number of known names in an error."""
@@ -30,7 +30,7 @@ def has(names: Iterable[object], *wrong: object) -> str:
     Of more than `LISTED` names it lists those closest to the wrong one, the closest first, and
     counts the others: ``(has: a, b, ... and 990 more)``.
     """
-    known = sorted({str(name) for name in names}, key=_in_natural_order)
+    known = sorted({str(name) for name in names}, key=natural)
     if not known:
         return "(has none)"
     hint = next(filter(None, (did_you_mean(str(name), known) for name in wrong)), "")
@@ -39,12 +39,6 @@ def has(names: Iterable[object], *wrong: object) -> str:
         known = _closest(str(wrong[0]), known) if wrong else known[:LISTED]
     rest = f", ... and {more} more" if more > 0 else ""
     return f"(has: {', '.join(known)}{rest}{hint and '.'}{hint})"
-
-
-def _in_natural_order(name: str) -> list[tuple[bool, int, str]]:
-    """Sort ``robot_2`` before ``robot_10``."""
-    parts = re.split(r"([0-9]+)", name)
-    return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
 
 
 def _closest(wrong: str, names: Iterable[str]) -> list[str]:

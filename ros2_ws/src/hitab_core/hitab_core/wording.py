@@ -1,6 +1,13 @@
-"""Numbers in the texts that people read."""
+"""Numbers and names in the texts that people read."""
 
 from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+
+NAMED_MAX = 5
+"""Maximum number of names in a sentence, if nothing else is said."""
 
 
 def quantity(number: int, noun: str, plural: str = "") -> str:
@@ -16,3 +23,38 @@ def quantity(number: int, noun: str, plural: str = "") -> str:
         ('1 example', '0 libraries')
     """
     return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
+def some(names: Sequence[str], most: int = NAMED_MAX, between: str = ", ") -> str:
+    """Return the first of many names, and the number of the others.
+
+    Example:
+        >>> some(["a", "b", "c"], most=2)
+        'a, b and 1 more'
+    """
+    more = len(names) - most
+    return between.join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def each_once(texts: Iterable[tuple[str, str]]) -> list[str]:
+    """Return each text once, after the names of those whom it concerns.
+
+    Args:
+        texts: names and texts, in order.
+
+    Example:
+        >>> each_once([("a", "is late"), ("b", "is gone"), ("c", "is late")])
+        ['a, c: is late', 'b: is gone']
+    """
+    concerned: dict[str, list[str]] = {}
+    for name, text in texts:
+        concerned.setdefault(text, []).append(name)
+    return [f"{some(names)}: {text}" for text, names in concerned.items()]
+
+
+@lru_cache(maxsize=8192)
+def natural(name: str) -> tuple[tuple[tuple[bool, int, str], ...], str]:
+    """Return a sort key that puts ``keeper_2`` before ``keeper_10``."""
+    parts = re.split(r"([0-9]+)", name)
+    numbered = tuple((p.isdecimal(), int(p) if p.isdecimal() else 0, p) for p in parts)
+    return numbered, name

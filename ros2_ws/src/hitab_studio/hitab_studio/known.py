@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
+from hitab_core import natural
 from hitab_ros import names
 from hitab_studio.finding import Target
 from hitab_studio.learned import NOTHING
@@ -87,10 +88,3 @@ class Trouble:
     text: str
     session: str = ""
     agent: str = ""
-
-
-@lru_cache(maxsize=8192)
-def natural(name: str) -> tuple[str, int, str]:
-    """Return a sort key that puts keeper_2 before keeper_10."""
-    head = name.rstrip("0123456789")
-    return (head, int(name[len(head) :] or 0), name)

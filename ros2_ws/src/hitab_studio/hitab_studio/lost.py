@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
+from hitab_client import is_answered
 from hitab_studio.known import Known
 
 TAKEN_SECONDS = 2.0
@@ -34,8 +34,3 @@ class Lost:
         if self.sequence:
             return is_answered(status, self.sequence)
         return bool(status.behavior == self.behavior)
-
-
-def is_answered(status: Any, sequence: int) -> bool:
-    """Whether an agent's status shows that it has taken, or refused, a command."""
-    return sequence in (status.last_command_sequence, status.last_refused_sequence)

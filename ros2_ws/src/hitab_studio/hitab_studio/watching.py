@@ -80,7 +80,6 @@ class Watched:
     probed: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
-    silent: bool = False
 
 
 class Watch:
@@ -252,8 +251,6 @@ class Watch:
         for key in old:
             _, client, future = self._pending.pop(key)
             client.remove_pending_request(future)
-        if old:
-            self._know(silent=True)
 
     # -- answers ----------------------------------------------------------------------------
 
@@ -290,7 +287,6 @@ class Watch:
             self._changed()
 
     def _take_features(self, answer: Any) -> None:
-        self._know(silent=False)
         if not answer.success:
             return
         there = zip(answer.automata, answer.features, answer.values, strict=True)

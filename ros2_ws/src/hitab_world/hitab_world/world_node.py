@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from hitab_msgs import msg
 from rclpy.node import Node
 
-from hitab_core import HitabError
+from hitab_core import HitabError, some
 from hitab_ros import GuardedNode, Loop, Spinner, give_signs_of_life, names, refuse_second_of_name
 from hitab_ros.conversions import time_of
 from hitab_world.attendance import Attendance
@@ -177,7 +177,7 @@ class WorldNode(GuardedNode):
         late = ""
         if not self.attendance.complete:
             names_of_late = self.attendance.count_late(exclude=lockstep)
-            late = f"no answer in time from {_some(names_of_late)}"
+            late = f"no answer in time from {some(names_of_late, NAMED_MAX)}"
             self.guard.log(f"{late} in cycle {self.world.cycle}", late)
         if late or not self.attendance.silent:
             self.guard.faults.set(LATE, late)
@@ -240,7 +240,7 @@ class WorldNode(GuardedNode):
             self._pause(STEP)
             return
         self.guard.faults.clear(STEP)
-        refused = _some(list(world.refused.values()), "; ")
+        refused = some(list(world.refused.values()), NAMED_MAX, "; ")
         if refused:
             self.guard.log(refused)
         self.guard.faults.set(REFUSED, refused)
@@ -262,12 +262,6 @@ class WorldNode(GuardedNode):
     def faults_changed(self) -> None:
         """Publish the status soon, at the next turn."""
         self._next_status_ns = min(self._next_status_ns, time.monotonic_ns() + FAULTS_PERIOD_NS)
-
-
-def _some(agents: list[str], between: str = ", ") -> str:
-    """List some texts, such as agents' names, and the number of further ones."""
-    more = len(agents) - NAMED_MAX
-    return between.join(agents[:NAMED_MAX]) + (f" and {more} more" if more > 0 else "")
 
 
 def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:

@@ -113,7 +113,8 @@ def neighbors(started_here: bool) -> Iterator[Finding]:
         started_here: whether `hitab up` has started a swarm in this domain.
     """
     from hitab_client import RosLink
-    from hitab_ros import FinalError, names, refuse_other_definitions
+    from hitab_client.swarm_choice import reported_on
+    from hitab_ros import FinalError, refuse_other_definitions
 
     number = domain_ids.chosen_by_user() or 0
     with RosLink(number) as link:
@@ -123,12 +124,7 @@ def neighbors(started_here: bool) -> Iterator[Finding]:
             refuse_other_definitions(link.node)
         except FinalError as wrong:
             yield error("nodes", str(wrong), "run scripts/setup where that node was started")
-        found = {
-            topic.rsplit("/", 1)[0].lstrip("/")
-            for kind in names.STATUS_TYPES
-            for topic in link.topics_of_type(kind)
-            if link.node.count_publishers(topic)
-        }
+        found = {topic.rsplit("/", 1)[0].lstrip("/") for topic in reported_on(link)}
     nodes = quantity(len(found), "agent or world", "agents and worlds")
     who = f"{nodes} in ROS domain {number}"
     if found and not started_here:

@@ -8,7 +8,8 @@ from pathlib import Path
 from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import SwarmError
 from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms
-from hitab_client.run_processes import RPC_SECONDS, process_states
+from hitab_client.run_processes import ANSWER_SECONDS, process_states
+from hitab_core import some
 
 SHOWN = 5  # processes by name
 
@@ -27,14 +28,13 @@ def swarms() -> Iterator[Finding]:
             continue
         where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
         try:
-            states = process_states(record, RPC_SECONDS)
+            states = process_states(record, ANSWER_SECONDS)
         except SwarmError as error:
             yield warning("swarm", str(error), f"`hitab down {record.swarm}`")
             continue
         running = [state for state in states if state["statename"] == "RUNNING"]
-        pids = ", ".join(f"{state['name']} {state['pid']}" for state in running[:SHOWN])
-        more = f" and {len(running) - SHOWN} more" if len(running) > SHOWN else ""
-        told = f"{record.swarm} is up {where}: {pids}{more}"
+        pids = some([f"{state['name']} {state['pid']}" for state in running], SHOWN)
+        told = f"{record.swarm} is up {where}: {pids}"
         if lost := [state["name"] for state in states if state not in running]:
             yield warning(
                 "swarm",
@@ -57,11 +57,10 @@ def leftovers() -> Iterator[Finding]:
         if record is None or folder.supervisor(record) is None:
             lost.setdefault(mark, []).append(process.pid)
     for mark, pids in sorted(lost.items()):
-        numbers = ", ".join(map(str, sorted(pids)[:SHOWN]))
-        more = f" and {len(pids) - SHOWN} more" if len(pids) > SHOWN else ""
+        numbers = some([str(pid) for pid in sorted(pids)], SHOWN)
         yield warning(
             "leftovers",
-            f"processes {numbers}{more} of a killed run in {mark}"
+            f"processes {numbers} of a killed run in {mark}"
             + ("" if mark in known else ", which no command knows"),
             f"`hitab down --run-dir {mark}`",
         )

@@ -11,15 +11,17 @@ from hitab_client import console
 
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
+    from hitab_client.run_processes import RunProcesses
 
 
 @dataclass
 class Connection:
-    """The agents and the world; also the run folder, if `hitab up` started the swarm."""
+    """The agents, the world and the processes; also the run, if `hitab up` started the swarm."""
 
     link: RosLink
     agents: SwarmClient
     world: WorldClient
+    processes: RunProcesses
     folder: RunFolder | None = None
     record: RunRecord | None = None
 
@@ -53,7 +55,7 @@ def connection(swarm: str | None = None) -> Iterator[Connection]:
 
     folder, record = found if found else (None, None)
     identity = record.identity if record else ""
-    processes = RunProcesses(record) if record else None
+    processes = RunProcesses(record)
     with RosLink(record.domain_id if record else domain_id or 0, console.note) as link:
         if found is None:
             look_elsewhere(link)
@@ -66,4 +68,4 @@ def connection(swarm: str | None = None) -> Iterator[Connection]:
             started_by_it=record.world if record else False,
             processes=processes,
         )
-        yield Connection(link, agents, world, folder, record)
+        yield Connection(link, agents, world, processes, folder, record)

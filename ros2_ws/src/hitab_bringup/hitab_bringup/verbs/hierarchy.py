@@ -77,7 +77,7 @@ def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
         return []
     from hitab_client.run_processes import sentences
 
-    why = {name: swarm_up.agents.why_silent(name) for name in swarm_up.record.commanders}
+    why = {name: swarm_up.processes.why_silent(name) for name in swarm_up.record.commanders}
     there = [name for name, silence in why.items() if silence is None or not silence.lasts]
     view.await_groups(WAIT_SECONDS, there)
     view.discover()

@@ -237,26 +237,28 @@ def reload(
 
       hitab library reload keeper_1
     """
-    from hitab_client import SwarmError, some
+    from hitab_client import SwarmError
+    from hitab_core import each_once
 
-    done: dict[str, list[str]] = {}
-    refused: dict[str, list[str]] = {}
+    done: list[tuple[str, str]] = []
+    refused: list[tuple[str, str]] = []
     with connection(swarm) as swarm_up:
         for agent, text, did in swarm_up.agents.reload(agents or swarm_up.agents.await_agents()):
-            answers = done if did else refused
-            answers.setdefault(text.removeprefix(f"{agent} "), []).append(agent)
-    for text, having in done.items():
-        console.say(f"{some(having)}: {text}")
+            (done if did else refused).append((agent, text.removeprefix(f"{agent} ")))
+    for text in each_once(done):
+        console.say(text)
     if refused:
-        raise SwarmError("\n".join(f"{some(having)}: {t}" for t, having in refused.items()))
+        raise SwarmError("\n".join(each_once(refused)))
 
 
 def _tell_users(folder: Path) -> None:
     """Say which agents use a library that has changed."""
-    from hitab_bringup.library_choice import named, users_of
+    from hitab_bringup.library_choice import users_of
+    from hitab_core import some
 
     for swarm, agents in users_of(folder):
+        use = "uses" if len(agents) == 1 else "use"
         console.say(
-            f"{named(agents)} of swarm {swarm} {'uses' if len(agents) == 1 else 'use'} this "
-            f"library, as it was; `hitab library reload --swarm {swarm}` has them read it again"
+            f"{some(agents, most=3)} of swarm {swarm} {use} this library, as it was; "
+            f"`hitab library reload --swarm {swarm}` has them read it again"
         )

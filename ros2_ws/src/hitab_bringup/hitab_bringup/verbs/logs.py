@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -79,10 +77,10 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
     """
     from hitab_client import RunFolder, SwarmError
     from hitab_client.run_folder import state_home
-    from hitab_client.swarm_choice import find_running
+    from hitab_client.swarm_choice import find_running, folder_called
 
     if swarm is not None:
-        folder = RunFolder(Path(swarm) if os.sep in swarm else state_home() / swarm)
+        folder = folder_called(swarm)
         if (folder.path / "logs").is_dir():
             return folder, folder.read()
     found = find_running(swarm)

@@ -132,18 +132,16 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
     """Return why agents, or the world, do not answer, by name; None: that is unknown."""
     from hitab_client.run_processes import Silence
 
-    agents, world = swarm_up.agents, swarm_up.world
-    told = {name: agents.why_silent(name) for name in agents.expected}
-    if swarm_up.has_world:
-        told["world"] = world.why_silent()
+    agents, world, processes = swarm_up.agents, swarm_up.world, swarm_up.processes
+    started = (*agents.expected, *(["world"] if swarm_up.has_world else []))
+    told = {name: processes.why_silent(name) for name in started}
     reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
     # Of one that has reported only a process that has ended or is suspended counts.
     told = {n: why for n, why in told.items() if n not in reported or (why and why.lasts)}
     for name, seconds in (signs.silent() if signs is not None else {}).items():
-        why = world.why_silent() if name == "world" else agents.why_silent(name)
-        process = swarm_up.record.process_of(name) if swarm_up.record is not None else name
-        silent = Silence(process, f"has been silent for {seconds:.0f} s", lasts=False)
-        told[name] = why or silent
+        for_now = f"has been silent for {seconds:.0f} s"
+        silent = Silence(processes.process_of(name), for_now, lasts=False)
+        told[name] = processes.why_silent(name) or silent
     return told
 
 
@@ -192,13 +190,9 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
 
 def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
     """Return what is wrong with agents, each text once with the names of those concerned."""
-    from hitab_client import some
+    from hitab_core import each_once
 
-    names: dict[str, list[str]] = {}
-    for agent in agents:
-        for text in _wrong(agent):
-            names.setdefault(text, []).append(agent["agent"])
-    return [f"{some(having)}: {text}" for text, having in names.items()]
+    return each_once((agent["agent"], text) for agent in agents for text in _wrong(agent))
 
 
 def _wrong(status: dict[str, Any]) -> list[str]:

@@ -6,12 +6,12 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError
+from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError, is_answered
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
-from hitab_studio.lost import TAKEN_SECONDS, Lost, is_answered
+from hitab_studio.lost import TAKEN_SECONDS, Lost
 from hitab_studio.session import Asked, Session, parameters_of
 
 

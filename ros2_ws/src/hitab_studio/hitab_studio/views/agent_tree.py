@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
-from hitab_studio.known import natural
-
 FEW = 40
 """Agents that are shown unfolded, and in one row each if nobody commands them."""
 
@@ -69,7 +67,7 @@ def _by_name(tops: Sequence[Branch]) -> list[Branch]:
     """Return them with titles above those that differ in their numbers alone."""
     alike: dict[str, list[Branch]] = {}
     for branch in tops:
-        alike.setdefault(natural(branch.name)[0], []).append(branch)
+        alike.setdefault(branch.name.rstrip("0123456789"), []).append(branch)
     found: list[Branch] = []
     for stem, branches in alike.items():
         if len(branches) > 1:
