@@ -42,6 +42,23 @@ needs_browser = pytest.mark.skipif(
 )
 
 
+@contextlib.contextmanager
+def visitor(chrome: Any, url: str, **options: Any) -> Iterator[Person]:
+    """Somebody with a browser of their own, of which nothing may complain.
+
+    Args:
+        chrome: the browser.
+        url: of the page.
+        options: of the browser's context, such as ``has_touch=True``.
+    """
+    context = chrome.new_context(**options)
+    someone = Person(context.new_page(), url)
+    someone.sees_field()
+    yield someone
+    context.close()
+    assert someone.complaints == []
+
+
 def away_from_everybody(swarm: Any, distance: float) -> None:
     """Put a keeper on the left of the ball, m, and all others out of the way."""
     keeper = {"x": -distance, "y": 0.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}

@@ -89,6 +89,16 @@ def test_a_recording_from_before_is_replayed():
     assert {look.shape for look in scene.looks.values()} == {"disc"}
 
 
+def test_a_recording_shows_the_same_moments_back_and_forth():
+    recording = Recording(FORMATS / "keepaway.mcap")
+    moments = (0.0, recording.seconds, 0.9 * recording.seconds)
+    cycles = [recording.scene(at).cycle for at in moments]
+    assert cycles[0] < cycles[2] < cycles[1]
+    assert [recording.scene(at).cycle for at in reversed(moments)] == cycles[::-1]
+    assert recording.statuses(recording.seconds)["keeper_1"].cycle > 0
+    assert recording.statuses(-1.0) == {}
+
+
 def test_a_swarm_description_of_a_newer_format_is_refused_before_anything_else_in_it():
     text = "swarm: new\nformat: 2\nsomething: new\n"
     with pytest.raises(DescriptionError) as refused:

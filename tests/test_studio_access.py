@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from browsing import ONE, Person, away_from_everybody, entity, needs_browser, studio
+from browsing import ONE, Person, away_from_everybody, entity, needs_browser, studio, visitor
 
 from hitab_core import HitabError
 
@@ -42,14 +42,9 @@ def violations(person: Person, view: str) -> list[str]:
 @pytest.fixture(params=["light", "dark"])
 def looking(request: Any, chrome: Any, url: str) -> Iterator[Person]:
     """Somebody whose browser is light or dark."""
-    context = chrome.new_context(
-        viewport={"width": 1280, "height": 720}, color_scheme=request.param
-    )
-    someone = Person(context.new_page(), url)
-    someone.sees_field()
-    yield someone
-    context.close()
-    assert someone.complaints == []
+    view = {"width": 1280, "height": 720}
+    with visitor(chrome, url, viewport=view, color_scheme=request.param) as someone:
+        yield someone
 
 
 @needs_browser

@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import Any
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser
+from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, visitor
 
 
 def field(person: Person, what: str) -> Any:
@@ -158,12 +158,8 @@ class Finger:
 @pytest.fixture
 def tablet(chrome, url) -> Iterator[Person]:
     """Somebody with a tablet that is held upright."""
-    context = chrome.new_context(viewport={"width": 820, "height": 1180}, has_touch=True)
-    someone = Person(context.new_page(), url)
-    someone.sees_field()
-    yield someone
-    context.close()
-    assert someone.complaints == []
+    with visitor(chrome, url, viewport={"width": 820, "height": 1180}, has_touch=True) as someone:
+        yield someone
 
 
 @needs_browser

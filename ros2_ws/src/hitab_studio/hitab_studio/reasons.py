@@ -8,6 +8,8 @@ from hitab_core import START, quantity
 from hitab_ros import names
 from hitab_studio.session import Session
 
+RECORDING = "This is a recording: close it first (Esc)."
+
 
 def off(reason: str) -> markupsafe.Markup:
     """Return the attributes of a button that does nothing at present and says why when pressed.
@@ -23,7 +25,7 @@ def world(session: Session) -> str:
     """Return why the world cannot be controlled."""
     known = session.shared.store.known
     if session.player is not None:
-        return "This is a recording: close it first (Esc)."
+        return RECORDING
     if known.world is None:
         return "No world is up."
     if names.WORLD in known.silent:
@@ -35,7 +37,7 @@ def agent(session: Session) -> str:
     """Return why the agent cannot be commanded."""
     name, known = session.agent, session.shared.store.known
     if session.player is not None:
-        return "This is a recording: close it first (Esc)."
+        return RECORDING
     if not name:
         return "Choose an agent first, in the list or in the field."
     if not known.answers(name):

@@ -56,16 +56,32 @@ class _Line:
 
     times: list[float] = field(default_factory=list)
     _data: list[tuple[Decode, bytes]] = field(default_factory=list)
+    _last: tuple[int, Any] = (-1, None)
 
     def add(self, seconds: float, decode: Decode, data: bytes) -> None:
         self.times.append(seconds)
         self._data.append((decode, data))
 
+    def last(self, seconds: float) -> Any:
+        """Return the last message until then, None if there is none.
+
+        A page asks for the same one many times, so it is kept.
+        """
+        i = bisect_right(self.times, seconds) - 1
+        if i != self._last[0]:
+            self._last = i, self._decoded(i)
+        return self._last[1]
+
     def until(self, seconds: float) -> Iterator[Any]:
         """Yield the messages until then, newest first."""
         for i in range(bisect_right(self.times, seconds) - 1, -1, -1):
-            decode, data = self._data[i]
-            yield decode(data)
+            yield self._decoded(i)
+
+    def _decoded(self, i: int) -> Any:
+        if i < 0:
+            return None
+        decode, data = self._data[i]
+        return decode(data)
 
 
 class Recording:
@@ -119,13 +135,11 @@ class Recording:
 
     def scene(self, seconds: float) -> Scene:
         """Return the scene this many seconds after the beginning."""
-        return scene_of(next(self._states.until(max(self.start + seconds, self.start))))
+        return scene_of(self._states.last(max(self.start + seconds, self.start)))
 
     def statuses(self, seconds: float) -> dict[str, Any]:
         """Return the status of each agent at that time."""
-        last = {
-            a: next(line.until(self.start + seconds), None) for a, line in self._statuses.items()
-        }
+        last = {agent: line.last(self.start + seconds) for agent, line in self._statuses.items()}
         return {agent: status for agent, status in last.items() if status is not None}
 
     def doing(self, seconds: float) -> dict[str, tuple[str, str]]:
