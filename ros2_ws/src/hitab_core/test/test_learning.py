@@ -91,10 +91,27 @@ def test_the_trees_parameters_can_be_given_in_words():
     assert (pruned.prune, pruned.min_samples_leaf) == (True, 2)
 
 
+def test_whether_ties_prefer_a_boolean_feature_can_be_said_in_words():
+    rows, labels = [[9, 0], [2, 1]], ["GoFast", "Stop"]
+    usual, measured = (
+        learn_transition(text, SCALES, rows, labels)
+        for text in ("tree", "tree(boolean_first=False)")
+    )
+    assert (usual.features_used, measured.features_used) == ((1,), (0,))
+    assert (
+        usual.digest()
+        == learn_transition("tree(boolean_first=True)", SCALES, rows, labels).digest()
+    )
+
+
 @pytest.mark.parametrize(
     ("spec", "error", "why"),
     [
-        ("tree(depth=3)", VocabularyError, r'no parameter "depth" \(has: confidence, max_depth'),
+        (
+            "tree(depth=3)",
+            VocabularyError,
+            r'no parameter "depth" \(has: boolean_first, confidence',
+        ),
         ("tree(scales=None)", VocabularyError, 'no parameter "scales"'),
         ("forest", VocabularyError, '"forest" is not a classifier'),
         ("tree(max_depth=-1)", TrainingError, 'state "Start": "tree.*" cannot learn'),

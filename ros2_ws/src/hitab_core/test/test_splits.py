@@ -319,6 +319,12 @@ def test_of_equal_features_a_boolean_one_is_taken_then_the_first():
     assert choose_split(equal, [DEGREES, CONTINUOUS, CONTINUOUS, CONTINUOUS])[0] == 0
 
 
+def test_ties_go_to_the_first_feature_where_boolean_ones_have_no_precedence():
+    equal = [made(1, 1)] * 3
+    scales = [DEGREES, CONTINUOUS, BOOLEAN]
+    assert choose_split(equal, scales, boolean_first=False)[0] == 0
+
+
 def test_differences_that_come_from_rounding_decide_nothing():
     close = [made(1 - 1e-14, 1 - 1e-14), made(1, 1)]
     assert choose_split(close, [CONTINUOUS] * 2)[0] == 0

@@ -23,7 +23,8 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
     """`TransitionTree` with scikit-learn's input checks, errors and tags.
 
     Parameters:
-        scales, min_samples_leaf, max_depth, prune, confidence: see `TransitionTree`.
+        scales, min_samples_leaf, max_depth, prune, confidence, boolean_first: see
+            `TransitionTree`.
 
     Attributes:
         tree_: the fitted `TransitionTree`.
@@ -39,6 +40,7 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
         max_depth: int | None = None,
         prune: bool = False,
         confidence: float = 0.25,
+        boolean_first: bool = True,
     ) -> None:
         """Store the parameters; `fit` checks them."""
         self.scales = scales
@@ -46,6 +48,7 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
         self.max_depth = max_depth
         self.prune = prune
         self.confidence = confidence
+        self.boolean_first = boolean_first
 
     def fit(self, X: ArrayLike, y: ArrayLike, default: ArrayLike | None = None) -> Self:
         """Learn from examples; see `TransitionTree.fit`."""

@@ -12,7 +12,8 @@ Ties (differences below `gain_ratio.TIE`, so that they are the same on all machi
 - within a feature by the larger smallest branch, then on a line by the lower threshold, on a
   circle by the distance upwards from the node's first example, so never by where zero is;
 - between features in favour of boolean and categorical ones, since a measured value nearly
-  always differs a little between two examples, then in favour of the lower index.
+  always differs a little between two examples, then in favour of the lower index; the former can
+  be switched off (``boolean_first``), and `hitab_core.advice.alternatives` asks about such ties.
 
 References:
     J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapter 2.
@@ -23,7 +24,7 @@ References:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -243,23 +244,40 @@ def split_by(examples: Examples, scale: Scale, min_branch: int = 1) -> Split | N
     return split_continuous(examples, min_branch)
 
 
+Choose = Callable[[Sequence[Split | None], Sequence[Scale]], tuple[int, Split] | None]
+"""``choose(candidates, scales)`` returns the feature to split a node by and its split."""
+
+
+def worthy_splits(candidates: Sequence[Split | None]) -> list[tuple[int, Split]]:
+    """Return the features whose best split gains at least the average, with these splits.
+
+    Args:
+        candidates: each feature's best split; None where it has none.
+    """
+    found = [(f, split) for f, split in enumerate(candidates) if split is not None]
+    if not found:
+        return []
+    average = sum(split.gain for _, split in found) / len(found)
+    return [(f, split) for f, split in found if split.gain >= average - TIE]
+
+
 def choose_split(
-    candidates: Sequence[Split | None], scales: Sequence[Scale]
+    candidates: Sequence[Split | None], scales: Sequence[Scale], *, boolean_first: bool = True
 ) -> tuple[int, Split] | None:
     """Return the feature to split by and its split: C4.5's gain-ratio criterion.
 
     Args:
         candidates: each feature's best split; None where it has none.
         scales: how the values of each feature compare.
+        boolean_first: whether ties are broken in favor of boolean and categorical features before
+            lower indices.
     """
-    found = [(f, split) for f, split in enumerate(candidates) if split is not None]
-    if not found:
+    worthy = worthy_splits(candidates)
+    if not worthy:
         return None
-    average = sum(split.gain for _, split in found) / len(found)
-    worthy = [(f, split) for f, split in found if split.gain >= average - TIE]
     best = max(split.ratio for _, split in worthy)
-    measured = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
+    last = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL) if boolean_first else ()
     return min(
         ((f, split) for f, split in worthy if split.ratio >= best - TIE),
-        key=lambda choice: (scales[choice[0]].kind in measured, choice[0]),
+        key=lambda choice: (scales[choice[0]].kind in last, choice[0]),
     )

@@ -10,6 +10,7 @@ import hashlib
 import inspect
 import json
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -30,6 +31,7 @@ from hitab_core.learning.compiled_tree import (
     leaf_choice,
 )
 from hitab_core.learning.feature_values import check_scales, feature_values
+from hitab_core.learning.splits import Choose, choose_split
 from hitab_core.learning.tree_growth import grow
 from hitab_core.learning.tree_nodes import Leaf, Node, described, fold, nodes
 from hitab_core.learning.tree_pruning import prune
@@ -56,6 +58,8 @@ class TransitionTree:
         prune: whether to prune as C4.5 does. An unpruned tree reproduces all examples that do not
             contradict each other.
         confidence: of pruning, in (0, 0.5]; smaller values prune more.
+        boolean_first: whether ties between features are broken in favor of boolean and
+            categorical ones.
         feature_names: names of the features, for errors.
 
     Attributes:
@@ -83,6 +87,7 @@ class TransitionTree:
         max_depth: int | None = None,
         prune: bool = False,
         confidence: float = 0.25,
+        boolean_first: bool = True,
         feature_names: Sequence[str] | None = None,
     ) -> None:
         """Store the parameters; `fit` checks them."""
@@ -91,6 +96,7 @@ class TransitionTree:
         self.max_depth = max_depth
         self.prune = prune
         self.confidence = confidence
+        self.boolean_first = boolean_first
         self.feature_names = feature_names
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
@@ -121,13 +127,22 @@ class TransitionTree:
         )
         return f"{type(self).__name__}({given})"
 
-    def fit(self, X: ArrayLike, y: ArrayLike, default: ArrayLike | None = None) -> Self:
+    def fit(
+        self,
+        X: ArrayLike,
+        y: ArrayLike,
+        default: ArrayLike | None = None,
+        *,
+        choose: Choose | None = None,
+    ) -> Self:
         """Learn from examples.
 
         Args:
             X: shape (n, m), feature values in the features' own units, n at least 1.
             y: shape (n,), labels of the next states.
             default: shape (n,), whether an example is a default one; None: none are.
+            choose: which split of a node to take, see `tree_growth.grow`; None: the one with the
+                largest gain ratio, as C4.5.
 
         Raises:
             FeatureValueError: naming a feature with a missing, infinite or out-of-scale value.
@@ -168,6 +183,7 @@ class TransitionTree:
             scales,
             min_samples_leaf=self.min_samples_leaf,
             max_depth=self.max_depth,
+            choose=choose or partial(choose_split, boolean_first=self.boolean_first),
         )
         if self.prune:
             self.root_ = prune(self.root_, self.confidence)

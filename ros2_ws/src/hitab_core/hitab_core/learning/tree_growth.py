@@ -10,7 +10,15 @@ import numpy as np
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Scale
 from hitab_core.learning.gain_ratio import TIE
-from hitab_core.learning.splits import Arc, Categories, Examples, Split, choose_split, split_by
+from hitab_core.learning.splits import (
+    Arc,
+    Categories,
+    Choose,
+    Examples,
+    Split,
+    choose_split,
+    split_by,
+)
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode
 
 
@@ -34,6 +42,7 @@ def grow(
     *,
     min_samples_leaf: int = 1,
     max_depth: int | None = None,
+    choose: Choose = choose_split,
 ) -> Node:
     """Return the root of a tree that separates all examples that differ.
 
@@ -50,6 +59,8 @@ def grow(
         min_samples_leaf: the fewest examples a branch may have; for a categorical feature, at
             least two branches must have as many.
         max_depth: the most tests on a path.
+        choose: chooses among the features' best splits, once for each node that has several
+            classes, level by level, and on a level in the order of the branches.
     """
     places = [_Place(np.arange(len(X)), 0)]
     for place in places:  # the list grows during this loop
@@ -64,7 +75,7 @@ def grow(
             )
             for f, scale in enumerate(scales)
         ]
-        chosen = choose_split(candidates, scales)
+        chosen = choose(candidates, scales)
         if chosen is None:
             continue
         feature, split = chosen
