@@ -24,6 +24,7 @@ CORE_FLOORS = (
     ("domain",),
     ("repertoire",),
     ("learning",),
+    ("advice",),
     ("running",),
     ("drawing", "library"),
     ("training",),
