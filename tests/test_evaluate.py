@@ -40,13 +40,13 @@ def evaluate(hitab, taught, path, *options: str) -> dict:
 @pytest.fixture(scope="module")
 def lockstep(hitab, taught, tmp_path_factory) -> dict:
     path = tmp_path_factory.mktemp("figures") / "lockstep.json"
-    return evaluate(hitab, taught, path, "--episodes", "20", "--seed", "3")
+    return evaluate(hitab, taught, path, "--episodes", "8", "--seed", "3")
 
 
 def test_the_figures_are_all_there(lockstep):
     assert lockstep.keys() >= FIGURES
-    assert lockstep["episodes"] == 20
-    assert lockstep["ended"]["out"] + lockstep["ended"]["taken"] == 20
+    assert lockstep["episodes"] == 8
+    assert lockstep["ended"]["out"] + lockstep["ended"]["taken"] == 8
     assert lockstep["missed_deadlines"] == 0
     assert lockstep["cycles_per_s"] > 0
 
@@ -57,7 +57,7 @@ def test_three_processes_in_lockstep_play_what_one_plays(lockstep, hitab, taught
         taught,
         tmp_path / "f.json",
         "--episodes",
-        "20",
+        "8",
         "--seed",
         "3",
         "--pace",
@@ -82,7 +82,7 @@ def test_trained_keepers_keep_the_ball_at_least_as_long_as_the_papers(hitab, tau
         taught,
         tmp_path / "f.json",
         "--episodes",
-        "200",
+        "80",
         "--pace",
         "inprocess",
         "--plot",

@@ -69,6 +69,10 @@ def test_foragers_do_over_topics_what_they_do_in_one_process(home, tmp_path):
     assert told == places(world.entities())
 
 
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("name", "kind"), [("foraging_two_levels", "two_levels"), ("foraging_commanders", "one_level")]
+)
 def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
     home, tmp_path, name, kind
 ):
@@ -98,6 +102,7 @@ def boxes(measures) -> float:
     return measures["small"] + measures["large"]
 
 
+@pytest.mark.long
 def test_the_foragers_lessons_teach_what_is_shipped(home, tmp_path):
     described = read_swarm(find_file("foraging_school", "swarms", "swarm"))
     with temporary_swarm(described, tmp_path) as running:
@@ -109,17 +114,10 @@ def test_the_foragers_lessons_teach_what_is_shipped(home, tmp_path):
     assert taught == examples_of(shipped("libraries", "foraging"), load_domain("foraging"))
 
 
-def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    if "taught_commander" in metafunc.fixturenames:
-        # The company's lesson takes a minute.
-        companies = ("foraging_company",) if metafunc.config.getoption("long") else ()
-        metafunc.parametrize("taught_commander", ("foraging_squad", *companies))
-    if "kind" in metafunc.fixturenames:
-        one_level = (("foraging_commanders", "one_level"),)
-        games = one_level if metafunc.config.getoption("long") else ()
-        metafunc.parametrize(("name", "kind"), (("foraging_two_levels", "two_levels"), *games))
-
-
+@pytest.mark.parametrize(
+    "taught_commander",
+    ["foraging_squad", pytest.param("foraging_company", marks=pytest.mark.long)],
+)
 def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, taught_commander):
     name = taught_commander
     folder = shipped("libraries", name)

@@ -100,11 +100,11 @@ def test_a_recording_shows_the_same_moments_back_and_forth():
 
 
 def test_a_swarm_description_of_a_newer_format_is_refused_before_anything_else_in_it():
-    text = "swarm: new\nformat: 2\nsomething: new\n"
+    text = "swarm: new\nformat: 3\nsomething: new\n"
     with pytest.raises(DescriptionError) as refused:
         parse_swarm(text, Path("new.yaml"))
     assert str(refused.value).endswith(
-        "has format version 2, but this HiTAB reads up to 1; update HiTAB"
+        "has format version 3, but this HiTAB reads up to 2; update HiTAB"
     )
     assert "new.yaml:2" in str(refused.value)
     assert "something" not in str(refused.value)

@@ -141,7 +141,7 @@ def foragers_in_process() -> Run:
     return in_process(world, InProcessHierarchy(members, [*squads, company]))
 
 
-@pytest.mark.parametrize("where", HOSTED)
+@pytest.mark.parametrize("where", [pytest.param("processes", marks=pytest.mark.long), "hosts"])
 def test_three_levels_play_over_topics_as_in_one_process(
     home, tmp_path, foragers_in_process, where
 ):
@@ -177,7 +177,7 @@ def _keep_busy() -> None:
         pass
 
 
-@pytest.mark.parametrize("load", ["idle", "busy"])
+@pytest.mark.parametrize("load", [pytest.param("idle", marks=pytest.mark.long), "busy"])
 def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(
     home, tmp_path, keepers_in_process, load, request
 ):
@@ -195,7 +195,7 @@ def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
     assert in_process(world, alone) != keepers_in_process
 
 
-@pytest.mark.parametrize("name", ["captain", "keeper_2"])
+@pytest.mark.parametrize("name", ["captain", pytest.param("keeper_2", marks=pytest.mark.long)])
 def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name):
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
     with temporary_swarm(swarm.with_world(pace="lockstep", paused=True), tmp_path) as running:

@@ -66,6 +66,7 @@ def test_a_library_that_is_named_serves_all_agents_the_next_day(
     assert "Wander" in done(hitab, "library", "list")
 
 
+@pytest.mark.long
 def test_without_one_each_agent_goes_on_with_its_own(
     hitab: Callable, description: str, home: Path
 ) -> None:

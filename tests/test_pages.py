@@ -46,7 +46,10 @@ def reader(tmp_path, home, hitab, monkeypatch):
             hitab("down", record.swarm)
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/tutorial.md", "docs/commanders.md"])
+@pytest.mark.parametrize(
+    "page",
+    ["README.md", "docs/tutorial.md", pytest.param("docs/commanders.md", marks=pytest.mark.long)],
+)
 def test_the_page_shows_what_its_commands_print(reader, page):
     steps = list(to_be_run(page))
     assert len(steps) > 10

@@ -66,6 +66,7 @@ def test_what_is_shipped_uses_no_hand_written_automaton():
     assert not names & set(opened.domain.automata)
 
 
+@pytest.mark.long
 def test_they_last_longer_than_hand_coded_keepers_against_slow_takers(hitab, tmp_path):
     """Five episodes, always the same: each may last minutes, so that a mean tells little."""
     figures = evaluate(

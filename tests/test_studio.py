@@ -214,6 +214,7 @@ def test_the_target_of_a_behavior_is_given_by_clicking_it_in_the_field(swarm, pe
     person.sees("banner", "Chase(closest_taker)")
 
 
+@pytest.mark.long
 @needs_browser
 def test_ten_browsers_look_at_once(swarm, person, chrome, url):
     small = {"width": 480, "height": 320}  # a software renderer draws all of them

@@ -39,7 +39,7 @@ def violations(person: Person, view: str) -> list[str]:
     ]
 
 
-@pytest.fixture(params=["light", "dark"])
+@pytest.fixture(params=["light", pytest.param("dark", marks=pytest.mark.long)])
 def looking(request: Any, chrome: Any, url: str) -> Iterator[Person]:
     """Somebody whose browser is light or dark."""
     view = {"width": 1280, "height": 720}

@@ -186,10 +186,10 @@ def test_clients_take_no_other_swarms_robots_for_their_own(place):
     "arguments",
     [
         ("status",),
-        ("perform", "lone", "Stop"),
+        pytest.param(("perform", "lone", "Stop"), marks=pytest.mark.long),
         ("train", "lone", "A", "-f", "Done"),
-        ("lesson", "run", "approach_ball"),
-        ("world", "resume"),
+        pytest.param(("lesson", "run", "approach_ball"), marks=pytest.mark.long),
+        pytest.param(("world", "resume"), marks=pytest.mark.long),
     ],
     ids=" ".join,
 )
