@@ -43,6 +43,7 @@ setup(
         "hitab.shipped": ["keepaway_world = keepaway_world"],
         "hitab.domains": [
             "keepaway = keepaway_world.domain:DOMAIN",
+            "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
             "keepaway_predictive = keepaway_world.predictive.domain:DOMAIN",
         ],
         "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],

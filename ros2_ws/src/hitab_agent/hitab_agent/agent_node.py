@@ -121,12 +121,12 @@ class AgentNode(GuardedNode):
             )
 
     def load_domain(self, name: str) -> Domain:
-        """Return the domain that the parameter ``domain`` names.
+        """Return the domain that the parameter ``domain`` names, without what was taken out.
 
         Raises:
-            HitabError: if there is none.
+            HitabError: if there is none, or it has no such hand-written automata.
         """
-        return self.shared.domain(name)
+        return self.shared.domain(name, self.settings.without)
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""

@@ -7,9 +7,11 @@ from typing import Any
 
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 DESCRIPTIONS = {
     "domain": "name of an installed domain: what the agent can do and perceive",
+    "without": "hand-written automata of the domain that are taken out, such as [GotoBall]",
     "library": "folder of trained behaviors; empty: the folder library in the agent's state_dir",
     "state_dir": "folder with one per agent, where an unfinished training survives a crash",
     "behavior": "what to perform at startup, such as GoTo(ball); empty: nothing",
@@ -29,6 +31,7 @@ class AgentSettings:
     """How one agent is set up; each field is a ROS parameter, described above."""
 
     domain: str = ""
+    without: tuple[str, ...] = ()
     library: str = ""
     state_dir: str = "~/.local/state/hitab"
     behavior: str = ""
@@ -51,7 +54,9 @@ class AgentSettings:
             )
             if setting.name == "seed":
                 descriptor.integer_range = [IntegerRange(from_value=0, to_value=2**63 - 1, step=1)]
-            values[setting.name] = node.declare_parameter(
-                setting.name, setting.default, descriptor
-            ).value
+            is_list = isinstance(setting.default, tuple)
+            # The type of an empty list could not be seen from it.
+            default = Parameter.Type.STRING_ARRAY if is_list else setting.default
+            value = node.declare_parameter(setting.name, default, descriptor).value
+            values[setting.name] = tuple(value or ()) if is_list else value
         return cls(**values)

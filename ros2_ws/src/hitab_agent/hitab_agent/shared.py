@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -43,7 +43,7 @@ class Shared:
         link_to: creates the link of all agents to a world; None: each agent has its own.
         links: the links it created, by the world's name.
         on_demand: offers services when a client asks; None: each agent offers its own at once.
-        domains: the loaded domains, by name.
+        domains: the loaded domains, by name and what was taken out.
         libraries: the open libraries, by folder and domain.
         members: of a host, called when the faults of the host change.
         editions: read and cache the contents of libraries, by domain.
@@ -109,12 +109,21 @@ class Shared:
             self.libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
         return self.libraries[key]
 
-    def domain(self, name: str) -> Domain:
+    def domain(self, name: str, without: Sequence[str] = ()) -> Domain:
         """Return the installed domain with a name; see `load_domain`.
 
+        Args:
+            name: of the domain.
+            without: hand-written automata to take out; see `Domain.without`.
+
         Raises:
-            HitabError: if there is none.
+            HitabError: if there is none, or it has no such hand-written automata.
         """
         if name not in self.domains:
             self.domains[name] = load_domain(name)
-        return self.domains[name]
+        if not without:
+            return self.domains[name]
+        rest = f"{name} without {', '.join(sorted(without))}"
+        if rest not in self.domains:
+            self.domains[rest] = self.domains[name].without(without)
+        return self.domains[rest]

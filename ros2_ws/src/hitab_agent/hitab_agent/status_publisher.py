@@ -64,8 +64,13 @@ class StatusPublisher:
         """The lasting faults, each shown until its cause is gone."""
         refusal = self.refusal
         waits = shown([refusal] if refusal else [])
-        lost = shown(self._agent.faults)
-        return [*waits, *self._guard.faults.texts(), *self._shared.faults, *lost]
+        missing = shown(self._missing)
+        return [*waits, *self._guard.faults.texts(), *self._shared.faults, *missing]
+
+    @property
+    def _missing(self) -> tuple[str, ...]:
+        """What the agent has lost, and what was taken out of its domain."""
+        return (*self._agent.faults, *self._agent.repertoire.vacancies)
 
     def report_error(self, text: str) -> None:
         """Publish the reason for a refusal or, without one, the lasting faults."""
@@ -79,7 +84,7 @@ class StatusPublisher:
         self._prepare()
         agent, status = self._agent, self.message
         session = agent.session
-        self._log_losses()
+        self._log_missing()
         self.path = agent.active_path
         status.stamp = self._transitions.stamp
         status.mode = agent.mode.value
@@ -99,9 +104,9 @@ class StatusPublisher:
             status.order_waits = subordinate.waits
         self._publisher.publish(status)
 
-    def _log_losses(self) -> None:
-        """Log what the agent has lost, once for all agents of the process."""
-        for fault in self._agent.faults:
+    def _log_missing(self) -> None:
+        """Log what the agent lacks, once for all agents of the process."""
+        for fault in self._missing:
             if fault not in self._shared.told:
                 self._shared.told.add(fault)
                 self._guard.log(fault)

@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.performance_memory import PerformanceMemory
 from hitab_agent.shared import Shared
-from hitab_core import BehaviorLibrary
+from hitab_core import Automaton, BehaviorLibrary, VocabularyError
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.training import Curriculum
 from hitab_core.use import Use
@@ -52,7 +52,7 @@ class Walkers:
         self.shared.domains[DOMAIN.name] = DOMAIN
         self.statuses: dict[str, msg.AgentStatus] = {}
 
-    def start(self, name: str, **settings: str) -> AgentNode:
+    def start(self, name: str, **settings: str | list[str]) -> AgentNode:
         told = {"domain": DOMAIN.name, "state_dir": str(self.folder), "swarm": "s", **settings}
         node = AgentNode(
             namespace=f"/{name}",
@@ -186,3 +186,33 @@ def test_the_log_names_a_loss_once_for_all_agents_of_a_library(
         walkers.start(name, library=folder)
     assert [len(walkers.statuses[name].faults) for name in ("one", "two")] == [1, 1]
     assert len(walkers.shared.told) == 1
+
+
+def test_what_was_taken_out_is_shown_until_it_is_loaded(walkers: Walkers) -> None:
+    walkers.shared.domains["marchers"] = Domain.of(
+        "marchers",
+        "1",
+        Body,
+        behaviors=DOMAIN.behaviors.values(),
+        features=DOMAIN.features.values(),
+        automata=[Automaton("Walk", (Use("Go"),), (), {})],
+    )
+    whole = walkers.start("whole", domain="marchers", behavior="Walk")
+    rest = walkers.start("rest", domain="marchers", behavior="Walk", without=["Walk"])
+    status = walkers.statuses["rest"]
+    assert status.behavior == "Walk"
+    assert [fault.split(";")[0] for fault in status.faults] == [
+        '"Walk" was taken out, and nothing is done in its place'
+    ]
+    assert status.last_error == status.faults[0]
+    assert list(walkers.statuses["whole"].faults) == []
+
+    teach(whole, "Walk", "Go")
+    rest.agent.library.install(whole.agent.edition.texts)
+    answer = walkers.ask("rest", srv.LoadLibrary, names.LOAD_LIBRARY)
+    assert answer.success, answer.message
+    walkers.process.until(lambda: not walkers.statuses["rest"].faults)
+    assert walkers.statuses["rest"].behavior == "Walk"
+
+    with pytest.raises(VocabularyError, match='cannot be without "Wait", which is a basic'):
+        walkers.start("wrong", domain="marchers", without=["Wait"])

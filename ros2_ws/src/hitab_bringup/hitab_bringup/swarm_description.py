@@ -10,6 +10,7 @@
     agents:
       keeper_1: {}
       keeper_2: {behavior: ""}     # everything above can be set per agent
+      keeper_3: {without: [ServoBall]}   # a hand-written automaton taken out of the domain
       scout: {count: 100, per_process: 50}   # scout_1 ... scout_100 in two processes
     hosts: 4                       # processes for all agents without a process of their own
     kinds:
@@ -64,6 +65,7 @@ class AgentDescription:
         library: its library folder; None: a folder in the run folder, kept between runs.
         start_from: a library to copy into its own library if that is empty.
         behavior: to start with, such as ``Keepaway``; empty: nothing.
+        without: hand-written automata of its domain that are taken out.
         process: that it runs in; its own name unless it shares one.
         library_name: name of its library folder in the run folder; empty: that of the process.
         superior: name of its commander; empty: none.
@@ -80,6 +82,7 @@ class AgentDescription:
     library_name: str = ""
     superior: str = ""
     role: str = ""
+    without: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 from hitab_ros.names import WORLD
 
-FORMAT = 1
+FORMAT = 2
 """The newest format version that is read."""
 
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
@@ -136,6 +136,7 @@ class _Common:
     start_from: str = ""
     behavior: str = ""
     seed: int = 1
+    without: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, fields: Fields, base: Path, above: _Common | None = None) -> _Common:
@@ -146,6 +147,7 @@ class _Common:
             fields.text("start_from", above.start_from),
             fields.text("behavior", above.behavior),
             fields.integer("seed", above.seed, least=0),
+            fields.texts("without", above.without),
         )
         if found.start_from != above.start_from and not (base / found.start_from).is_dir():
             fields.complain(
@@ -188,6 +190,7 @@ def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool
         role = fields.text("role", key)
         fields.done()
         words.check_domain(fields, own.domain)
+        words.check_without(fields, own.domain, own.without)
         if own.behavior:
             words.check_behavior(fields, own.domain, own.behavior, own.libraries(base))
         names = [key] if count is None else [f"{key}_{i + 1}" for i in range(count)]
@@ -211,6 +214,7 @@ def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool
                     own.seed,
                     process,
                     role=role,
+                    without=own.without,
                 )
             )
     return groups
@@ -235,6 +239,8 @@ def _commanders(
         own = _Common.of(fields, base, above)
         if own.domain:
             fields.complain("a commander's domain is its kind; write `kind:`", "domain")
+        if own.without:
+            fields.complain("a commander has no hand-written automata to take out", "without")
         counts, names = tree.read_commands(fields)
         host, role = fields.text("host", ""), fields.text("role", key)
         lines[key] = Line(

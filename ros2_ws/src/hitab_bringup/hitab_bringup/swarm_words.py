@@ -56,6 +56,15 @@ class Words:
                 f'no domain "{name}" is installed {has(self._domains, name)}',
             )
 
+    def check_without(self, fields: Fields, domain: str, names: Sequence[str]) -> None:
+        """Complain if something cannot be taken out of a domain."""
+        if not names or domain not in self._domains:
+            return
+        try:
+            load_domain(domain).without(names)
+        except HitabError as error:
+            self._complain(fields, "without", f"`without:` {error}")
+
     def check_behavior(
         self, fields: Fields, domain: str, behavior: str, libraries: Sequence[Path]
     ) -> None:

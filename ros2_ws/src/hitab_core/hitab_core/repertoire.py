@@ -60,6 +60,25 @@ class Repertoire:
         """The automata, hand-written and trained, by name."""
         return self._automata
 
+    @property
+    def vacancies(self) -> tuple[str, ...]:
+        """What is missing because it was taken out of the domain and not trained since.
+
+        One text per behavior: what it is needed for, and the way out. A trained behavior that is
+        lost leaves no vacancy, but takes along what is made of it; see `lost`.
+        """
+        return tuple(
+            f'"{name}" was taken out, and nothing is done in its place; {self._need(name)}'
+            f"train it with `hitab train AGENT {name}`, or load it from a file with "
+            "`hitab library import FILE --agent AGENT`"
+            for name in sorted(self.domain.taken_out)
+            if self._automata.get(name) is self.domain.automata[name]
+        )
+
+    def _need(self, name: str) -> str:
+        users = in_order([name], lambda used: self._users.get(used, ()))[:-1]
+        return f"it is needed for {', '.join(sorted(users))}; " if users else ""
+
     def __contains__(self, name: object) -> bool:
         return name in self._parameters
 

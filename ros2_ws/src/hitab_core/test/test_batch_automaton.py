@@ -281,6 +281,32 @@ def test_a_member_that_nobody_decided_for_decides_by_itself() -> None:
     assert agent.body.done[-3:] == ["stop Wait()", "start Go(0,)", "pulse Go(0,)"]
 
 
+def test_members_do_nothing_where_an_automaton_is_empty() -> None:
+    """An automaton is empty where a hand-written one was taken out, see `Domain.without`."""
+    domain = robot(True)
+    chooses = HandWritten(lambda distance: "Wait" if distance < 2.0 else "Gap", (0,))
+    outer = Automaton(
+        "L1",
+        (Use("Wait"), Use("Gap")),
+        (Use("Distance", ("ball",)),),
+        dict.fromkeys((START, "Wait", "Gap"), chooses),
+    )
+    repertoire = Repertoire(domain, {"Gap": Automaton("Gap", (), (), {}), "L1": outer})
+    agents = [Alone(repertoire, Use("L1"), seed) for seed in range(2)]
+    batch = AgentBatch([agent.context for agent in agents], Use("L1"))
+    for distance in (3.0, 3.0, 1.0, 3.0):
+        for agent in agents:
+            agent.body.values = [distance] * 6
+            agent.senses.forget()
+        batch.forget()
+        batch.decide(np.arange(2))
+        for member in batch.members:
+            member.tick()
+    assert [member.active_path for member in batch.members] == [["Gap", START]] * 2
+    for agent in agents:
+        assert [line for line in agent.body.done if "pulse" in line] == ["pulse Wait()"]
+
+
 def test_a_basic_behavior_is_not_performed_in_batches() -> None:
     agent = Alone(Repertoire(robot(False)), Use("Wait"), 1)
     with pytest.raises(TypeError, match="only automata"):
