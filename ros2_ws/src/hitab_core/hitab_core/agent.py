@@ -45,9 +45,10 @@ from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
+from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
-from hitab_core.training.training_session import Curriculum, TrainingSession
+from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
 from hitab_core.wording import quantity
 
@@ -213,11 +214,30 @@ class Agent:
 
     # -- perceiving and acting --------------------------------------------------------------
 
-    def sense(self, values: Sequence[float], heard: Sequence[str], cycle: int = 0) -> None:
-        """Take a percept, in the layout of the domain."""
+    def sense(
+        self,
+        values: Sequence[float],
+        heard: Sequence[str],
+        cycle: int = 0,
+        time: float = 0.0,
+        *,
+        jumped: bool = False,
+    ) -> None:
+        """Take a percept.
+
+        Args:
+            values: in the layout of the domain.
+            heard: messages that it hears.
+            cycle: of the world.
+            time: simulated, or the robot's, s.
+            jumped: whether the situation does not follow from the last one, as when something was
+                placed.
+        """
         self.cycle = cycle
         self.body.sense(values, heard)
         self._context.senses.forget()
+        if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
+            self.session.perceived(cycle, time, jumped=jumped)
 
     def live_features(self, also: Sequence[Use] = ()) -> list[Reading]:
         """Return what the agent perceives now; see `live_features`."""
@@ -226,10 +246,11 @@ class Agent:
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
         self._random.seed(agent_seed(seed, episode, self.name))
-        running = self._running
-        if running is not None:
-            running.stop()
-            running.start()
+        if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
+            self.session.restart()
+        elif self._performance is not None and self.mode is Mode.PERFORMING:
+            self._performance.stop()
+            self._performance.start()
 
     def tick(self) -> None:
         """Perform one timestep on the last percept.
@@ -321,17 +342,22 @@ class Agent:
             raise LostBehaviorError(refused_name(name, "trained", self.edition.losses))
         examples: tuple[Example, ...] = ()
         if resume:
-            curriculum, examples = resumed(curriculum, self.repertoire.get(resume))
+            curriculum, examples = resumed(curriculum, self.repertoire.get(resume), self.domain)
         session = TrainingSession(self._context, curriculum, examples, self.journal.write)
-        self.journal.begin(curriculum, examples)
+        self.journal.begin(curriculum, examples, session.readable)
         self._stop()
         self.session = session
         self.mode = Mode.TRAINING
         self.awaited = None
         return session
 
-    def command(self, use: Use) -> list[Example]:
+    def command(self, use: Use, *, ago: float = 0.0, seen: int = 0) -> list[Example]:
         """Obey a demonstrator; see `TrainingSession.command`.
+
+        Args:
+            use: what to perform, or a flag.
+            ago: how long before what the demonstrator saw it was due, s of simulated time.
+            seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
 
         Raises:
             TrainingError: if the agent is not in training mode.
@@ -346,7 +372,7 @@ class Agent:
         if any(feature.name not in FLAGS for feature in session.curriculum.features):
             self._context.senses.check_perceived()
         with self._context.senses.blind_unless_perceived():
-            return session.command(use, self.cycle)
+            return session.command(use, self.cycle, ago=ago, seen=seen)
 
     def test(self, *, restart: bool = False) -> None:
         """Learn from the examples and give control to what was learned.

@@ -36,6 +36,7 @@ class Automaton:
             included. In a state without one the automaton stays.
         parameters: G, the free variables, bound by the user of the automaton.
         examples: what the transition functions were learned from; none for a hand-written one.
+        readable: names of the examples' readings.
 
     Raises:
         VocabularyError: if it has a state twice or a transition function for none of its states.
@@ -62,6 +63,7 @@ class Automaton:
     parameters: tuple[str, ...] = ()
     examples: tuple[Example, ...] = ()
     description: str = ""
+    readable: tuple[Use, ...] = ()
     _labels: tuple[str, ...] = field(init=False, repr=False, compare=False, default=())
 
     def __post_init__(self) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -13,6 +14,7 @@ class ExampleKind(StrEnum):
     DEMONSTRATED = "demonstrated"
     CORRECTION = "correction"  # demonstrated after taking over from the learned behavior
     DEFAULT = "default"  # recorded beside a demonstrated one: keep doing what was commanded
+    SUPERSEDED = "superseded"  # a default example that a command contradicts; not learned from
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,10 @@ class Example:
         kind: a tree treats default examples differently (paper, section 3, footnote 1).
         number: unique within a training, counting from 1; edits refer to it.
         command: number of the command that recorded it; undoing that removes all of them.
-        cycle: the world's cycle when it was recorded, 0 where unknown.
+        cycle: the world's cycle of the situation, 0 where unknown.
+        ago: seconds of simulated time from the situation to the command.
+        readings: everything that could be read in that situation, in the order of the training's
+            or automaton's ``readable``; NaN where there was no value. Empty: not kept.
     """
 
     state: str
@@ -35,12 +40,45 @@ class Example:
     number: int = 0
     command: int = 0
     cycle: int = 0
+    ago: float = 0.0
+    readings: tuple[float, ...] = ()
 
     @property
     def is_default(self) -> bool:
-        """Whether this is a default example."""
-        return self.kind is ExampleKind.DEFAULT
+        """Whether this is a default example, superseded or not."""
+        return self.kind in (ExampleKind.DEFAULT, ExampleKind.SUPERSEDED)
+
+    @property
+    def is_learned(self) -> bool:
+        """Whether a transition function is learned from it."""
+        return self.kind is not ExampleKind.SUPERSEDED
+
+    @property
+    def point(self) -> tuple[float | None, ...]:
+        """Its feature values, comparable: a missing one is None, and -0.0 is 0.0."""
+        return tuple(None if math.isnan(value) else value + 0.0 for value in self.features)
 
     def with_columns(self, columns: Iterable[int]) -> Example:
         """Return it with only the values at these indices."""
         return replace(self, features=tuple(self.features[i] for i in columns))
+
+
+def superseding(examples: Sequence[Example]) -> list[Example]:
+    """Return examples with each default one marked that a command contradicts.
+
+    A command outranks what was only assumed: a default example says to stay in a state, an
+    ordinary one with the same values to leave it. Without the mark, the two would make a coin toss
+    of each decision there.
+    """
+    left = {
+        (e.state, e.point) for e in examples if not e.is_default and e.next_state != e.state
+    }
+    marked = []
+    for example in examples:
+        if example.is_default:
+            contradicted = (example.state, example.point) in left
+            kind = ExampleKind.SUPERSEDED if contradicted else ExampleKind.DEFAULT
+            if example.kind is not kind:
+                example = replace(example, kind=kind)  # noqa: PLW2901
+        marked.append(example)
+    return marked

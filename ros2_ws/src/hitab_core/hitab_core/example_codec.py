@@ -2,47 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from hitab_core.example import Example, ExampleKind
 
 
+def value_records(values: Iterable[float]) -> list[float | None]:
+    """Return values as plain data: a missing one is None, since JSON and YAML know no NaN."""
+    return [None if math.isnan(value) else value for value in values]
+
+
+def values_of(records: Iterable[float | None]) -> tuple[float, ...]:
+    """Read what `value_records` returned."""
+    return tuple(math.nan if value is None else float(value) for value in records)
+
+
 def example_record(example: Example) -> dict[str, Any]:
     """Return an example as the journal spells it."""
+    return {**_record(example), "readings": value_records(example.readings)}
+
+
+def _record(example: Example) -> dict[str, Any]:
     return {
         "state": example.state,
-        "features": list(example.features),
+        "features": value_records(example.features),
         "next_state": example.next_state,
         "kind": example.kind.value,
         "number": example.number,
         "command": example.command,
         "cycle": example.cycle,
+        "ago": example.ago,
     }
 
 
 def file_record(example: Example, counted: Sequence[bool]) -> dict[str, Any]:
-    """Return an example as a behavior file spells it.
+    """Return an example as a behavior file spells it, without its readings.
 
     Args:
         example: with one value per feature.
         counted: for each feature whether its values are whole numbers.
     """
     values = [
-        int(value) if whole and float(value).is_integer() else float(value)
-        for value, whole in zip(example.features, counted, strict=True)
+        int(value) if whole and value is not None and value.is_integer() else value
+        for value, whole in zip(value_records(map(float, example.features)), counted, strict=True)
     ]
-    return {"number": example.number, **example_record(example), "features": values}
+    return {"number": example.number, **_record(example), "features": values}
 
 
-def example_of(record: Mapping[str, Any]) -> Example:
-    """Read either spelling."""
+def example_of(record: Mapping[str, Any], readings: Sequence[float | None] = ()) -> Example:
+    """Read either spelling, of this format or an older one.
+
+    Args:
+        record: the example.
+        readings: of it, where the record does not contain them.
+    """
     return Example(
         record["state"],
-        tuple(float(value) for value in record["features"]),
+        values_of(record["features"]),
         record["next_state"],
         ExampleKind(record["kind"]),
         int(record["number"]),
         int(record["command"]),
         int(record["cycle"]),
+        float(record.get("ago", 0.0)),
+        values_of(record.get("readings", readings)),
     )

@@ -14,7 +14,7 @@ from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training.curriculum import Curriculum
 from hitab_core.use import Use
 from hitab_core.wording import quantity
 

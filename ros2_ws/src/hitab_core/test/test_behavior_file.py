@@ -224,7 +224,7 @@ def test_comments_and_spaces_may_be_changed(text: str, robot: Domain) -> None:
 def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domain) -> None:
     wrong = edited(text, "kind: toroidal", "kind: round")
     wrong = edited(wrong, "parameters: []", "parameters: [ball?]")
-    wrong = edited(wrong, "cycle: 10}", "cycle: -1, colour: red}")
+    wrong = edited(wrong, "cycle: 10,", "cycle: -1, colour: red,")
     complaints = complaints_of(wrong, robot)
     assert len(complaints) == 7  # two examples have this cycle; the checksum is another one
     assert complaints[0].endswith(
@@ -242,8 +242,8 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
          'example 1 is of state "Begin", which is not listed'),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1]", "0.1,  10.0, 1]",
          "example 3 has 3 values for 4 features"),
-        ("0.1,  10.0, 1, 0]", ".nan,  10.0, 1, 0]", ".nan",
-         "example 3 has nan as value 1; write a finite number"),
+        ("0.1,  10.0, 1, 0]", "far,  10.0, 1, 0]", "far",
+         'must be a number or null, not "far"'),
         ("0.1,  10.0, 1, 0]", "1e400,  10.0, 1, 0]", "1e400", "example 3 has inf as value 1"),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 2, 0]", "10.0, 2", "boolean: 0 or 1"),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1, 3]", "10.0, 1, 3]", "a category: 0 to 2"),
@@ -293,20 +293,20 @@ def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
 
 
 def test_a_file_of_a_newer_hitab_is_refused(text: str, robot: Domain) -> None:
-    complaints = complaints_of(edited(text, "format: 1", "format: 2"), robot)
+    complaints = complaints_of(edited(text, "format: 2", "format: 3"), robot)
     assert len(complaints) == 1
-    assert "has format 2, but this HiTAB reads formats up to 1; update HiTAB" in complaints[0]
+    assert "has format 3, but this HiTAB reads formats up to 2; update HiTAB" in complaints[0]
 
 
 def test_a_file_of_an_older_hitab_is_brought_up_to_date(
     text: str, robot: Domain, control: Automaton, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    old = edited(text, "format: 1", "format: 0")
-    assert "cannot read (reads: 1)" in complaints_of(old, robot)[0]
+    old = edited(text, "format: 2", "format: 0")
+    assert "cannot read (reads: 1, 2)" in complaints_of(old, robot)[0]
     content = yaml.safe_load(old)
     old = edited(old, content["checksum"], behavior_checksum(content))
     monkeypatch.setattr(
-        behavior_schema, "MIGRATIONS", {0: lambda content: {**content, "format": 1}}
+        behavior_schema, "MIGRATIONS", {0: lambda content: {**content, "format": 2}}
     )
     assert says_the_same(read_behavior(old, "Control.hfa.yaml", robot), control)
 

@@ -247,7 +247,7 @@ def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_u
     library: BehaviorLibrary, teach: Teach
 ) -> None:
     library.save(teach("Wait", [], [("Start", [], "Stop")]))
-    for name, old, new in (("Approach", "GoFast", "GoFsat"), ("Control", "mat: 1", "mat: 9")):
+    for name, old, new in (("Approach", "GoFast", "GoFsat"), ("Control", "mat: 2", "mat: 9")):
         path = library.folder / f"{name}.hfa.yaml"
         path.write_text(path.read_text().replace(old, new))
     other = again(library)

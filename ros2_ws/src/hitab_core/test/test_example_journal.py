@@ -101,7 +101,7 @@ def test_zeros_that_a_power_failure_leaves_at_the_end_are_dropped(path: Path) ->
     [
         (b'"begin"', b'"begun"', "training.jsonl:1: was damaged or edited"),
         (b'"number": 2', b'"number": 3', "training.jsonl:2: has number 3 instead of 2"),
-        (b'"journal": 1, "number": 2', b'"journal": 7, "number": 2', "has format version 7"),
+        (b'"journal": 2, "number": 2', b'"journal": 7, "number": 2', "has format version 7"),
         (b'"do": "begin"', b'"do": "begin', "training.jsonl:1: is not a record of a journal"),
         (b"0.1}", b"0.2}", "training.jsonl:2: was damaged or edited"),
         (b"\n{", b"\n[]\n{", "training.jsonl:2: is not a record of a journal"),

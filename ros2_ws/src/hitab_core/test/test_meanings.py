@@ -402,9 +402,8 @@ def test_a_decision_is_drawn_from_the_leaf_with_the_agents_own_generator():
     def decisions(seed, most_probable=False):
         agent = Agent(seed=seed, most_probable=most_probable)
         session = agent.train()
-        for label, count in (("A", 3), ("B", 1)):
-            for _ in range(count):
-                session.log.add([Example(START, (0.0,), label)])
+        for number, label in enumerate("AAAB", 1):
+            session.log.add([Example(START, (0.0,), label, number=number)])
         session.running.add_state(Use("A"))
         session.running.add_state(Use("B"))
         session.test()

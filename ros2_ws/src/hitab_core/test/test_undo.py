@@ -274,10 +274,23 @@ class Model:
             self.examples.append([self.counter, label, self.x, label, "default"])
             self.counter += 1
         self.active = label
+        self.mark(self.examples)
         self.past.append({"before": before, "after": self.copy(), "come": source, "go": label})
         self.future.clear()
 
+    def mark(self, examples: list[list[Any]]) -> None:
+        """A command outranks the default examples that it contradicts."""
+        for e in examples:
+            if e[4] in ("default", "superseded"):
+                contradicted = any(
+                    o[1:3] == e[1:3] and o[3] != e[1]
+                    for o in examples
+                    if o[4] not in ("default", "superseded")
+                )
+                e[4] = "superseded" if contradicted else "default"
+
     def edit(self, after: list[list[Any]]) -> bool:
+        self.mark(after)
         if self.refuses(after):
             return False
         self.past.append({"before": self.copy(), "after": after, "come": None, "go": None})
@@ -358,7 +371,7 @@ def play(trained: Trained, model: Model, what: str, how: Any) -> None:
                 for e in after:
                     if e[0] == number and e[3] != label:
                         e[3] = label
-                        e[4] = "correction" if e[4] == "default" else e[4]
+                        e[4] = "correction" if e[4] in ("default", "superseded") else e[4]
                 assert accepted(session.relabel, [number], Use(label)) == model.edit(after)
         case "tick":
             model.x = how
@@ -410,7 +423,7 @@ def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: l
             assert trained.active == model.active
             log = trained.session.log
             assert (len(log.done), len(log.undone)) == (len(model.past), len(model.future))
-            assert log.defaults == sum(e[4] == "default" for e in model.examples)
+            assert log.defaults == sum(e[4] in ("default", "superseded") for e in model.examples)
             assert (trained.agent.mode is Mode.PERFORMING) == model.away
         trained.agent.journal.close()
 
@@ -424,9 +437,13 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     trained.session.undo()
     trained.session.undo()
     log = trained.session.log
-    assert log.done == ["Start → Left, 2 examples", "Left → Right, 2 examples"]
+    # All were commanded in one situation, where the next command outranks "keep doing this".
+    assert log.done == [
+        "Start → Left, 2 examples",
+        "Left → Right, 2 examples; superseded example 2",
+    ]
     assert log.undone == [
-        "Right → Beep, 1 example",
+        "Right → Beep, 1 example; superseded example 4",
         "deleted example 2",
         "changed examples 1, 3 to Stay",
     ]
@@ -434,7 +451,7 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     log = trained.session.log
     assert (len(log.done), len(log.undone)) == (2, 3), "the journal keeps it"
     trained.session.redo()
-    assert trained.session.log.done[-1] == "Right → Beep, 1 example"
+    assert trained.session.log.done[-1] == "Right → Beep, 1 example; superseded example 4"
     trained.command("Left")
     assert trained.session.log.undone == []
 

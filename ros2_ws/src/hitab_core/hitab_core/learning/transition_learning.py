@@ -131,7 +131,8 @@ def learn_transitions(
                 f"{quantity(len(example.features), 'value')} for "
                 f"{quantity(len(scales), 'feature')}; delete it"
             )
-        by_state.setdefault(example.state, []).append(example)
+        if example.is_learned:
+            by_state.setdefault(example.state, []).append(example)
     functions: dict[str, LearnedTransition] = {}
     for state, own in by_state.items():
         X = np.array([example.features for example in own], dtype=np.float64)

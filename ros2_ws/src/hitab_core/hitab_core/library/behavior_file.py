@@ -9,7 +9,7 @@ from typing import Any
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain, FeatureKind, Scale
 from hitab_core.errors import LibraryError
-from hitab_core.example_codec import file_record
+from hitab_core.example_codec import file_record, value_records
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_schema import FLAG, FORMAT, SUFFIX
 from hitab_core.library.behavior_text import behavior_text
@@ -112,9 +112,22 @@ def text_of(
         "examples": _examples(automaton, domain),
         "trees": _digests(automaton),
         "uses": {name: uses[name] for name in sorted(automaton.behaviors_used)},
+        **_readings(automaton),
         "provenance": asdict(provenance),
     }
     return behavior_text(content | {"checksum": checksum(content)}, _rules(automaton))
+
+
+def _readings(automaton: Automaton) -> dict[str, Any]:
+    """Return the readings of each command; all its examples have the same."""
+    by_command = {e.command: e.readings for e in automaton.examples if e.readings}
+    return {
+        "readable": [str(use) for use in automaton.readable] if by_command else [],
+        "readings": [
+            {"command": command, "values": value_records(readings)}
+            for command, readings in by_command.items()
+        ],
+    }
 
 
 def _digests(automaton: Automaton) -> dict[str, str]:

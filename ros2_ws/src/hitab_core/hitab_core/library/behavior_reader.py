@@ -21,6 +21,7 @@ from hitab_core.library.yaml_places import Complaints, Document, read_text, read
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
+from hitab_core.wording import quantity
 
 
 def read_behavior_file(path: Path, domain: Domain) -> BehaviorFile:
@@ -101,7 +102,8 @@ class _Reader:
         states = self._states()
         features, scales = self._features()
         self._stop_if_wrong()  # examples make no sense without these
-        examples = self._examples([str(state) for state in states], scales)
+        readable, readings = self._readings()
+        examples = self._examples([str(state) for state in states], scales, readings)
         self._stop_if_wrong()
         functions = self._learn(examples, features, scales)
         trees = {state: function.digest() for state, function in functions.items()}
@@ -117,6 +119,7 @@ class _Reader:
             tuple(content["parameters"]),
             tuple(examples),
             content["description"],
+            tuple(readable),
         )
         provenance = Provenance(**content["provenance"])
         return BehaviorFile(
@@ -246,11 +249,36 @@ class _Reader:
             self._stop_if_wrong()  # positions would no longer fit
         return uses
 
-    def _examples(self, labels: Sequence[str], scales: Sequence[Scale]) -> list[Example]:
+    def _readings(self) -> tuple[list[Use], dict[int, Sequence[float | None]]]:
+        """Return the names of the readings, and the readings by command."""
+        # What the domain has no more is not an error here: only who chooses it must have it.
+        readable = self._uses("readable", self._content["readable"])
+        readings: dict[int, Sequence[float | None]] = {}
+        for i, record in enumerate(self._content["readings"]):
+            if len(record["values"]) != len(readable):
+                self._complaints.add(
+                    ("readings", i),
+                    f"has {quantity(len(record['values']), 'value')} for "
+                    f"{quantity(len(readable), 'name')} in readable; give one for each, or "
+                    "remove this line",
+                )
+            if record["command"] in readings:
+                self._complaints.add(
+                    ("readings", i), f"has command {record['command']} twice; remove one"
+                )
+            readings[record["command"]] = record["values"]
+        return readable, readings
+
+    def _examples(
+        self,
+        labels: Sequence[str],
+        scales: Sequence[Scale],
+        readings: Mapping[int, Sequence[float | None]],
+    ) -> list[Example]:
         examples = []
         numbers: dict[int, int] = {}
         for i, record in enumerate(self._content["examples"]):
-            example = example_of(record)
+            example = example_of(record, readings.get(int(record["command"]), ()))
             for wrong in wrong_with(example, labels, scales):
                 self._complaints.add(("examples", i), f"example {example.number} {wrong}")
             if example.number in numbers:

@@ -16,7 +16,7 @@ from hitab_core.errors import LibraryError
 from hitab_core.example import ExampleKind
 from hitab_core.library.yaml_places import Complaints, Document
 
-FORMAT = 1
+FORMAT = 2
 """The format version that is written."""
 
 FLAG = "flag"
@@ -25,12 +25,24 @@ FLAG = "flag"
 SUFFIX = ".hfa.yaml"
 """Ending of a behavior file's name."""
 
-MIGRATIONS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {}
+
+
+def _with_readings(content: dict[str, Any]) -> dict[str, Any]:
+    """Convert format 1, whose examples were all due when they were commanded."""
+    # What is no list of records is reported by the schema.
+    examples = content.get("examples")
+    if isinstance(examples, list):
+        examples = [{**e, "ago": 0.0} if isinstance(e, dict) else e for e in examples]
+    return {**content, "format": 2, "examples": examples, "readable": [], "readings": []}
+
+
+MIGRATIONS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {1: _with_readings}
 """For each older format, a function that converts a file's content to the next one."""
 
 _NAME = {"type": "string", "pattern": r"^[A-Za-z][A-Za-z0-9_]*\Z"}
 _TEXT = {"type": "string"}
 _COUNT = {"type": "integer", "minimum": 0, "maximum": 10**15}
+_VALUE = {"type": ["number", "null"]}
 _DIGEST = {"type": "string", "pattern": r"^[0-9a-f]{64}\Z"}
 
 
@@ -77,16 +89,19 @@ SCHEMA: Mapping[str, Any] = {
                     {
                         "number": {**_COUNT, "minimum": 1},
                         "state": _TEXT,
-                        "features": _list({"type": "number"}),
+                        "features": _list(_VALUE),
                         "next_state": _TEXT,
                         "kind": {"enum": [kind.value for kind in ExampleKind]},
                         "command": _COUNT,
                         "cycle": _COUNT,
+                        "ago": {"type": "number", "minimum": 0},
                     }
                 )
             ),
             "trees": {"type": "object", "additionalProperties": _DIGEST},
             "uses": {"type": "object", "additionalProperties": _TEXT},
+            "readable": _list(_TEXT),
+            "readings": _list(_record({"command": _COUNT, "values": _list(_VALUE)})),
             "provenance": _record(
                 {
                     "version": {**_COUNT, "minimum": 1},
@@ -107,6 +122,7 @@ _TYPES = {
     "string": "text",
     "integer": "a whole number",
     "number": "a number",
+    "null": "null",
     "array": "a list",
     "object": "a mapping of names to values",
 }
@@ -179,7 +195,9 @@ def _in_words(error: Any) -> str:
             unknown = [key for key in value if key not in known]
             return f"{subject} has {_quoted(unknown)}; the known keys are {', '.join(known)}"
         case "type":
-            return f"{subject} must be {_TYPES[limit]}, not {_shown(value)}"
+            kinds = [limit] if isinstance(limit, str) else limit
+            wanted = " or ".join(_TYPES[kind] for kind in kinds)
+            return f"{subject} must be {wanted}, not {_shown(value)}"
         case "enum":
             return f"{subject} is {_shown(value)}; it must be one of {', '.join(limit)}"
         case "pattern" if limit == _DIGEST["pattern"]:

@@ -13,6 +13,9 @@ from hitab_core.library.yaml_places import means_itself
 Rules = Mapping[str, Sequence[str]]
 """What is learned for each state, in words; written as comments."""
 
+_RIGHT = ("number", "features", "command", "cycle", "ago", "values")
+"""Keys whose values are aligned to the right."""
+
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.()-]*\Z", re.ASCII)
 
 
@@ -28,7 +31,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
         f"#   hitab library accept {content['name']}.hfa.yaml",
     ]
     for key, value in content.items():
-        if key in ("states", "features", "examples", "trees", "uses", "provenance"):
+        if key in ("states", "features", "examples", "trees", "uses", "readable", "provenance"):
             lines.append("")
         lines.extend(_section(key, value, rules, content))
     return "\n".join(lines) + "\n"
@@ -54,6 +57,12 @@ def _section(key: str, value: Any, rules: Rules, content: Mapping[str, Any]) -> 
             return _block(
                 head, [f"{name}: {scalar(as_was)}" for name, as_was in value.items()], "{}"
             )
+        case "readable":
+            head = "readable:  # what could be read when the commands were given"
+            return _block(head, [f"- {scalar(use)}" for use in value], "[]")
+        case "readings":
+            head = "readings:  # in that order; null: it had no value"
+            return _block(head, list(_table(value)) if value else [], "[]")
         case "provenance":
             return _block("provenance:", [f"{k}: {scalar(v)}" for k, v in value.items()], "{}")
         case _:
@@ -94,7 +103,7 @@ def _table(examples: Sequence[Mapping[str, Any]]) -> Iterable[str]:
         cells = []
         for k, key in enumerate(keys):
             parts = [
-                part.rjust(w) if key in ("number", "features", "command", "cycle") else part
+                part.rjust(w) if key in _RIGHT else part
                 for part, w in zip(row[k], width[k], strict=True)
             ]
             text = f"[{', '.join(parts)}]" if isinstance(example[key], list) else parts[0]
@@ -112,8 +121,10 @@ def _flow(value: Any) -> str:
     return scalar(value)
 
 
-def scalar(value: str | int | float) -> str:
+def scalar(value: str | int | float | None) -> str:
     """Return a value that reads back exactly, also in YAML 1.1."""
+    if value is None:
+        return "null"
     if isinstance(value, int):
         return str(value)
     if isinstance(value, float):

@@ -26,7 +26,7 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
     """Return the digest of what was learned, given a behavior file's content.
 
     Equal digests mean that the behavior has the same states and features and learned the same
-    decisions from the same examples. When and by whom it was saved, its name, description and
+    decisions from the same examples; superseded ones do not count. When and by whom it was saved, its name, description and
     format version do not matter, nor do the order and numbers of examples, commands and cycles.
 
     Args:
@@ -37,18 +37,19 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
         [
             example["state"],
             # Adding zero makes -0.0, which decides like 0.0, read like it.
-            [float(value) + 0.0 for value in example["features"]],
+            [None if value is None else float(value) + 0.0 for value in example["features"]],
             example["next_state"],
             # All other kinds are learned from alike.
             example["kind"] == ExampleKind.DEFAULT.value,
         ]
         for example in content["examples"]
+        if example["kind"] != ExampleKind.SUPERSEDED.value
     ]
     return _digest(
         {
             "domain": content["domain"]["name"],
             **{key: content[key] for key in ("parameters", "states", "features", "classifier")},
-            "examples": sorted(examples),
+            "examples": sorted(examples, key=json.dumps),
             "trees": dict(trees),
         }
     )

@@ -35,7 +35,9 @@ def wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale])
         yield f"has {values} for {features}; give one for each"
         return
     for i, (value, scale) in enumerate(zip(example.features, scales, strict=True), 1):
-        if not math.isfinite(value):
+        if math.isnan(value):
+            continue  # missing
+        if math.isinf(value):
             yield f"has {value} as value {i}; write a finite number, or delete the example"
         elif scale.kind is FeatureKind.BOOLEAN and value not in (0.0, 1.0):
             yield f"has {value:g} as value {i}, which is boolean: 0 or 1"

@@ -124,6 +124,9 @@ def rebind(
     parameters = [p for p in automaton.parameters if p in mentioned or p not in bindings]
     parameters += [a for a in mentioned if a not in targets and a in bindings.values()]
     parameters += [a for a in _arguments(bindings) if a in mentioned and a not in targets]
+    # Two readings that become the same were of the same target.
+    read = {bound(use): i for i, use in reversed([*enumerate(automaton.readable)])}
+    kept = sorted(read.values())
     rebound = Automaton(
         automaton.name,
         states,
@@ -131,10 +134,16 @@ def rebind(
         {},
         tuple(dict.fromkeys(parameters)),
         tuple(
-            replace(e, state=label(e.state), next_state=label(e.next_state))
+            replace(
+                e,
+                state=label(e.state),
+                next_state=label(e.next_state),
+                readings=tuple(e.readings[i] for i in kept) if e.readings else (),
+            )
             for e in automaton.examples
         ),
         automaton.description,
+        tuple(bound(automaton.readable[i]) for i in kept),
     )
     repertoire.check(rebound)
     return _learned(rebound, repertoire, classifier)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from hitab_core.automaton import FLAGS, START, Automaton
@@ -149,14 +149,25 @@ class RunningAutomaton:
             self.add_state(state)
         self._slots: list[int] = []
         self._flag_slots: list[tuple[int, str]] = []
-        for feature in automaton.features:
+        self._bind(automaton.features)
+        self.set_transitions(automaton.transitions)
+
+    def _bind(self, features: Sequence[Use]) -> None:
+        """Find the slots of the features."""
+        self._slots, self._flag_slots = [], []
+        for feature in features:
             if feature.name in FLAGS:
-                slot = context.senses.slot_for_flag()
+                slot = self._senses.slot_for_flag()
                 self._flag_slots.append((slot, feature.name))
             else:
-                slot = context.senses.slot(feature.bound(self.bindings))
+                slot = self._senses.slot(feature.bound(self.bindings))
             self._slots.append(slot)
-        self.set_transitions(automaton.transitions)
+
+    def set_features(self, features: Sequence[Use]) -> None:
+        """Use other features; transition functions must follow."""
+        self.automaton = replace(self.automaton, features=tuple(features), transitions={})
+        self._bind(features)
+        self.set_transitions({})
 
     def add_state(self, state: Use) -> None:
         """Add a state, as training does when a behavior is first commanded."""

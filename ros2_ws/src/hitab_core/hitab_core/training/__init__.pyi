@@ -1,2 +1,2 @@
-from .training_session import Curriculum as Curriculum
+from .curriculum import Curriculum as Curriculum
 from .training_session import TrainingSession as TrainingSession

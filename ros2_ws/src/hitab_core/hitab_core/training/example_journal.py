@@ -18,7 +18,7 @@ from typing import Any, Self
 from hitab_core.errors import FolderInUseError, LibraryError
 from hitab_core.library.durable_files import file_errors, make_folder, sync_folder, write_all
 
-VERSION = 1
+VERSION = 2
 """The format version that is written."""
 
 
@@ -248,9 +248,9 @@ def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
         version, found, crc, record = (entry[k] for k in ("journal", "number", "crc", "record"))
     except (ValueError, KeyError, TypeError, RecursionError):
         raise LibraryError(f"{place}: is not a record of a journal; {damaged}") from None
-    if version != VERSION:
+    if not isinstance(version, int) or version > VERSION:
         raise LibraryError(
-            f"{place}: has format version {version}, but this HiTAB reads {VERSION}; "
+            f"{place}: has format version {version}, but this HiTAB reads up to {VERSION}; "
             "use the HiTAB version that wrote it"
         )
     if found != number:

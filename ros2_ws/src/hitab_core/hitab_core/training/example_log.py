@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example, ExampleKind
+from hitab_core.example import Example, ExampleKind, superseding
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity
 
@@ -31,37 +31,42 @@ class Edit:
     """A change of the examples, stored as a difference.
 
     Attributes:
+        words: what it does, for people, as in ``Start → GoFast, 2 examples``.
         gone: removed examples with their indices before the edit, ascending.
         came: added examples with their indices after the edit, ascending.
         left, entered: labels of the states before and after a command; None if the edit is not a
             command. An undo swaps them.
+        features: names of the features after the edit; None: unchanged.
+        features_before: names of the features before it; None: unchanged.
         direction: whether it is new, an undo or a redo.
     """
 
+    words: str = "nothing"
     gone: tuple[Placed, ...] = ()
     came: tuple[Placed, ...] = ()
     left: str | None = None
     entered: str | None = None
+    features: tuple[str, ...] | None = None
+    features_before: tuple[str, ...] | None = None
     direction: Direction = Direction.NEW
 
     @property
     def undone(self) -> Edit:
         """The edit that undoes this one."""
-        return Edit(self.came, self.gone, self.entered, self.left, Direction.UNDO)
+        return replace(
+            self,
+            gone=self.came,
+            came=self.gone,
+            left=self.entered,
+            entered=self.left,
+            features=self.features_before,
+            features_before=self.features,
+            direction=Direction.UNDO,
+        )
 
     def __str__(self) -> str:
-        """Describe it for people, as in ``Start → GoFast, 2 examples``."""
-        if self.entered is not None:
-            return f"{self.left} → {self.entered}, {quantity(len(self.came), 'example')}"
-        verb = "changed" if self.came else "deleted"
-        place = f" to {self.came[0][1].next_state}" if self.came else ""
-        numbers = [example.number for _, example in self.gone]
-        if not numbers:
-            return "nothing"
-        if len(numbers) > NUMBERS_MAX:
-            return f"{verb} {quantity(len(numbers), 'example')}{place}"
-        noun = "example" if len(numbers) == 1 else "examples"
-        return f"{verb} {noun} {', '.join(map(str, numbers))}{place}"
+        """Describe it for people."""
+        return self.words
 
     def apply(self, examples: list[Example]) -> None:
         """Apply it to a list."""
@@ -76,17 +81,20 @@ class ExampleLog:
 
     An edit is first prepared, which refuses the impossible and changes nothing, and then made by
     `make`. The history holds differences, so it grows with the edits, not with the number of
-    examples.
+    examples. Each edit also marks the default examples that a command contradicts, or no longer
+    does (`hitab_core.example.superseding`).
     """
 
     def __init__(self, examples: Iterable[Example] = ()) -> None:
-        self._examples = list(examples)
+        self._examples = superseding(tuple(examples))
         self._told: tuple[Example, ...] | None = None
         self._done: list[Edit] = []
         self._undone: list[Edit] = []
         self._defaults = sum(example.is_default for example in self._examples)
         self._next_number = 1 + max((e.number for e in self._examples), default=0)
         self._next_command = 1 + max((e.command for e in self._examples), default=0)
+        self.recorded = 0
+        self.undos = 0
 
     @property
     def examples(self) -> tuple[Example, ...]:
@@ -122,14 +130,17 @@ class ExampleLog:
         kind: ExampleKind,
         with_default: bool,
         cycle: int = 0,
+        ago: float = 0.0,
+        readings: tuple[float, ...] = (),
     ) -> list[Example]:
         """Return the numbered examples that a command teaches, without adding them."""
-        command = self._next_command
-        taught = [Example(state, features, next_state, kind, self._next_number, command, cycle)]
+        command, number = self._next_command, self._next_number
+        taught = [
+            Example(state, features, next_state, kind, number, command, cycle, ago, readings)
+        ]
         if with_default:
-            number = self._next_number + 1
             taught.append(
-                replace(taught[0], state=next_state, kind=ExampleKind.DEFAULT, number=number)
+                replace(taught[0], state=next_state, kind=ExampleKind.DEFAULT, number=number + 1)
             )
         return taught
 
@@ -137,10 +148,15 @@ class ExampleLog:
 
     def addition(self, taught: Sequence[Example]) -> Edit:
         """Prepare to add what a command taught; its first example gives the states."""
-        came = tuple(enumerate(taught, len(self._examples)))
         if not taught:
             return Edit()
-        return Edit((), came, taught[0].state, taught[0].next_state)
+        first = taught[0]
+        words = f"{first.state} → {first.next_state}, {quantity(len(taught), 'example')}"
+        return replace(
+            self._edit([*self._examples, *taught], words),
+            left=first.state,
+            entered=first.next_state,
+        )
 
     def deletion(self, numbers: Iterable[int]) -> Edit:
         """Prepare to delete examples.
@@ -148,7 +164,9 @@ class ExampleLog:
         Raises:
             TrainingError: if one of the numbers is unknown.
         """
-        return Edit(self._known(numbers))
+        wanted = self._known(numbers)
+        kept = [e for e in self._examples if e.number not in wanted]
+        return self._edit(kept, f"deleted {these(wanted)}")
 
     def relabelling(self, numbers: Iterable[int], next_state: str) -> Edit:
         """Prepare to change the next state of examples; a default example becomes an ordinary one.
@@ -156,19 +174,42 @@ class ExampleLog:
         Raises:
             TrainingError: if one of the numbers is unknown.
         """
-        chosen = tuple(p for p in self._known(numbers) if p[1].next_state != next_state)
-        changed = tuple(
-            (
-                place,
-                replace(
-                    e,
-                    next_state=next_state,
-                    kind=ExampleKind.CORRECTION if e.is_default else e.kind,
-                ),
-            )
-            for place, e in chosen
-        )
-        return Edit(chosen, changed)
+        wanted = self._known(numbers)
+
+        def changed(e: Example) -> Example:
+            if e.number not in wanted or e.next_state == next_state:
+                return e
+            kind = ExampleKind.CORRECTION if e.is_default else e.kind
+            return replace(e, next_state=next_state, kind=kind)
+
+        after = [changed(e) for e in self._examples]
+        really = [e.number for e, old in zip(after, self._examples, strict=True) if e is not old]
+        return self._edit(after, f"changed {these(really)} to {next_state}" if really else "")
+
+    def replacement(self, after: Sequence[Example], words: str) -> Edit:
+        """Prepare to have other examples in place of some, with the same numbers.
+
+        Args:
+            after: all examples, in the same order, with some of them changed.
+            words: what that does.
+        """
+        return self._edit(after, words)
+
+    def _edit(self, after: Sequence[Example], words: str) -> Edit:
+        """Return the difference to other examples in the same order, once these are marked."""
+        marked = superseding(after)
+        before = {e.number: e for e in self._examples}
+        there = {e.number: e for e in marked}
+        gone = tuple((i, e) for i, e in enumerate(self._examples) if there.get(e.number) is not e)
+        came = tuple((i, e) for i, e in enumerate(marked) if before.get(e.number) is not e)
+        superseded = [
+            e.number
+            for _, e in came
+            if not e.is_learned and (e.number not in before or before[e.number].is_learned)
+        ]
+        if superseded:
+            words += f"; superseded {these(superseded)}"
+        return Edit(words or "nothing", gone, came)
 
     def undoing(self) -> Edit:
         """Prepare to undo the last addition, deletion or relabelling.
@@ -208,6 +249,8 @@ class ExampleLog:
         self._told = None
         self._defaults += sum(e.is_default for _, e in edit.came)
         self._defaults -= sum(e.is_default for _, e in edit.gone)
+        self.recorded += sum(e.number >= self._next_number for _, e in edit.came)
+        self.undos += edit.direction is Direction.UNDO
         match edit.direction:
             case Direction.UNDO:
                 self._undone.append(self._done.pop())
@@ -221,11 +264,29 @@ class ExampleLog:
                     (self._next_command, *(e.command + 1 for _, e in edit.came))
                 )
 
-    def _known(self, numbers: Iterable[int]) -> tuple[Placed, ...]:
-        wanted = set(numbers)
+    def commands_of(self, numbers: Iterable[int]) -> dict[int, int]:
+        """Return the commands that examples were recorded by, each with one of these examples.
+
+        Raises:
+            TrainingError: if one of the numbers is unknown.
+        """
+        wanted = self._known(numbers)
+        return {e.command: e.number for e in reversed(self._examples) if e.number in wanted}
+
+    def _known(self, numbers: Iterable[int]) -> frozenset[int]:
+        wanted = frozenset(numbers)
         there = {e.number for e in self._examples}
         if not wanted:
             raise TrainingError(f"no example numbers given {has(there)}")
         for number in sorted(wanted - there):
             raise TrainingError(f"no example number {number} {has(there)}")
-        return tuple((i, e) for i, e in enumerate(self._examples) if e.number in wanted)
+        return wanted
+
+
+def these(numbers: Iterable[int]) -> str:
+    """Name examples by their numbers, unless they are many."""
+    numbers = sorted(numbers)
+    if len(numbers) > NUMBERS_MAX:
+        return quantity(len(numbers), "example")
+    noun = "example" if len(numbers) == 1 else "examples"
+    return f"{noun} {', '.join(map(str, numbers))}"

@@ -6,22 +6,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
-from hitab_core.domain import BasicBehavior
+from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
-from hitab_core.training.training_session import Curriculum
-from hitab_core.use import Use
-from hitab_core.vocabulary import has
+from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.exchange import exchanged, realigned
+from hitab_core.training.moments import readable
 
 
 def resumed(
-    curriculum: Curriculum, earlier: BasicBehavior | Automaton
+    curriculum: Curriculum, earlier: BasicBehavior | Automaton, domain: Domain
 ) -> tuple[Curriculum, tuple[Example, ...]]:
     """Return a curriculum completed from a trained behavior, and that behavior's examples.
 
     Args:
         curriculum: what to train; without a name, features or parameters, those of ``earlier``.
         earlier: whose examples to continue from.
+        domain: of the agent.
 
     Raises:
         TrainingError: if it has no examples, or they lack a value for one of the features.
@@ -35,23 +36,10 @@ def resumed(
         features=features,
         parameters=curriculum.parameters or earlier.parameters,
     )
-    return completed, _with_features(earlier, features)
-
-
-def _with_features(earlier: Automaton, features: Sequence[Use]) -> tuple[Example, ...]:
-    """Return the examples of ``earlier`` for a training with ``features``.
-
-    Raises:
-        TrainingError: if its examples lack a value for one of them.
-    """
-    if tuple(features) == earlier.features:
-        return earlier.examples
-    missing = [str(f) for f in features if f not in earlier.features]
-    if missing:
-        raise TrainingError(
-            f'the examples of "{earlier.name}" have no value for {", ".join(missing)} '
-            f"{has(earlier.features)}; save with unused features kept to resume with them, "
-            "or begin without these features"
+    examples: Sequence[Example] = earlier.examples
+    if tuple(features) != earlier.features:
+        examples = exchanged(
+            examples, earlier.features, features, earlier.readable, earlier.name
         )
-    columns = [earlier.features.index(f) for f in features]
-    return tuple(e.with_columns(columns) for e in earlier.examples)
+    names = readable(domain, completed.parameters)
+    return completed, realigned(examples, earlier.readable, names)

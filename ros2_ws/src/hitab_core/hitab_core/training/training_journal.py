@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -9,12 +10,12 @@ from typing import Any
 
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
-from hitab_core.example_codec import example_record
+from hitab_core.example_codec import example_of, example_record
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.training.example_journal import ExampleJournal, archive
-from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.training_record import replay
-from hitab_core.training.training_session import Curriculum, TrainingSession
+from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.training_session import TrainingSession
+from hitab_core.use import Use
 
 FILE_NAME = "training.jsonl"
 
@@ -41,8 +42,15 @@ class TrainingJournal:
         self._domain = domain
         self._file: ExampleJournal | None = None
 
-    def begin(self, curriculum: Curriculum, examples: Iterable[Example]) -> None:
+    def begin(
+        self, curriculum: Curriculum, examples: Iterable[Example], readable: Iterable[Use]
+    ) -> None:
         """Begin the journal of a training, in place of the one before.
+
+        Args:
+            curriculum: what is trained.
+            examples: that it continues from.
+            readable: names of all readings.
 
         Raises:
             LibraryError: if it cannot be written; then the one before is still there.
@@ -56,6 +64,8 @@ class TrainingJournal:
                 "domain": self._domain,
                 "curriculum": curriculum.to_record(),
                 "examples": [example_record(e) for e in examples],
+                "readable": [str(use) for use in readable],
+                "at": time.time(),
             },
         )
         self.close()
@@ -68,7 +78,7 @@ class TrainingJournal:
             LibraryError: if it cannot be written.
         """
         if self._file is not None:
-            self._file.append(record)
+            self._file.append({**record, "at": time.time()})
 
     def saved(self, behavior: str, checksum: str) -> None:
         """Write that the training is being saved.
@@ -167,7 +177,12 @@ class TrainingJournal:
                 f'it is of domain "{begin["domain"]}", and the agent has "{self._domain}"'
             )
         curriculum = Curriculum.from_record(begin["curriculum"])
-        log = replay([{"do": "command", "examples": begin["examples"]}], ExampleLog())
-        session = TrainingSession(context, curriculum, log.examples, self.write)
+        session = TrainingSession(
+            context,
+            curriculum,
+            map(example_of, begin["examples"]),
+            self.write,
+            tuple(map(Use.parse, begin.get("readable", ()))),
+        )
         session.replay(rest)
         return session

@@ -1,8 +1,8 @@
-"""Replay of a training's steps from the records of its journal."""
+"""The steps of a training that change its examples, as the journal records them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from hitab_core.example_codec import example_of
@@ -27,16 +27,3 @@ def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
         case "relabel":
             return log.relabelling(record["numbers"], record["next_state"])
     return None
-
-
-def replay(records: Iterable[Mapping[str, Any]], log: ExampleLog) -> ExampleLog:
-    """Replay on ``log`` all records that follow the first one of a journal.
-
-    Raises:
-        TrainingError: if a record cannot be replayed.
-    """
-    for record in records:
-        edit = prepared(log, record)
-        if edit is not None:
-            log.make(edit)
-    return log

@@ -7,19 +7,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
-from hitab_core.learning.transition_learning import learn_transitions, learner
+from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
-from hitab_core.training.example_log import Edit, ExampleLog
-from hitab_core.training.training_record import prepared, replay
-from hitab_core.use import NAME, NAME_RULE, Use
-from hitab_core.vocabulary import check_known, has
+from hitab_core.running.senses import value_or_nan
+from hitab_core.training.curriculum import Curriculum, check_curriculum
+from hitab_core.training.example_log import Direction, Edit, ExampleLog, these
+from hitab_core.training.exchange import exchanged
+from hitab_core.training.moments import (
+    STEP_SECONDS,
+    Moment,
+    Moments,
+    moment_before,
+    readable,
+    state_of,
+)
+from hitab_core.training.training_record import prepared
+from hitab_core.use import Use
+from hitab_core.vocabulary import has
 
 Journal = Callable[[Mapping[str, Any]], None]
 """Writes a record to disk before it returns."""
@@ -29,79 +41,6 @@ def _forget(record: Mapping[str, Any]) -> None:
     """Keep no journal."""
 
 
-@dataclass(frozen=True)
-class Curriculum:
-    """The choices made before training begins.
-
-    Attributes:
-        name: of the automaton to be trained.
-        features: what its transition functions may look at.
-        states: that may be commanded; empty: anything in the repertoire.
-        parameters: its free variables.
-        arguments: the targets that the parameters are bound to during training.
-        classifier: ``"tree"`` or a scikit-learn classifier (`classifier_replacement`).
-    """
-
-    name: str
-    features: tuple[Use, ...]
-    states: tuple[Use, ...] = ()
-    parameters: tuple[str, ...] = ()
-    arguments: tuple[str, ...] = ()
-    classifier: str = "tree"
-
-    def to_record(self) -> dict[str, Any]:
-        """Return it as plain data for the journal."""
-        return {
-            "automaton": self.name,
-            "features": [str(f) for f in self.features],
-            "states": [str(s) for s in self.states],
-            "parameters": list(self.parameters),
-            "arguments": list(self.arguments),
-            "classifier": self.classifier,
-        }
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
-        """Read what `to_record` wrote."""
-        return cls.parse(
-            record["automaton"],
-            record["features"],
-            record["states"],
-            record["parameters"],
-            record["arguments"],
-            record["classifier"],
-        )
-
-    @classmethod
-    def parse(
-        cls,
-        name: str,
-        features: Iterable[str],
-        states: Iterable[str],
-        parameters: Iterable[str],
-        arguments: Iterable[str],
-        classifier: str,
-    ) -> Curriculum:
-        """Return a curriculum whose features and states are given as texts.
-
-        Raises:
-            VocabularyError: if a text is not a use of a behavior or feature.
-
-        Example:
-            >>> wanted = Curriculum.parse("GoTo", ["DistanceTo(A)"], [], ["A"], ["ball"], "tree")
-            >>> wanted.features
-            (Use(name='DistanceTo', arguments=('A',)),)
-        """
-        return cls(
-            name,
-            tuple(map(Use.parse, features)),
-            tuple(map(Use.parse, states)),
-            tuple(parameters),
-            tuple(arguments),
-            classifier,
-        )
-
-
 class TrainingSession:
     """One automaton being trained by one agent.
 
@@ -109,9 +48,17 @@ class TrainingSession:
     testing mode the learned transition functions decide. Switching between the two keeps the
     active state and what it performs.
 
+    A command can say that it was due some time ago; it is then recorded with the situation and the
+    active state of that time (`hitab_core.training.moments`). Each example keeps whatever could be
+    read in its situation, so that features can be exchanged afterwards.
+
     Undoing a command returns the agent to the state before it, so that the next command is
     recorded in that state; redoing it performs the commanded behavior. After a crash the agent is
     in Start, and everything in the journal can still be undone.
+
+    Attributes:
+        readable: names of the readings of its examples.
+        moments: what was perceived lately.
     """
 
     def __init__(
@@ -120,24 +67,43 @@ class TrainingSession:
         curriculum: Curriculum,
         examples: Iterable[Example] = (),
         journal: Journal = _forget,
+        names: Sequence[Use] = (),
     ) -> None:
         """Start in training mode, in Start.
+
+        Args:
+            context: of the agent.
+            curriculum: what to train.
+            examples: to continue from, with readings in the order of `readable`.
+            journal: keeps each step.
+            names: of the readings of ``examples``; empty: all that can be read. What cannot be
+                read any more is NaN.
 
         Raises:
             VocabularyError: if the curriculum names what does not exist.
         """
-        check(context, curriculum)
+        check_curriculum(curriculum, context.repertoire)
         self.context = context
         self.curriculum = curriculum
+        self.readable = tuple(names) or readable(
+            context.repertoire.domain, curriculum.parameters
+        )
         self.log = ExampleLog(examples)
+        self.moments = Moments()
         self.testing = False
+        self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._tested = False
         self._left = False
         self._journal = journal
         self.running = self._perform(())
 
     def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
-        bindings = dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
+        bindings = self._bindings
+        look = self.context.senses.look
+        self._looks = [
+            None if use.name in FLAGS else partial(value_or_nan, look, use.bound(bindings))
+            for use in self.readable
+        ]
         blank = Automaton(
             self.curriculum.name,
             tuple(states),
@@ -149,6 +115,10 @@ class TrainingSession:
         for label in _labels(self.log.examples):
             running.add_state(Use.parse(label))
         return running
+
+    @property
+    def _bindings(self) -> dict[str, str]:
+        return dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
 
     @property
     def examples(self) -> tuple[Example, ...]:
@@ -172,11 +142,45 @@ class TrainingSession:
         self.running.stop()
         self.running.start()
         self._left = False
+        latest = self.moments.latest
+        self.moments.begin()
+        if latest is not None:
+            self.moments.add(replace(latest, state=START, since=latest.time, raised=frozenset()))
 
     def leave(self) -> None:
         """Stop, since the agent performs something else; come back with `restart`."""
         self.running.stop()
         self._left = True
+        self.moments.begin()
+
+    def perceived(self, cycle: int, time: float, *, jumped: bool = False) -> None:
+        """Keep what the agent perceives now, before it acts on that.
+
+        Args:
+            cycle: of the world.
+            time: simulated time, s.
+            jumped: whether the situation does not follow from the last one.
+        """
+        if self._left:
+            return
+        if jumped:
+            self.moments.begin()
+        running, latest = self.running, self.moments.latest
+        state = state_of(running.active)
+        since = latest.since if latest is not None and latest.state == state else time
+        raised = running.child.raised if running.child is not None else ()
+        self.moments.add(
+            Moment(cycle, time, state, since, frozenset(raised), self._read(raised))
+        )
+
+    def _read(self, raised: Iterable[str]) -> tuple[float, ...]:
+        """Return the readings of now; NaN for what cannot be read."""
+        up = frozenset(raised)
+        values = (
+            float(use.name in up) if look is None else look()
+            for use, look in zip(self.readable, self._looks, strict=True)
+        )
+        return tuple(value if math.isfinite(value) else math.nan for value in values)
 
     def check_on(self, context: RunContext) -> None:
         """Check that the training could continue with another repertoire.
@@ -184,21 +188,31 @@ class TrainingSession:
         Raises:
             VocabularyError: naming what is missing there.
         """
-        check(context, self.curriculum)
+        check_curriculum(self.curriculum, context.repertoire)
         for label in _labels(self.log.examples):
             context.repertoire.check_state(Use.parse(label), self.curriculum.parameters)
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> None:
-        """Replay the journal of the training.
+        """Replay the journal of the training, without its first record.
 
         Raises:
             VocabularyError: if an example uses a behavior that no longer exists.
         """
-        records = list(records)
-        replay(records, self.log)
-        self._tested = any(record["do"] == "test" for record in records)
+        for record in records:
+            edit = self._prepared(record)
+            if edit is not None:
+                self._make(edit)
+            if record["do"] == "command":
+                self._keep_window(record)
+            self._tested |= record["do"] == "test"
         self.check_on(self.context)
         self.rebuild(self.context)
+
+    def _keep_window(self, record: Mapping[str, Any]) -> None:
+        moments = tuple(map(Moment.from_record, record.get("moments", ())))
+        if moments:
+            number = int(record["examples"][0]["command"])
+            self._windows[number] = (float(record["time"]), moments)
 
     def rebuild(self, context: RunContext) -> None:
         """Restart at Start, since behaviors of the repertoire may have changed."""
@@ -207,21 +221,28 @@ class TrainingSession:
         if self.testing:
             self.running.set_transitions(self.automaton().transitions)
 
-    def command(self, state: Use, cycle: int = 0) -> list[Example]:
+    def command(
+        self, state: Use, cycle: int = 0, *, ago: float = 0.0, seen: int = 0
+    ) -> list[Example]:
         """Perform a behavior now and record the resulting examples.
 
         Args:
             state: the behavior with its arguments, or a flag.
             cycle: of the world, stored with the examples.
+            ago: how long before what the demonstrator saw the command was due, s of simulated
+                time. The examples are of the situation of that time and leave the state that was
+                active then.
+            seen: the world's cycle that the demonstrator saw; 0: the last one.
 
         Returns:
             The recorded examples: one, plus a default example unless the behavior is one-shot or
                 was already running.
 
         Raises:
-            TrainingError: in testing mode, or if the behavior is not among the chosen ones.
+            TrainingError: in testing mode, if the behavior is not among the chosen ones, or if
+                the command was due when nothing is known of.
             VocabularyError: if there is no such behavior or target.
-            FeatureValueError: if a feature has no value now, or one that is not finite.
+            FeatureValueError: if no feature had a value, or one was infinite.
         """
         if self.testing:
             raise TrainingError(
@@ -229,35 +250,85 @@ class TrainingSession:
                 "before commanding"
             )
         self._check_state(state)
-        running = self.running
         label = str(state)
-        source = START if running.active in FLAGS else running.active
-        again = label == source
-        features = tuple(running.peek_features())
-        self._check_finite(features)
+        due = self._due(ago, seen, cycle)
+        again = label == due.state
+        features = self._values_in(due)
+        self._check_values(features)
+        latest = self.moments.latest
         taught = self.log.preview(
-            source,
+            due.state,
             features,
             label,
             kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
             with_default=not again and not self.context.repertoire.is_one_shot(state),
-            cycle=cycle,
+            cycle=due.cycle,
+            ago=0.0 if latest is None else max(0.0, latest.time - due.time),
+            readings=due.readings,
         )
+        record = {
+            "do": "command",
+            "examples": [example_record(e) for e in taught],
+            "time": due.time if latest is None else latest.time,
+            "moments": [moment.to_record() for moment in self.moments.window(due)],
+        }
+        edit = self.log.addition(taught)
         # On disk first: acknowledged examples must survive a crash.
-        self._journal({"do": "command", "examples": [example_record(e) for e in taught]})
-        self.log.make(self.log.addition(taught))
+        self._journal(record)
+        self.log.make(edit)
+        self._keep_window(record)
+        self.moments.enter(label, due)
+        running = self.running
         running.take_down_flags()
         running.add_state(state)
         running.go_to(label)
         return taught
 
-    def _check_finite(self, values: Iterable[float]) -> None:
+    def _due(self, ago: float, seen: int, cycle: int) -> Moment:
+        """Return the moment for which a command is meant."""
+        if ago or seen:
+            due = self.moments.due(ago, seen)
+            if due is not self.moments.latest:
+                return due
+        # What decides now was perhaps not perceived yet as a moment.
+        running, latest = self.running, self.moments.latest
+        values = running.peek_features()
+        raised = frozenset(running.child.raised if running.child is not None else ())
+        readings = list(self._read(raised))
         for feature, value in zip(self.curriculum.features, values, strict=True):
-            if not math.isfinite(value):
+            if feature in self._column:
+                readings[self._column[feature]] = value
+        return Moment(
+            cycle,
+            0.0 if latest is None else latest.time,
+            state_of(running.active),
+            0.0 if latest is None else latest.since,
+            raised,
+            tuple(readings),
+        )
+
+    @property
+    def _column(self) -> dict[Use, int]:
+        return {use: i for i, use in enumerate(self.readable)}
+
+    def _values_in(self, moment: Moment) -> tuple[float, ...]:
+        """Return the values of the chosen features in a moment."""
+        column = self._column
+        return tuple(moment.readings[column[feature]] for feature in self.curriculum.features)
+
+    def _check_values(self, values: Sequence[float]) -> None:
+        for feature, value in zip(self.curriculum.features, values, strict=True):
+            if math.isinf(value):
                 raise FeatureValueError(
                     f'feature "{feature}" is {value} but must be finite in an example; have it '
                     "return a large number instead, such as the range of its sensor"
                 )
+        if values and all(map(math.isnan, values)):
+            names = ", ".join(map(str, self.curriculum.features))
+            raise FeatureValueError(
+                f"no feature of this training has a value now ({names}); check the sensors, or "
+                "choose other features"
+            )
 
     def test(self, *, restart: bool = False) -> None:
         """Learn the transition functions and let them decide.
@@ -315,18 +386,116 @@ class TrainingSession:
             {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(next_state)}
         )
 
+    def retime(self, numbers: Iterable[int], ago: float) -> None:
+        """Have commands been due at another time.
+
+        All examples of a command get the situation of that time; the first of them leaves the
+        state that was active then.
+
+        Args:
+            numbers: of examples; each stands for its command.
+            ago: how long before the command it was due, s of simulated time.
+
+        Raises:
+            TrainingError: if one of the numbers is unknown, or that time is not kept.
+            FeatureValueError: if no feature had a value then, or one was infinite.
+        """
+        self._edit({"do": "retime", "numbers": sorted(set(numbers)), "ago": ago})
+
+    def choose_features(self, features: Sequence[Use]) -> None:
+        """Learn from other features of the same examples.
+
+        Raises:
+            TrainingError: if a feature has no value in any example.
+            VocabularyError: if there is no such feature.
+        """
+        check_curriculum(
+            replace(self.curriculum, features=tuple(features)), self.context.repertoire
+        )
+        self._edit({"do": "features", "features": [str(use) for use in features]})
+
+    def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
+        """Return the edit that a record describes; None: no edit.
+
+        Raises:
+            TrainingError: if it is not possible.
+        """
+        match record["do"]:
+            case "retime":
+                return self._retiming(record["numbers"], float(record["ago"]))
+            case "features":
+                return self._exchange(tuple(map(Use.parse, record["features"])))
+        return prepared(self.log, record)
+
+    def _exchange(self, features: tuple[Use, ...]) -> Edit:
+        before = self.curriculum.features
+        after = exchanged(
+            self.log.examples, before, features, self.readable, self.curriculum.name
+        )
+        names = tuple(map(str, features))
+        return replace(
+            self.log.replacement(after, f"features {', '.join(names) or 'none'}"),
+            features=names,
+            features_before=tuple(map(str, before)),
+        )
+
+    def _retiming(self, numbers: Sequence[int], ago: float) -> Edit:
+        wanted = self.log.commands_of(numbers)
+        dues: dict[int, Moment] = {}
+        for command, number in wanted.items():
+            if command not in self._windows:
+                raise TrainingError(
+                    f"example {number} was recorded in an earlier training, so what was before "
+                    "it is not known; delete it, and demonstrate it again"
+                )
+            time, moments = self._windows[command]
+            if not 0.0 <= ago <= time - moments[0].time + STEP_SECONDS:
+                raise TrainingError(
+                    f"what was {ago:g} s before example {number} was recorded is not kept; give "
+                    f"a number from 0 to {time - moments[0].time:.2g}"
+                )
+            dues[command] = moment_before(moments, time - ago)
+
+        def changed(e: Example) -> Example:
+            due = dues.get(e.command)
+            if due is None:
+                return e
+            values = self._values_in(due)
+            self._check_values(values)
+            time = self._windows[e.command][0]
+            return replace(
+                e,
+                state=e.state if e.is_default else due.state,
+                features=values,
+                cycle=due.cycle,
+                ago=max(0.0, time - due.time),
+                readings=due.readings,
+            )
+
+        after = [changed(e) for e in self.log.examples]
+        return self.log.replacement(after, f"{these(wanted.values())} due {ago:g} s before its command")
+
+    def _make(self, edit: Edit) -> None:
+        """Make a prepared edit."""
+        self.log.make(edit)
+        if edit.features is not None:
+            features = tuple(map(Use.parse, edit.features))
+            self.curriculum = replace(self.curriculum, features=features)
+
     def _edit(self, record: Mapping[str, Any]) -> None:
         # Refuse before writing anything.
-        edit = prepared(self.log, record)
+        edit = self._prepared(record)
         assert edit is not None
-        learned = self._learned(self.log.after(edit)) if self.testing else None
+        learned = self._learned(self.log.after(edit), features=edit.features) if self.testing else None
         labels = _labels(example for _, example in edit.came)
         if edit.entered not in (None, START):
             labels.append(str(edit.entered))
         for label in labels:
             self.running.add_state(Use.parse(label))
         self._journal(record)
-        self.log.make(edit)
+        self._make(edit)
+        if edit.features is not None:
+            self.running.set_features(self.curriculum.features)
         if learned is not None:
             self.running.set_transitions(learned.transitions)
         self._perform_again(edit)
@@ -337,6 +506,8 @@ class TrainingSession:
             return
         self.running.raised.discard(str(edit.left))
         self.running.go_to(edit.entered)
+        if edit.direction is Direction.UNDO:
+            self.moments.reenter(str(edit.left), edit.entered)
 
     def automaton(self, done: str = "tested") -> Automaton:
         """Return what has been learned so far, untrimmed.
@@ -349,22 +520,29 @@ class TrainingSession:
         """
         return self._learned(self.log.examples, done)
 
-    def _learned(self, examples: tuple[Example, ...], done: str = "tested") -> Automaton:
+    def _learned(
+        self,
+        examples: tuple[Example, ...],
+        done: str = "tested",
+        features: Sequence[str] | None = None,
+    ) -> Automaton:
         if not any(e.state == START for e in examples):
             raise TrainingError(
                 f'"{self.curriculum.name}" cannot be {done}: no example leaves {START}; '
                 "command the behavior that it should begin with"
             )
-        repertoire = self.context.repertoire
-        scales = [repertoire.scale_of(feature) for feature in self.curriculum.features]
-        names = [str(feature) for feature in self.curriculum.features]
+        chosen = self.curriculum.features if features is None else map(Use.parse, features)
+        uses = tuple(chosen)
+        scales = [self.context.repertoire.scale_of(use) for use in uses]
+        names = [str(use) for use in uses]
         return Automaton(
             self.curriculum.name,
             tuple(Use.parse(label) for label in _labels(examples)),
-            self.curriculum.features,
+            uses,
             learn_transitions(examples, scales, self.curriculum.classifier, names),
             self.curriculum.parameters,
             examples,
+            readable=self.readable,
         )
 
     def _check_state(self, state: Use) -> None:
@@ -386,38 +564,6 @@ class TrainingSession:
                 f'"{state}" is not among the states chosen for "{self.curriculum.name}" '
                 f"{has(chosen, state)}; begin again with this state, or without a choice of states"
             )
-
-
-def check(context: RunContext, curriculum: Curriculum) -> None:
-    """Check that everything a curriculum names exists, including its classifier.
-
-    Raises:
-        VocabularyError: naming what does not exist.
-    """
-    repertoire = context.repertoire
-    name = curriculum.name
-    for text in (name, *curriculum.parameters):
-        if NAME.match(text) is None:
-            raise VocabularyError(f'"{text}" is not a name; {NAME_RULE}')
-    if len(set(curriculum.parameters)) < len(curriculum.parameters):
-        raise VocabularyError(f'"{name}" has a parameter twice; give each a name of its own')
-    if len(curriculum.parameters) != len(curriculum.arguments):
-        raise VocabularyError(
-            f'"{name}" has {len(curriculum.parameters)} parameter(s) but '
-            f"{len(curriculum.arguments)} target(s) to train with"
-        )
-    for argument in curriculum.arguments:
-        check_known("target", argument, repertoire.domain.targets)
-    if len(set(curriculum.features)) < len(curriculum.features):
-        raise VocabularyError(f'"{name}" has a feature twice')
-    for feature in curriculum.features:
-        repertoire.check_feature(feature, curriculum.parameters)
-    for state in curriculum.states:
-        repertoire.check_state(state, curriculum.parameters)
-    # Check an empty automaton for reserved names and for parameters that are targets.
-    blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
-    repertoire.check_new(blank)
-    learner(curriculum.classifier, [repertoire.scale_of(f) for f in curriculum.features])
 
 
 def _labels(examples: Iterable[Example]) -> list[str]:

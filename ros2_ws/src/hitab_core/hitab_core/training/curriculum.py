@@ -1,0 +1,118 @@
+"""What is chosen before a training begins: the automaton's name, features and states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from hitab_core.automaton import Automaton
+from hitab_core.errors import VocabularyError
+from hitab_core.learning.transition_learning import learner
+from hitab_core.repertoire import Repertoire
+from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.vocabulary import check_known
+
+
+@dataclass(frozen=True)
+class Curriculum:
+    """The choices made before training begins.
+
+    Attributes:
+        name: of the automaton to be trained.
+        features: what its transition functions may look at.
+        states: that may be commanded; empty: anything in the repertoire.
+        parameters: its free variables.
+        arguments: the targets that the parameters are bound to during training.
+        classifier: ``"tree"`` or a scikit-learn classifier (`classifier_replacement`).
+    """
+
+    name: str
+    features: tuple[Use, ...]
+    states: tuple[Use, ...] = ()
+    parameters: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()
+    classifier: str = "tree"
+
+    def to_record(self) -> dict[str, Any]:
+        """Return it as plain data for the journal."""
+        return {
+            "automaton": self.name,
+            "features": [str(f) for f in self.features],
+            "states": [str(s) for s in self.states],
+            "parameters": list(self.parameters),
+            "arguments": list(self.arguments),
+            "classifier": self.classifier,
+        }
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
+        """Read what `to_record` wrote."""
+        return cls.parse(
+            record["automaton"],
+            record["features"],
+            record["states"],
+            record["parameters"],
+            record["arguments"],
+            record["classifier"],
+        )
+
+    @classmethod
+    def parse(
+        cls,
+        name: str,
+        features: Iterable[str],
+        states: Iterable[str],
+        parameters: Iterable[str],
+        arguments: Iterable[str],
+        classifier: str,
+    ) -> Curriculum:
+        """Return a curriculum whose features and states are given as texts.
+
+        Raises:
+            VocabularyError: if a text is not a use of a behavior or feature.
+
+        Example:
+            >>> wanted = Curriculum.parse("GoTo", ["DistanceTo(A)"], [], ["A"], ["ball"], "tree")
+            >>> wanted.features
+            (Use(name='DistanceTo', arguments=('A',)),)
+        """
+        return cls(
+            name,
+            tuple(map(Use.parse, features)),
+            tuple(map(Use.parse, states)),
+            tuple(parameters),
+            tuple(arguments),
+            classifier,
+        )
+
+
+def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
+    """Check that everything a curriculum names exists, including its classifier.
+
+    Raises:
+        VocabularyError: naming what does not exist.
+    """
+    name = curriculum.name
+    for text in (name, *curriculum.parameters):
+        if NAME.match(text) is None:
+            raise VocabularyError(f'"{text}" is not a name; {NAME_RULE}')
+    if len(set(curriculum.parameters)) < len(curriculum.parameters):
+        raise VocabularyError(f'"{name}" has a parameter twice; give each a name of its own')
+    if len(curriculum.parameters) != len(curriculum.arguments):
+        raise VocabularyError(
+            f'"{name}" has {len(curriculum.parameters)} parameter(s) but '
+            f"{len(curriculum.arguments)} target(s) to train with"
+        )
+    for argument in curriculum.arguments:
+        check_known("target", argument, repertoire.domain.targets)
+    if len(set(curriculum.features)) < len(curriculum.features):
+        raise VocabularyError(f'"{name}" has a feature twice')
+    for feature in curriculum.features:
+        repertoire.check_feature(feature, curriculum.parameters)
+    for state in curriculum.states:
+        repertoire.check_state(state, curriculum.parameters)
+    # Check an empty automaton for reserved names and for parameters that are targets.
+    blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
+    repertoire.check_new(blank)
+    learner(curriculum.classifier, [repertoire.scale_of(f) for f in curriculum.features])

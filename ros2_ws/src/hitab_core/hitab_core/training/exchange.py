@@ -1,0 +1,93 @@
+"""Exchanging the features of a training: the same examples, learned from other features.
+
+Each example keeps whatever could be read in its situation, so a feature that was not chosen at
+first has its values there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from hitab_core.errors import TrainingError
+from hitab_core.example import Example
+from hitab_core.use import Use
+from hitab_core.vocabulary import has
+from hitab_core.wording import quantity, some
+
+
+def exchanged(
+    examples: Sequence[Example],
+    before: Sequence[Use],
+    features: Sequence[Use],
+    readable: Sequence[Use],
+    name: str,
+) -> list[Example]:
+    """Return the same examples with the values of other features.
+
+    An example without a reading of a feature has NaN there, which is learned from as a missing
+    value; some examples must have one.
+
+    Args:
+        examples: with values of ``before``.
+        before: the features of their values.
+        features: that their values shall be of.
+        readable: names of their readings.
+        name: of the automaton, for errors.
+
+    Raises:
+        TrainingError: if no example has a value of a feature.
+    """
+    column = {use: i for i, use in enumerate(before)}
+    reading = {use: i for i, use in enumerate(readable)}
+
+    def value(example: Example, use: Use) -> float:
+        if use in column:
+            return example.features[column[use]]
+        if use in reading and example.readings:
+            return example.readings[reading[use]]
+        return math.nan
+
+    after = [replace(e, features=tuple(value(e, use) for use in features)) for e in examples]
+    missing = [
+        str(use)
+        for i, use in enumerate(features)
+        if after and all(math.isnan(e.features[i]) for e in after)
+    ]
+    if missing:
+        kept = [str(use) for use in (*before, *readable)] if any_readings(examples) else before
+        raise TrainingError(
+            f'the examples of "{name}" have no value for {some(missing)} {has(kept)}; '
+            f"demonstrate {quantity(len(after), 'example')} again with this feature, or choose "
+            "others"
+        )
+    return after
+
+
+def any_readings(examples: Sequence[Example]) -> bool:
+    """Whether some examples have readings."""
+    return any(example.readings for example in examples)
+
+
+def realigned(
+    examples: Sequence[Example], names: Sequence[Use], readable: Sequence[Use]
+) -> tuple[Example, ...]:
+    """Return examples with their readings in another order.
+
+    Args:
+        examples: with readings of ``names``.
+        names: of their readings.
+        readable: names of the readings that they shall have; NaN where there is none.
+    """
+    if tuple(names) == tuple(readable):
+        return tuple(examples)
+    column: Mapping[Use, int] = {use: i for i, use in enumerate(names)}
+
+    def readings(example: Example) -> tuple[float, ...]:
+        if not example.readings:
+            return ()
+        own = example.readings
+        return tuple(own[column[use]] if use in column else math.nan for use in readable)
+
+    return tuple(replace(e, readings=readings(e)) for e in examples)

@@ -1,0 +1,202 @@
+"""What an agent in training perceived in the last seconds, so that a command can come late.
+
+A person needs time to react, so the situation that a command is meant for is already past when the
+command arrives. The agent keeps its last percepts, as readings of everything that it could read,
+with the state that was active. A command that says how long ago it was due is recorded with the
+situation of that time.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+from hitab_core.automaton import FLAGS, START
+from hitab_core.domain import Domain
+from hitab_core.errors import TrainingError
+from hitab_core.example_codec import value_records, values_of
+from hitab_core.use import Use
+
+KEPT_SECONDS = 10.0
+"""How long moments are kept, in simulated time."""
+
+WINDOW_SECONDS = 2.0
+"""How far before its command the moments stay with an example, at least."""
+
+WINDOW_MAX = 50
+"""The most moments that stay with an example."""
+
+STEP_SECONDS = 0.02
+"""Moments that follow each other faster are not all kept."""
+
+READABLE_MAX = 500
+"""With more readings, features of two and more parameters are left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One percept of an agent in training.
+
+    Attributes:
+        cycle: of the world.
+        time: simulated time, s.
+        state: label of the state that was active, or, once a command was due before, would have
+            been active had it come in time.
+        since: when that state was entered, s.
+        raised: flags that the behavior of that state had raised.
+        readings: see `readable`.
+    """
+
+    cycle: int
+    time: float
+    state: str
+    since: float
+    raised: frozenset[str]
+    readings: tuple[float, ...]
+
+    def to_record(self) -> dict[str, Any]:
+        """Return it as plain data for the journal."""
+        return {
+            "cycle": self.cycle,
+            "time": self.time,
+            "state": self.state,
+            "since": self.since,
+            "raised": sorted(self.raised),
+            "readings": value_records(self.readings),
+        }
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Moment:
+        """Read what `to_record` wrote."""
+        return cls(
+            int(record["cycle"]),
+            float(record["time"]),
+            str(record["state"]),
+            float(record["since"]),
+            frozenset(record["raised"]),
+            values_of(record["readings"]),
+        )
+
+
+def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Use, ...]:
+    """Return what can be read in every moment: flags, and features of all targets and parameters.
+
+    Args:
+        domain: of the agent.
+        parameters: of the automaton in training.
+    """
+    things = [*sorted(domain.targets), *parameters]
+    features = sorted(domain.features.values(), key=lambda feature: feature.name)
+    if sum(len(things) ** len(f.parameters) for f in features) > READABLE_MAX:
+        features = [feature for feature in features if len(feature.parameters) < 2]
+    uses = [
+        Use(feature.name, arguments)
+        for feature in features
+        for arguments in product(things, repeat=len(feature.parameters))
+    ]
+    return (*uses, *map(Use, FLAGS))
+
+
+class Moments:
+    """The last moments of an agent in training, oldest first.
+
+    They never reach back beyond a jump: a new episode, or a change of a paused world.
+    """
+
+    def __init__(self) -> None:
+        self._kept: list[Moment] = []
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    @property
+    def latest(self) -> Moment | None:
+        """The last moment; None if there is none."""
+        return self._kept[-1] if self._kept else None
+
+    def begin(self) -> None:
+        """Forget what was, since it has nothing to do with what follows."""
+        self._kept.clear()
+
+    def add(self, moment: Moment) -> None:
+        """Keep a moment, unless it follows the last but one too fast; drop those too old."""
+        kept = self._kept
+        if kept and moment.time < kept[-1].time:
+            kept.clear()  # the world's clock was set back
+        if len(kept) > 1 and kept[-1].time - kept[-2].time < STEP_SECONDS:
+            kept.pop()
+        kept.append(moment)
+        if moment.time - kept[0].time > KEPT_SECONDS:
+            first = bisect_right(kept, moment.time - KEPT_SECONDS, key=lambda m: m.time)
+            del kept[:first]
+
+    def due(self, ago: float, seen: int = 0) -> Moment:
+        """Return the moment at which a command was due.
+
+        Args:
+            ago: how long before what the demonstrator saw, s of simulated time.
+            seen: the world's cycle that the demonstrator saw; 0: the last one.
+
+        Raises:
+            TrainingError: if that is in the future, or longer ago than is kept.
+        """
+        if not 0.0 <= ago <= KEPT_SECONDS:
+            raise TrainingError(
+                f"a command cannot have been due {ago:g} s ago: the agent keeps the last "
+                f"{KEPT_SECONDS:g} s; give a number from 0 to {KEPT_SECONDS:g}"
+            )
+        kept = self._kept
+        if not kept:
+            raise TrainingError(
+                f"nothing was perceived {ago:g} s ago; command without saying when it was due"
+            )
+        base = kept[-1].time
+        if seen and seen < kept[0].cycle and kept[-1].time - kept[0].time > KEPT_SECONDS / 2:
+            raise TrainingError(
+                f"cycle {seen} was more than {KEPT_SECONDS:g} s ago, and the agent keeps only "
+                f"the last {KEPT_SECONDS:g} s; command on what the world shows now"
+            )
+        if seen:
+            base = next((m.time for m in reversed(kept) if m.cycle <= seen), kept[0].time)
+        return moment_before(kept, base - ago)
+
+    def enter(self, state: str, due: Moment) -> None:
+        """Have a state be active since a moment, as if its command had come in time."""
+        kept = self._kept
+        for place in range(len(kept) - 1, -1, -1):
+            if kept[place].time <= due.time:
+                break
+            kept[place] = replace(
+                kept[place], state=state, since=due.time, raised=frozenset()
+            )
+
+    def reenter(self, left: str, state: str) -> None:
+        """Have a state be active instead of the one that was entered last."""
+        kept = self._kept
+        for place in range(len(kept) - 1, -1, -1):
+            if kept[place].state != left:
+                break
+            kept[place] = replace(kept[place], state=state)
+
+    def window(self, due: Moment) -> tuple[Moment, ...]:
+        """Return the moments to keep with an example, so that it can be retimed later."""
+        kept = self._kept
+        start = min(due.time - WINDOW_SECONDS / 2, kept[-1].time - WINDOW_SECONDS) if kept else 0
+        chosen = [moment for moment in kept if moment.time >= start]
+        step = -(-len(chosen) // WINDOW_MAX) or 1
+        return tuple(m for i, m in enumerate(reversed(chosen)) if i % step == 0)[::-1]
+
+
+def moment_before(moments: Sequence[Moment], time: float) -> Moment:
+    """Return the last of some moments that is not after a time; the first if all are."""
+    # Times are sums of steps that no number holds exactly.
+    place = bisect_right(moments, time + STEP_SECONDS / 10, key=lambda moment: moment.time)
+    return moments[max(place - 1, 0)]
+
+
+def state_of(active: str) -> str:
+    """Return the state that a command leaves: a flag state is left at once."""
+    return START if active in FLAGS else active

@@ -1,0 +1,228 @@
+"""Commands that come late: each is recorded with the situation that it was meant for."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from hitab_core import Agent, BehaviorLibrary, TrainingError, Use, plain_domain
+from hitab_core.example import Example
+from hitab_core.training import Curriculum
+
+CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position", "Speed"])
+STEP = 0.1
+
+
+class Driven:
+    """An agent whose position is its cycle, and whose speed is its cycle squared."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.cycle = 0
+        self.agent = self.made()
+        self.agent.begin(Curriculum("Shuttle", (Use("Position"),)))
+
+    def made(self) -> Agent:
+        library = BehaviorLibrary(self.folder / "library", CART)
+        return Agent("cart", CART, library, self.folder / "journal")
+
+    def run(self, cycles: int = 1, *, jumped: bool = False) -> None:
+        for _ in range(cycles):
+            self.cycle += 1
+            values = [float(self.cycle), float(self.cycle**2)]
+            self.agent.sense(values, [], self.cycle, self.cycle * STEP, jumped=jumped)
+            self.agent.tick()
+
+    def command(self, label: str, ago: float = 0.0, seen: int = 0) -> Example:
+        return self.agent.command(Use(label), ago=ago, seen=seen)[0]
+
+    def examples(self) -> list[tuple[int, str, float, str, str]]:
+        assert self.agent.session is not None
+        return [
+            (e.number, e.state, e.features[0], e.next_state, e.kind.value)
+            for e in self.agent.session.examples
+        ]
+
+    def restarted(self) -> None:
+        self.agent.journal.close()
+        self.agent = self.made()
+
+
+@pytest.fixture
+def cart(tmp_path: Path) -> Driven:
+    return Driven(tmp_path)
+
+
+def test_a_command_is_recorded_with_the_situation_for_which_it_was_due(cart: Driven) -> None:
+    cart.run(10)
+    taught = cart.command("Right", ago=0.4)
+    assert (taught.features, taught.cycle, taught.state) == ((6.0,), 6, "Start")
+    assert taught.ago == pytest.approx(0.4)
+    assert cart.examples()[1] == (2, "Right", 6.0, "Right", "default")
+    assert cart.agent.active_path == ["Right"], "it is performed now"
+
+
+def test_the_time_counts_from_what_the_demonstrator_saw(cart: Driven) -> None:
+    cart.run(10)
+    assert cart.command("Right", ago=0.2, seen=8).cycle == 6
+    assert cart.command("Left", seen=9).cycle == 9
+
+
+def test_a_command_is_taken_with_the_state_that_was_active_then(cart: Driven) -> None:
+    """Both come late by the same time, so the second one leaves what the first one began."""
+    cart.run(10)
+    cart.command("Right", ago=0.4)
+    cart.run(2)
+    cart.command("Left", ago=0.4)
+    cart.run(5)
+    cart.command("Right", ago=0.9)
+    assert [(e[1], e[2], e[3]) for e in cart.examples() if e[4] == "demonstrated"] == [
+        ("Start", 6.0, "Right"),
+        ("Right", 8.0, "Left"),
+        ("Right", 8.0, "Right"),
+    ]
+
+
+def test_after_an_undo_the_state_of_that_time_is_as_if_nothing_had_been_commanded(
+    cart: Driven,
+) -> None:
+    cart.run(10)
+    cart.command("Right", ago=0.4)
+    cart.run(2)
+    cart.agent.session.undo()
+    assert cart.command("Left", ago=0.3).state == "Start"
+
+
+def test_no_command_was_due_before_its_situation_came_about(cart: Driven) -> None:
+    cart.run(10)
+    cart.run(jumped=True)  # something was placed
+    cart.run(2)
+    assert cart.command("Right", ago=1.0).cycle == 11
+    cart.run()
+    cart.agent.restart(1, 1)  # a new episode
+    cart.run()
+    assert cart.command("Left", ago=1.0).cycle == 14
+
+
+@pytest.mark.parametrize("ago", [-0.1, 11.0, math.nan, math.inf])
+def test_a_time_in_the_future_or_long_ago_is_refused_and_changes_nothing(
+    cart: Driven, ago: float
+) -> None:
+    cart.run(3)
+    with pytest.raises(TrainingError, match="give a number from 0 to 10"):
+        cart.command("Right", ago=ago)
+    assert cart.examples() == []
+    assert cart.agent.active_path == ["Start"]
+
+
+def test_a_cycle_that_is_no_longer_kept_is_refused(cart: Driven) -> None:
+    cart.run(200)
+    with pytest.raises(TrainingError, match="cycle 3 was more than 10 s ago"):
+        cart.command("Right", seen=3)
+
+
+def test_a_command_can_be_retimed_also_after_a_crash_and_that_undone(cart: Driven) -> None:
+    cart.run(10)
+    cart.command("Right")
+    cart.run(3)
+    cart.command("Left", ago=0.1)
+    session = cart.agent.session
+    assert session is not None
+    session.retime([3], 0.5)
+    assert cart.examples()[2] == (3, "Start", 8.0, "Left", "demonstrated")
+    assert cart.examples()[3][2] == 8.0, "the default example is of the same situation"
+    session.undo()
+    assert cart.examples()[2] == (3, "Right", 12.0, "Left", "demonstrated")
+    cart.restarted()
+    session = cart.agent.session
+    assert session is not None
+    session.retime([4], 0.2)
+    assert cart.examples()[2] == (3, "Right", 11.0, "Left", "demonstrated")
+    assert session.log.done[-1] == "example 4 due 0.2 s before its command"
+    with pytest.raises(TrainingError, match="is not kept; give a number from 0 to"):
+        session.retime([3], 9.0)
+
+
+def test_features_are_exchanged_without_demonstrating_again(cart: Driven) -> None:
+    cart.run(4)
+    cart.command("Right")
+    cart.run(4)
+    cart.command("Left")
+    session = cart.agent.session
+    assert session is not None
+    cart.agent.test()
+    session.choose_features((Use("Speed"),))
+    assert [e.features for e in session.examples][::2] == [(16.0,), (64.0,)]
+    # What is being tested decides by the new feature at once.
+    tree = session.running.automaton.features
+    assert tree == (Use("Speed"),)
+    session.undo()
+    assert session.curriculum.features == (Use("Position"),)
+    assert [e.features for e in session.examples][::2] == [(4.0,), (8.0,)]
+    session.redo()
+    cart.restarted()
+    session = cart.agent.session
+    assert session is not None
+    assert session.curriculum.features == (Use("Speed"),)
+
+
+def test_what_was_saved_can_be_trained_again_with_other_features(cart: Driven) -> None:
+    cart.run(4)
+    cart.command("Right")
+    cart.run(4)
+    cart.command("Left")
+    cart.agent.save()
+    text = cart.agent.library.path("Shuttle").read_text()
+    assert "readable:" in text
+    again = Agent("cart", CART, BehaviorLibrary(cart.folder / "library", CART))
+    again.begin(Curriculum("", (Use("Speed"), Use("Position"))), resume="Shuttle")
+    assert again.session is not None
+    assert [e.features for e in again.session.examples][::2] == [(16.0, 4.0), (64.0, 8.0)]
+
+
+def test_a_feature_without_any_value_is_refused_by_name(cart: Driven) -> None:
+    cart.run(4)
+    cart.command("Right")
+    agent, session = cart.agent, cart.agent.session
+    assert session is not None
+    before = cart.examples()
+    # A training by an older HiTAB kept no readings.
+    path = agent.journal.damage or cart.folder / "journal" / "training.jsonl"
+    agent.journal.close()
+    records = [json.loads(line)["record"] for line in Path(path).read_text().splitlines()]
+    assert records[1]["examples"][0]["readings"][0] == 4.0
+    session.log.make(
+        session.log.replacement(
+            [
+                Example(e.state, e.features, e.next_state, e.kind, e.number, e.command)
+                for e in session.examples
+            ],
+            "older",
+        )
+    )
+    with pytest.raises(TrainingError, match="have no value for Speed"):
+        session.choose_features((Use("Speed"),))
+    assert cart.examples() == before
+
+
+def test_a_command_outranks_the_default_example_that_it_contradicts(cart: Driven) -> None:
+    cart.run(4)
+    cart.command("Right")
+    cart.command("Left")  # at once put right
+    kinds = {e.number: e.kind.value for e in cart.agent.session.examples}
+    assert kinds == {
+        1: "demonstrated", 2: "superseded", 3: "demonstrated", 4: "default",
+    }  # fmt: skip
+    cart.agent.test(restart=True)
+    for _ in range(50):  # no coin toss
+        cart.agent.restart(1, 1)
+        cart.agent.tick()
+        cart.agent.tick()
+        assert cart.agent.active_path == ["Left"]
+    cart.agent.session.delete([3])
+    assert [e.kind.value for e in cart.agent.session.examples] == [
+        "demonstrated", "default", "default",
+    ]  # fmt: skip
