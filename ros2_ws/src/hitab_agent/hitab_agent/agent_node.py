@@ -206,7 +206,13 @@ class AgentNode(GuardedNode):
         log.stamp = percept.stamp
         self._sensed = False
         try:
-            agent.sense(percept.values, percept.heard, percept.cycle)
+            agent.sense(
+                percept.values,
+                percept.heard,
+                percept.cycle,
+                self.seconds_of(percept),
+                jumped=percept.look,
+            )
             if percept.restart:
                 agent.restart(percept.seed, percept.episode)
             self._sensed = True

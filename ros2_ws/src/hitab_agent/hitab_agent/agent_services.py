@@ -58,6 +58,7 @@ class AgentServices:
             (srv.SaveBehavior, names.SAVE, self._save),
             (srv.Perform, names.PERFORM, self._perform),
             (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
+            (srv.GetReport, names.GET_REPORT, self._get_report),
         ]
         for kind, name, serve in offered:
             node.create_service(kind, name, answering(serve, answered))
@@ -128,8 +129,19 @@ class AgentServices:
                 session.delete(request.numbers)
             case edits.RELABEL:
                 session.relabel(request.numbers, Use.parse(request.next_state))
+            case edits.RETIME:
+                session.retime(request.numbers, request.ago)
+            case edits.FEATURES:
+                session.choose_features(list(map(Use.parse, request.features)))
             case action:
-                known = (edits.UNDO, edits.REDO, edits.DELETE, edits.RELABEL)
+                known = (
+                    edits.UNDO,
+                    edits.REDO,
+                    edits.DELETE,
+                    edits.RELABEL,
+                    edits.RETIME,
+                    edits.FEATURES,
+                )
                 raise TrainingError(unknown("action", action, known))
         return f'"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
 
@@ -140,16 +152,42 @@ class AgentServices:
             if name not in automata:
                 raise TrainingError(f'no automaton "{name}" {has(automata, name)}')
             features, examples = automata[name].features, automata[name].examples
+            readable = automata[name].readable
         elif session is not None:
             name, features = session.curriculum.name, session.curriculum.features
-            examples = session.examples
+            examples, readable = session.examples, session.readable
             response.done, response.undone = session.log.done, session.log.undone
         else:
             raise TrainingError(f"{self._agent.name} is not training anything; name an automaton")
         response.automaton = name
         response.features = [str(feature) for feature in features]
+        response.readable = [str(use) for use in readable]
         response.examples = [example_message(example) for example in examples]
         return quantity(len(examples), "example")
+
+    def _get_report(self, request: srv.GetReport.Request, response: Any) -> str:
+        agent = self._agent
+        name = request.automaton or agent.training
+        if not name:
+            raise TrainingError(f"{agent.name} is not training anything; name an automaton")
+        costs = agent.journal.costs(name)
+        if not costs:
+            raise TrainingError(
+                f'{agent.name} has no journal of a training of "{name}"; ask the agent that was '
+                "trained"
+            )
+        response.automata = [cost.automaton for cost in costs]
+        response.began = [cost.began for cost in costs]
+        response.wall_seconds = [cost.wall_seconds for cost in costs]
+        response.simulated_seconds = [cost.simulated_seconds for cost in costs]
+        response.commands = [cost.commands for cost in costs]
+        response.examples = [cost.examples for cost in costs]
+        response.wasted = [cost.wasted for cost in costs]
+        response.undos = [cost.undos for cost in costs]
+        response.structures = [cost.structures for cost in costs]
+        response.proposals = [cost.proposals for cost in costs]
+        response.finished = [cost.finished for cost in costs]
+        return quantity(len(costs), "training")
 
     def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:
         if len(request.bind_from) != len(request.bind_to):
@@ -165,6 +203,7 @@ class AgentServices:
         response.path = str(path)
         response.digest = self._agent.edition.files[automaton.name].checksum
         response.trimmed = trimmed
+        response.replaced = replaced
         saved = Use(automaton.name, automaton.parameters)
         done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
         done += f"; {replaced}" if replaced else ""

@@ -53,7 +53,8 @@ class CommandReceiver:
             if refusal is None:
                 refusal = ""
                 check(command)
-                self._agent.command(use_of(command.behavior, command.targets))
+                use = use_of(command.behavior, command.targets)
+                self._agent.command(use, ago=command.ago, seen=command.seen)
         except Exception as error:
             refusal = what_went_wrong(error)
         finally:

@@ -54,6 +54,11 @@ class InspectionServices:
         if session is None:
             raise TrainingError(f"{self._agent.name} is not training anything; name a behavior")
         curriculum = session.curriculum
+        if request.with_features:
+            chosen = list(map(Use.parse, request.with_features))
+            _fill_in(answer, session.with_features(chosen), self._agent.domain)
+            answer.origin, answer.classifier = Origin.TRAINING, curriculum.classifier
+            return
         answer.origin = Origin.TRAINING
         answer.classifier = curriculum.classifier
         answer.arguments = list(curriculum.arguments)

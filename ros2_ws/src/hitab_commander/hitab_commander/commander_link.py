@@ -147,7 +147,7 @@ class CommanderLink:
         if changed or everybody or restart:
             self.decide(restart=restart)
         else:
-            self._agent.sense((), (), self._percept.cycle)
+            self._agent.sense((), (), self._percept.cycle, self.seconds)
 
     def _begins_episode(self, report: Report | msg.Report) -> bool:
         """Whether a report shows that the subordinates' world has begun an episode."""
@@ -223,7 +223,7 @@ class CommanderLink:
                 self._answer(percept)
                 percept.restart = False
             else:
-                self._agent.sense((), (), percept.cycle)
+                self._agent.sense((), (), percept.cycle, self.seconds)
                 self._tell()
         self.remember()
 

@@ -151,7 +151,7 @@ class _Node:
         self, values: Sequence[float], heard: Sequence[str], cycle: int, seconds: float
     ) -> None:
         self.subordinate.seconds = seconds
-        self.agent.sense(values, heard, cycle)
+        self.agent.sense(values, heard, cycle, seconds)
         self._restarted, self._restart = self._restart, False
         if self._restarted:
             self.agent.restart(self.subordinate.seed, self.subordinate.episode)

@@ -30,6 +30,8 @@ def example_message(example: Example) -> msg.Example:
         kind=example.kind.value,
         command=example.command,
         cycle=example.cycle,
+        ago=example.ago,
+        readings=list(example.readings),
     )
 
 
@@ -43,6 +45,8 @@ def example_of(message: Any) -> Example:
         message.number,
         message.command,
         message.cycle,
+        message.ago,
+        tuple(message.readings),
     )
 
 

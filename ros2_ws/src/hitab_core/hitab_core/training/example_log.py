@@ -83,6 +83,9 @@ class ExampleLog:
     `make`. The history holds differences, so it grows with the edits, not with the number of
     examples. Each edit also marks the default examples that a command contradicts, or no longer
     does (`hitab_core.example.superseding`).
+
+    Attributes:
+        recorded: how many examples commands have added, whatever became of them.
     """
 
     def __init__(self, examples: Iterable[Example] = ()) -> None:
@@ -94,7 +97,6 @@ class ExampleLog:
         self._next_number = 1 + max((e.number for e in self._examples), default=0)
         self._next_command = 1 + max((e.command for e in self._examples), default=0)
         self.recorded = 0
-        self.undos = 0
 
     @property
     def examples(self) -> tuple[Example, ...]:
@@ -250,7 +252,6 @@ class ExampleLog:
         self._defaults += sum(e.is_default for _, e in edit.came)
         self._defaults -= sum(e.is_default for _, e in edit.gone)
         self.recorded += sum(e.number >= self._next_number for _, e in edit.came)
-        self.undos += edit.direction is Direction.UNDO
         match edit.direction:
             case Direction.UNDO:
                 self._undone.append(self._done.pop())

@@ -12,7 +12,8 @@ from hitab_core.errors import FolderInUseError, HitabError, LibraryError, Traini
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of, example_record
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.training.example_journal import ExampleJournal, archive
+from hitab_core.training.cost import TrainingCost, training_cost
+from hitab_core.training.example_journal import ExampleJournal, archive, records_in
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
@@ -89,6 +90,22 @@ class TrainingJournal:
             LibraryError: if it cannot be written.
         """
         self.write({"do": "save", "automaton": behavior, "checksum": checksum})
+
+    def costs(self, automaton: str) -> list[TrainingCost]:
+        """Return what the trainings of an automaton cost, oldest first.
+
+        Those of which nothing is known, or whose journals are damaged, are left out.
+        """
+        if self._path is None:
+            return []
+        costs = []
+        for path in self._path.parent.glob(f"{self._path.stem}*{self._path.suffix}"):
+            records = records_in(path)
+            with suppress(HitabError, KeyError, TypeError, ValueError):
+                cost = training_cost(records) if records else None
+                if cost is not None and cost.automaton == automaton:
+                    costs.append(cost)
+        return sorted(costs, key=lambda cost: cost.began)
 
     def discard(self) -> None:
         """Archive the journal of a training that is given up.

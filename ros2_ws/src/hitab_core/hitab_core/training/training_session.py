@@ -274,7 +274,7 @@ class TrainingSession:
         }
         edit = self.log.addition(taught)
         # On disk first: acknowledged examples must survive a crash.
-        self._journal(record)
+        self._write(record)
         self.log.make(edit)
         self._keep_window(record)
         self.moments.enter(label, due)
@@ -283,6 +283,11 @@ class TrainingSession:
         running.add_state(state)
         running.go_to(label)
         return taught
+
+    def _write(self, record: Mapping[str, Any]) -> None:
+        """Write a step to the journal, with its time; it is on disk when this returns."""
+        latest = self.moments.latest
+        self._journal({"time": 0.0 if latest is None else latest.time, **record})
 
     def _due(self, ago: float, seen: int, cycle: int) -> Moment:
         """Return the moment for which a command is meant."""
@@ -337,7 +342,7 @@ class TrainingSession:
             TrainingError: if no example leaves Start.
         """
         automaton = self.automaton()
-        self._journal({"do": "test"})
+        self._write({"do": "test"})
         self.running.set_transitions(automaton.transitions)
         if restart:
             self.restart()
@@ -345,7 +350,7 @@ class TrainingSession:
 
     def take_over(self) -> None:
         """Give control to the demonstrator, at the active state."""
-        self._journal({"do": "train"})
+        self._write({"do": "train"})
         self.testing = False
 
     def undo(self) -> None:
@@ -413,6 +418,19 @@ class TrainingSession:
             replace(self.curriculum, features=tuple(features)), self.context.repertoire
         )
         self._edit({"do": "features", "features": [str(use) for use in features]})
+
+    def with_features(self, features: Sequence[Use]) -> Automaton:
+        """Return what would be learned from other features of the same examples, untrimmed.
+
+        Raises:
+            TrainingError: if a feature has no value in any example, or no example leaves Start.
+            VocabularyError: if there is no such feature.
+        """
+        check_curriculum(
+            replace(self.curriculum, features=tuple(features)), self.context.repertoire
+        )
+        edit = self._exchange(tuple(features))
+        return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
         """Return the edit that a record describes; None: no edit.
@@ -492,7 +510,7 @@ class TrainingSession:
             labels.append(str(edit.entered))
         for label in labels:
             self.running.add_state(Use.parse(label))
-        self._journal(record)
+        self._write(record)
         self._make(edit)
         if edit.features is not None:
             self.running.set_features(self.curriculum.features)

@@ -1,0 +1,98 @@
+"""What a training cost the person who gave it, from its journal.
+
+Source: the paper, table 1, counts the examples of each behavior and the minutes that it took.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from hitab_core.example_codec import example_of
+from hitab_core.training.example_log import Edit, ExampleLog
+from hitab_core.training.training_record import prepared
+
+PAUSE_SECONDS = 300.0
+"""A person who did nothing for longer was away; that time is not counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingCost:
+    """What one training cost.
+
+    Attributes:
+        automaton: its name.
+        began: when, in ISO 8601.
+        wall_seconds: that the person took; pauses of more than `PAUSE_SECONDS` count as none.
+        simulated_seconds: of the world, between the steps of the person.
+        commands: that were given.
+        examples: that were learned from in the end.
+        wasted: examples that were recorded, and deleted, undone or superseded.
+        undos: of anything.
+        structures: sets of features that were tried.
+        proposals: of the agent that were accepted.
+        finished: whether it was saved.
+    """
+
+    automaton: str
+    began: str
+    wall_seconds: float
+    simulated_seconds: float
+    commands: int
+    examples: int
+    wasted: int
+    undos: int
+    structures: int
+    proposals: int
+    finished: bool
+
+
+def training_cost(records: Iterable[Mapping[str, Any]]) -> TrainingCost | None:
+    """Return what a training cost; None if its journal is from before these were counted.
+
+    Args:
+        records: of its journal, all of them.
+
+    Raises:
+        TrainingError, KeyError, TypeError, ValueError: if they are no journal.
+    """
+    begin, *rest = records
+    if "at" not in begin:
+        return None
+    log = ExampleLog(map(example_of, begin["examples"]))
+    told: list[str] = []
+    for record in rest:
+        told.append(str(record["do"]))
+        # What was retimed, or learned from other features, is as many examples as before.
+        edit = Edit() if told[-1] in ("retime", "features") else prepared(log, record)
+        if edit is not None:
+            log.make(edit)
+    walls = [float(record["at"]) for record in (begin, *rest)]
+    simulated = [float(record["time"]) for record in rest if "time" in record]
+    finished = bool(rest) and rest[-1]["do"] == "save"
+    if not finished:
+        walls.append(max(walls[-1], min(time.time(), walls[-1] + PAUSE_SECONDS)))
+    learned = sum(example.is_learned for example in log.examples)
+    name = rest[-1]["automaton"] if finished else begin["curriculum"]["automaton"]
+    return TrainingCost(
+        str(name),
+        datetime.fromtimestamp(walls[0], UTC).isoformat(timespec="seconds"),
+        _passed(walls, PAUSE_SECONDS),
+        _passed(simulated, PAUSE_SECONDS),
+        told.count("command"),
+        learned,
+        max(0, len(begin["examples"]) + log.recorded - learned),
+        told.count("undo"),
+        1 + told.count("features"),
+        sum(1 for record in rest if record.get("proposed")),
+        finished,
+    )
+
+
+def _passed(times: list[float], longest: float) -> float:
+    """Return the time that passed, without jumps back and without what took too long."""
+    steps = (after - before for before, after in zip(times, times[1:], strict=False))
+    return sum(step for step in steps if 0.0 < step <= longest)
