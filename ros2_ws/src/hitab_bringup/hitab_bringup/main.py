@@ -20,10 +20,13 @@ from hitab_bringup.dds_noise import noise_left_out
 from hitab_bringup.verbs import (
     commanding,
     doctor,
+    examples,
     hierarchy,
     lesson,
     library,
     logs,
+    reaction,
+    report,
     status,
     swarm,
     training,
@@ -89,7 +92,18 @@ def make_app() -> typer.Typer:
     app.callback(help=HELP)(_hitab)
     for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
         point.load().register(app)
-    for verbs in (swarm, status, logs, doctor, commanding, hierarchy, training):
+    for verbs in (
+        swarm,
+        status,
+        logs,
+        doctor,
+        commanding,
+        hierarchy,
+        training,
+        examples,
+        reaction,
+        report,
+    ):
         verbs.register(app)
     app.add_typer(world.app, name="world")
     app.add_typer(lesson.app, name="lesson")

@@ -5,6 +5,7 @@ from . import dds_profile as dds_profile
 from . import domain_ids as domain_ids
 from . import identity as identity
 from . import interruptions as interruptions
+from . import reaction_time as reaction_time
 from . import run_folder as run_folder
 from . import run_processes as run_processes
 from . import shipped as shipped
@@ -16,6 +17,8 @@ from .errors import DescriptionError as DescriptionError
 from .errors import LessonError as LessonError
 from .errors import NamesTakenError as NamesTakenError
 from .errors import SwarmError as SwarmError
+from .learned import Learned as Learned
+from .learned import learned_of as learned_of
 from .path_tracker import PathTracker as PathTracker
 from .ros_link import RosLink as RosLink
 from .run_folder import RunFolder as RunFolder

@@ -12,6 +12,8 @@ from hitab_msgs.srv import (
     BeginTraining,
     Distribute,
     EditExamples,
+    GetBehavior,
+    GetReport,
     GetVocabulary,
     ListExamples,
     LoadLibrary,
@@ -23,6 +25,7 @@ from hitab_msgs.srv import (
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
 from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
 from hitab_client.errors import SwarmError
+from hitab_client.learned import Learned, learned_of
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_ros import names, qos
@@ -74,6 +77,8 @@ class SwarmClient(AgentPresence):
         behavior: str,
         targets: Sequence[str] = (),
         *,
+        ago: float = 0.0,
+        seen: int = 0,
         sequence: int = 0,
         seconds: float = ACKNOWLEDGE_SECONDS,
     ) -> AgentStatus:
@@ -83,6 +88,8 @@ class SwarmClient(AgentPresence):
             agent: to command.
             behavior: that it should perform.
             targets: for the behavior's parameters.
+            ago: how long before what the demonstrator saw it was due, s of simulated time.
+            seen: the world's cycle that the demonstrator saw; 0: the last one.
             sequence: number of the command, such as the time in microseconds. An agent obeys a
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
@@ -99,6 +106,8 @@ class SwarmClient(AgentPresence):
             demonstrator=self.demonstrator,
             behavior=behavior,
             targets=list(targets),
+            ago=ago,
+            seen=seen,
         )
 
         def answered() -> bool:
@@ -172,9 +181,14 @@ class SwarmClient(AgentPresence):
         return self.ask(agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True)
 
     def edit_examples(
-        self, agent: str, action: str, numbers: Sequence[int] = (), next_state: str = ""
+        self,
+        agent: str,
+        action: str,
+        numbers: Sequence[int] = (),
+        next_state: str = "",
+        **fields: Any,
     ) -> Any:
-        """Undo, redo, delete or relabel."""
+        """Undo, redo, delete, relabel, retime or exchange features; see EditExamples.srv."""
         return self.ask(
             agent,
             EditExamples,
@@ -182,7 +196,16 @@ class SwarmClient(AgentPresence):
             action=action,
             numbers=list(numbers),
             next_state=next_state,
+            **fields,
         )
+
+    def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
+        """Return a behavior as it was learned, or the training under way; see GetBehavior.srv."""
+        return learned_of(self.ask(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields))
+
+    def report(self, agent: str, automaton: str = "") -> Any:
+        """Return what trainings cost the person; see GetReport.srv."""
+        return self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton)
 
     def list_examples(self, agent: str, automaton: str = "") -> Any:
         """Return the examples of the current training, or of a trained behavior."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -16,6 +17,7 @@ from hitab_ros import names, qos
 
 NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
 STARTED_BY_HAND_SECONDS = 2.0  # to wait for a world that the swarm has not started
+SPEED_SECONDS = 1.0  # over which the world's speed is averaged
 NAN = float("nan")
 
 
@@ -31,6 +33,7 @@ class WorldClient:
 
     Attributes:
         status: the last status of the swarm's world.
+        speed: as seen lately: simulated seconds in a second.
         stranger: the other swarm that the world belongs to, if any; empty: it was started by hand.
     """
 
@@ -52,6 +55,8 @@ class WorldClient:
         self.stranger: str | None = None
         self.state: WorldState | None = None
         self._states = 0
+        self.speed = 1.0
+        self._first_stamp: tuple[float, float] | None = None
         self.episodes: list[Episode] = []
         link.subscribe(WorldStatus, self._name(names.STATUS), self._take_status, qos.LATCHED)
         link.subscribe(WorldState, self._name(names.STATE), self._take_state, qos.LATCHED)
@@ -78,6 +83,13 @@ class WorldClient:
     def _take_state(self, state: WorldState) -> None:
         self.state = state
         self._states += 1
+        now, simulated = time.monotonic(), state.stamp.sec + state.stamp.nanosec * 1e-9
+        if self._first_stamp is None or simulated < self._first_stamp[1]:
+            self._first_stamp = now, simulated
+        elif now > self._first_stamp[0]:
+            self.speed = (simulated - self._first_stamp[1]) / (now - self._first_stamp[0])
+            if now - self._first_stamp[0] > SPEED_SECONDS:
+                self._first_stamp = now, simulated
 
     def wait(self, seconds: float = 8.0) -> WorldStatus:
         """Wait for the world and return its status.

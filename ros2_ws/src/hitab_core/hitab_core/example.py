@@ -70,15 +70,13 @@ def superseding(examples: Sequence[Example]) -> list[Example]:
     ordinary one with the same values to leave it. Without the mark, the two would make a coin toss
     of each decision there.
     """
-    left = {
-        (e.state, e.point) for e in examples if not e.is_default and e.next_state != e.state
-    }
+    left = {(e.state, e.point) for e in examples if not e.is_default and e.next_state != e.state}
     marked = []
     for example in examples:
         if example.is_default:
             contradicted = (example.state, example.point) in left
             kind = ExampleKind.SUPERSEDED if contradicted else ExampleKind.DEFAULT
             if example.kind is not kind:
-                example = replace(example, kind=kind)  # noqa: PLW2901
+                example = replace(example, kind=kind)
         marked.append(example)
     return marked

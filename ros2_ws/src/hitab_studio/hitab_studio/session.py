@@ -11,14 +11,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from hitab_client import SwarmError, WorldClient
+from hitab_client import Learned, SwarmError, WorldClient
 from hitab_core import Use, natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.jobs import Connected
 from hitab_studio.keys import Keys
 from hitab_studio.launching import Launcher, Startable
-from hitab_studio.learned import Learned
 from hitab_studio.locks import Holder, Locks
 from hitab_studio.lost import Lost
 from hitab_studio.messages import Messages, sentence

@@ -16,17 +16,15 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, TransitionEvent
 from hitab_msgs.srv import GetBehavior, GetVocabulary, ListExamples, ReadFeatures
 
-from hitab_client import RosLink
+from hitab_client import Learned, RosLink, learned_of
 from hitab_core import FLAGS, START, Use
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import (
     NOTHING,
     Effect,
-    Learned,
     Vocabulary,
     effect,
-    learned_of,
     uses,
 )
 

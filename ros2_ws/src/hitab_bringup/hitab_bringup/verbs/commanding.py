@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import getpass
 from typing import Annotated
 
 import typer
 
-from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
@@ -27,12 +28,26 @@ def register(app: typer.Typer) -> None:
 
 
 def demonstrate(
-    agent: AgentName, behavior: Behavior, targets: Targets = None, swarm: SwarmName = None
+    agent: AgentName,
+    behavior: Behavior,
+    targets: Targets = None,
+    ago: Annotated[
+        float | None,
+        typer.Option(
+            "--ago",
+            help="How long ago it was due, s of your time. Default: your reaction time.",
+            show_default=False,
+        ),
+    ] = None,
+    swarm: SwarmName = None,
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
 
     The agent records an example: what it perceives and the change of state. Command the behavior
     that it is already performing to say: keep going here. `hitab train` begins a training.
+
+    A command that comes late is recorded with the situation of some time ago, if you say how long:
+    with --ago, or for all commands with `hitab reaction`.
 
     Examples:
 
@@ -40,18 +55,44 @@ def demonstrate(
 
       hitab demonstrate keeper_1 GoTo ball
 
+      hitab demonstrate keeper_1 GoFast --ago 0.5
+
       hitab demonstrate keeper_1 Done
     """
+    from hitab_client import reaction_time
     from hitab_core import Use
 
     use = Use.parse(behavior)
+    if ago is None:
+        ago = reaction_time.of(getpass.getuser()) or None
+    else:
+        reaction_time.check(ago)
     with connection(swarm) as swarm_up:
-        status = swarm_up.agents.command(agent, use.name, [*use.arguments, *(targets or [])])
+        due = _due(swarm_up, ago) if ago is not None else 0.0
+        status = swarm_up.agents.command(
+            agent, use.name, [*use.arguments, *(targets or [])], ago=due
+        )
     path = " > ".join(status.active_path) or use.name
     console.say(
         f"{agent} performs {path}; {status.behavior} has "
         f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
     )
+
+
+def _due(swarm_up: Connection, ago: float) -> float:
+    """Return how long ago a command was due, s of simulated time.
+
+    The person gave it before this process was started, which also takes its time.
+    """
+    import time
+
+    import psutil  # type: ignore[import-untyped]
+
+    from hitab_client import reaction_time
+
+    world = swarm_up.world.wait() if swarm_up.has_world else swarm_up.world.status
+    passed = time.time() - psutil.Process().create_time() if ago else 0.0
+    return reaction_time.simulated(ago + passed, world, swarm_up.world.speed)
 
 
 def perform(

@@ -1,46 +1,28 @@
-"""Verbs that train: train, test, undo, redo, examples, save, discard."""
+"""Verbs that train: train, retrain, test, undo, redo, save, discard."""
 
 from __future__ import annotations
 
-from difflib import get_close_matches
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
 
 from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.showing import as_text
 from hitab_client import console
-from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import did_you_mean, quantity
+from hitab_client.command_options import AgentName, SwarmName
+from hitab_core import did_you_mean
 
 PANEL = "Train"
-
-
-class ExamplesGroup(TyperGroup):
-    """Takes an agent's name without a command as a request to list its examples."""
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command to run and its arguments."""
-        if not (args[0] in self.commands or get_close_matches(args[0], self.commands)):
-            args = ["list", *args]
-        return super().resolve_command(ctx, args)
-
-
-examples_app = typer.Typer(
-    cls=ExamplesGroup,
-    help="List and correct the examples of a training: `hitab examples keeper_1` lists them.",
-    no_args_is_help=True,
-)
 
 
 def register(app: typer.Typer) -> None:
     """Add these verbs to the command."""
     app.command(rich_help_panel=PANEL)(train)
     app.command("begin", hidden=True)(train)
+    app.command(rich_help_panel=PANEL)(retrain)
     app.command("test", rich_help_panel=PANEL)(start_testing)
     app.command(rich_help_panel=PANEL)(undo)
     app.command(rich_help_panel=PANEL)(redo)
-    app.add_typer(examples_app, name="examples", rich_help_panel=PANEL)
     app.command(rich_help_panel=PANEL)(save)
     app.command(rich_help_panel=PANEL)(discard)
 
@@ -130,6 +112,48 @@ def _bound(parameters: list[str]) -> dict[str, str]:
             raise typer.BadParameter(f'"{text}" is not NAME=TARGET, such as A=ball')
         bound[name] = target
     return bound
+
+
+def retrain(
+    agent: AgentName,
+    behavior: Annotated[str, typer.Argument(help="A trained behavior.")],
+    feature: Annotated[
+        list[str],
+        typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
+    ],
+    show: Annotated[
+        bool, typer.Option("--show", help="Only show what would be learned; change nothing.")
+    ] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Learn a trained behavior again from other features, without demonstrating again.
+
+    Each example keeps whatever the agent could read when it was recorded, so any feature can be
+    chosen afterwards. The result is saved as the next version.
+
+    Examples:
+
+      hitab retrain keeper_1 ControlBall -f BallIsKickable --show
+
+      hitab retrain keeper_1 ControlBall -f BallIsKickable -f "DistanceTo(ball)"
+    """
+    with connection(swarm) as swarm_up:
+        agents = swarm_up.agents
+        agents.begin(agent, behavior, features=feature, resume=behavior)
+        saved = None
+        try:
+            shown = agents.behavior(agent)
+            if not show:
+                saved = agents.save(agent)
+        finally:
+            if saved is None:
+                agents.discard(agent)
+    if saved is not None:
+        console.say(f"{saved.message}: {saved.path}")
+        if saved.trimmed:
+            console.say(f"trimmed because unused: {', '.join(saved.trimmed)}")
+        return
+    console.say(as_text(shown))
 
 
 def start_testing(
@@ -236,84 +260,4 @@ def discard(agent: AgentName, swarm: SwarmName = None) -> None:
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.discard(agent)
-    console.say(answer.message)
-
-
-@examples_app.command("list")
-def examples_list(
-    agent: AgentName,
-    automaton: Annotated[
-        str, typer.Argument(help="A trained behavior; default: what is being trained.")
-    ] = "",
-    swarm: SwarmName = None,
-    json: JsonPath = None,
-) -> None:
-    """List the examples of the current training, or of a trained behavior.
-
-    Examples:
-
-      hitab examples keeper_1
-
-      hitab examples list keeper_1 ApproachBall --json examples.json
-    """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.list_examples(agent, automaton)
-    if json != "-":
-        columns = ("number", "in", *answer.features, "go to", "kind", "command", "cycle")
-        rows = [
-            (
-                str(e.number),
-                e.state,
-                *(f"{value:.4g}" for value in e.values),
-                e.next_state,
-                e.kind,
-                str(e.command),
-                str(e.cycle),
-            )
-            for e in answer.examples
-        ]
-        title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
-        console.out().print(console.table(columns, rows, title))
-    console.write_json(
-        json,
-        {
-            "automaton": answer.automaton,
-            "features": list(answer.features),
-            "examples": [
-                {
-                    "number": e.number,
-                    "state": e.state,
-                    "values": list(e.values),
-                    "next_state": e.next_state,
-                    "kind": e.kind,
-                    "command": e.command,
-                    "cycle": e.cycle,
-                }
-                for e in answer.examples
-            ],
-        },
-    )
-
-
-Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
-
-
-@examples_app.command("delete")
-def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
-    """Delete examples. Example: hitab examples delete keeper_1 3 4."""
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
-    console.say(answer.message)
-
-
-@examples_app.command("relabel")
-def examples_relabel(
-    agent: AgentName,
-    numbers: Numbers,
-    to: Annotated[str, typer.Option("--to", help="The correct next state.")],
-    swarm: SwarmName = None,
-) -> None:
-    """Change where examples lead. Example: hitab examples relabel keeper_1 5 --to GoSlow."""
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
     console.say(answer.message)

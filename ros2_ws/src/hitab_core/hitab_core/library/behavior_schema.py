@@ -26,7 +26,6 @@ SUFFIX = ".hfa.yaml"
 """Ending of a behavior file's name."""
 
 
-
 def _with_readings(content: dict[str, Any]) -> dict[str, Any]:
     """Convert format 1, whose examples were all due when they were commanded."""
     # What is no list of records is reported by the schema.

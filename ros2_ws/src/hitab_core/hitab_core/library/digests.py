@@ -26,8 +26,9 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
     """Return the digest of what was learned, given a behavior file's content.
 
     Equal digests mean that the behavior has the same states and features and learned the same
-    decisions from the same examples; superseded ones do not count. When and by whom it was saved, its name, description and
-    format version do not matter, nor do the order and numbers of examples, commands and cycles.
+    decisions from the same examples, superseded ones left out. When and by whom it was saved, its
+    name, description and format version do not matter, nor do the order and numbers of examples,
+    commands and cycles, nor the readings.
 
     Args:
         content: in the form of `hitab_core.library.behavior_schema.SCHEMA`.

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import pairwise
 from typing import Any
 
 from hitab_core.example_codec import example_of
@@ -94,5 +95,5 @@ def training_cost(records: Iterable[Mapping[str, Any]]) -> TrainingCost | None:
 
 def _passed(times: list[float], longest: float) -> float:
     """Return the time that passed, without jumps back and without what took too long."""
-    steps = (after - before for before, after in zip(times, times[1:], strict=False))
+    steps = (after - before for before, after in pairwise(times))
     return sum(step for step in steps if 0.0 < step <= longest)

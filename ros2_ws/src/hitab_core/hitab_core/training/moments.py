@@ -169,9 +169,7 @@ class Moments:
         for place in range(len(kept) - 1, -1, -1):
             if kept[place].time <= due.time:
                 break
-            kept[place] = replace(
-                kept[place], state=state, since=due.time, raised=frozenset()
-            )
+            kept[place] = replace(kept[place], state=state, since=due.time, raised=frozenset())
 
     def reenter(self, left: str, state: str) -> None:
         """Have a state be active instead of the one that was entered last."""

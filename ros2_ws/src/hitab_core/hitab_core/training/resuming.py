@@ -38,8 +38,6 @@ def resumed(
     )
     examples: Sequence[Example] = earlier.examples
     if tuple(features) != earlier.features:
-        examples = exchanged(
-            examples, earlier.features, features, earlier.readable, earlier.name
-        )
+        examples = exchanged(examples, earlier.features, features, earlier.readable, earlier.name)
     names = readable(domain, completed.parameters)
     return completed, realigned(examples, earlier.readable, names)

@@ -13,8 +13,8 @@ from hitab_core.example import Example
 from hitab_core.example_codec import example_of, example_record
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.training.cost import TrainingCost, training_cost
-from hitab_core.training.example_journal import ExampleJournal, archive, records_in
 from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.example_journal import ExampleJournal, archive, records_in
 from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
 

@@ -85,9 +85,7 @@ class TrainingSession:
         check_curriculum(curriculum, context.repertoire)
         self.context = context
         self.curriculum = curriculum
-        self.readable = tuple(names) or readable(
-            context.repertoire.domain, curriculum.parameters
-        )
+        self.readable = tuple(names) or readable(context.repertoire.domain, curriculum.parameters)
         self.log = ExampleLog(examples)
         self.moments = Moments()
         self.testing = False
@@ -101,7 +99,7 @@ class TrainingSession:
         bindings = self._bindings
         look = self.context.senses.look
         self._looks = [
-            None if use.name in FLAGS else partial(value_or_nan, look, use.bound(bindings))
+            None if use.name in FLAGS else partial(_looked, look, use.bound(bindings))
             for use in self.readable
         ]
         blank = Automaton(
@@ -169,9 +167,7 @@ class TrainingSession:
         state = state_of(running.active)
         since = latest.since if latest is not None and latest.state == state else time
         raised = running.child.raised if running.child is not None else ()
-        self.moments.add(
-            Moment(cycle, time, state, since, frozenset(raised), self._read(raised))
-        )
+        self.moments.add(Moment(cycle, time, state, since, frozenset(raised), self._read(raised)))
 
     def _read(self, raised: Iterable[str]) -> tuple[float, ...]:
         """Return the readings of now; NaN for what cannot be read."""
@@ -447,9 +443,7 @@ class TrainingSession:
 
     def _exchange(self, features: tuple[Use, ...]) -> Edit:
         before = self.curriculum.features
-        after = exchanged(
-            self.log.examples, before, features, self.readable, self.curriculum.name
-        )
+        after = exchanged(self.log.examples, before, features, self.readable, self.curriculum.name)
         names = tuple(map(str, features))
         return replace(
             self.log.replacement(after, f"features {', '.join(names) or 'none'}"),
@@ -491,7 +485,9 @@ class TrainingSession:
             )
 
         after = [changed(e) for e in self.log.examples]
-        return self.log.replacement(after, f"{these(wanted.values())} due {ago:g} s before its command")
+        return self.log.replacement(
+            after, f"{these(wanted.values())} due {ago:g} s before its command"
+        )
 
     def _make(self, edit: Edit) -> None:
         """Make a prepared edit."""
@@ -504,7 +500,9 @@ class TrainingSession:
         # Refuse before writing anything.
         edit = self._prepared(record)
         assert edit is not None
-        learned = self._learned(self.log.after(edit), features=edit.features) if self.testing else None
+        learned = (
+            self._learned(self.log.after(edit), features=edit.features) if self.testing else None
+        )
         labels = _labels(example for _, example in edit.came)
         if edit.entered not in (None, START):
             labels.append(str(edit.entered))
@@ -582,6 +580,10 @@ class TrainingSession:
                 f'"{state}" is not among the states chosen for "{self.curriculum.name}" '
                 f"{has(chosen, state)}; begin again with this state, or without a choice of states"
             )
+
+
+def _looked(look: Callable[[Use], float], use: Use) -> float:
+    return value_or_nan(look, use)
 
 
 def _labels(examples: Iterable[Example]) -> list[str]:

@@ -6,11 +6,10 @@ from typing import Any
 
 from hitab_msgs.srv import GetBehavior
 
-from hitab_client import DistributionReport, SwarmError
+from hitab_client import DistributionReport, SwarmError, learned_of
 from hitab_core import quantity
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
-from hitab_studio.learned import learned_of
 from hitab_studio.session import Session
 
 

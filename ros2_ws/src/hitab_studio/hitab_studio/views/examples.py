@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from hitab_client import Learned
 from hitab_core import Example
-from hitab_studio.learned import Learned, is_contradicted, most_probable
+from hitab_studio.learned import is_contradicted, most_probable
 from hitab_studio.session import Session, Table
 
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hitab_client import Learned
 from hitab_core import FLAGS, START, Use
 from hitab_studio.graph import graph
-from hitab_studio.learned import Learned
 from hitab_studio.session import Session
 from hitab_studio.tree_rows import tree_rows
 

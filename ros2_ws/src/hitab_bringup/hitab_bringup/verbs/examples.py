@@ -1,0 +1,171 @@
+"""Verbs on the examples of a training: list, delete, relabel, retime, and their features."""
+
+from __future__ import annotations
+
+import math
+from difflib import get_close_matches
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.showing import as_text
+from hitab_client import console
+from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_core import quantity
+
+
+class ExamplesGroup(TyperGroup):
+    """Takes an agent's name without a command as a request to list its examples."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command to run and its arguments."""
+        if not (args[0] in self.commands or get_close_matches(args[0], self.commands)):
+            args = ["list", *args]
+        return super().resolve_command(ctx, args)
+
+
+examples_app = typer.Typer(
+    cls=ExamplesGroup,
+    help="List and correct the examples of a training: `hitab examples keeper_1` lists them.",
+    no_args_is_help=True,
+)
+
+
+def register(app: typer.Typer) -> None:
+    """Add these verbs to the command."""
+    app.add_typer(examples_app, name="examples", rich_help_panel="Train")
+
+
+@examples_app.command("list")
+def examples_list(
+    agent: AgentName,
+    automaton: Annotated[
+        str, typer.Argument(help="A trained behavior; default: what is being trained.")
+    ] = "",
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """List the examples of the current training, or of a trained behavior.
+
+    Examples:
+
+      hitab examples keeper_1
+
+      hitab examples list keeper_1 ApproachBall --json examples.json
+    """
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.list_examples(agent, automaton)
+    if json != "-":
+        columns = ("number", "in", *answer.features, "go to", "kind", "command", "cycle", "s ago")
+        rows = [
+            (
+                str(e.number),
+                e.state,
+                *(f"{value:.4g}" for value in e.values),
+                e.next_state,
+                e.kind,
+                str(e.command),
+                str(e.cycle),
+                f"{e.ago:.2g}" if e.ago else "",
+            )
+            for e in answer.examples
+        ]
+        title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
+        console.out().print(console.table(columns, rows, title))
+    console.write_json(
+        json,
+        {
+            "automaton": answer.automaton,
+            "features": list(answer.features),
+            "examples": [
+                {
+                    "number": e.number,
+                    "state": e.state,
+                    "values": list(e.values),
+                    "next_state": e.next_state,
+                    "kind": e.kind,
+                    "command": e.command,
+                    "cycle": e.cycle,
+                    "ago": e.ago,
+                    "readings": {
+                        name: None if math.isnan(value) else value
+                        for name, value in zip(answer.readable, e.readings, strict=False)
+                    },
+                }
+                for e in answer.examples
+            ],
+        },
+    )
+
+
+Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
+
+
+@examples_app.command("delete")
+def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
+    """Delete examples. Example: hitab examples delete keeper_1 3 4."""
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
+    console.say(answer.message)
+
+
+@examples_app.command("relabel")
+def examples_relabel(
+    agent: AgentName,
+    numbers: Numbers,
+    to: Annotated[str, typer.Option("--to", help="The correct next state.")],
+    swarm: SwarmName = None,
+) -> None:
+    """Change where examples lead. Example: hitab examples relabel keeper_1 5 --to GoSlow."""
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
+    console.say(answer.message)
+
+
+@examples_app.command("retime")
+def examples_retime(
+    agent: AgentName,
+    numbers: Numbers,
+    ago: Annotated[
+        float,
+        typer.Option("--ago", help="Seconds of simulated time from the situation to the command."),
+    ],
+    swarm: SwarmName = None,
+) -> None:
+    """Have commands been due earlier: the agent knows what it perceived then.
+
+    Example: hitab examples retime keeper_1 5 --ago 0.4
+    """
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, "retime", numbers, ago=ago)
+    console.say(answer.message)
+
+
+@examples_app.command("features")
+def examples_features(
+    agent: AgentName,
+    feature: Annotated[
+        list[str],
+        typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
+    ],
+    show: Annotated[
+        bool, typer.Option("--show", help="Only show what would be learned; change nothing.")
+    ] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Learn from other features of the same examples; `hitab undo` takes that back.
+
+    Examples:
+
+      hitab examples features keeper_1 -f BallIsKickable --show
+
+      hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
+    """
+    with connection(swarm) as swarm_up:
+        if show:
+            console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))
+            return
+        answer = swarm_up.agents.edit_examples(agent, "features", features=feature)
+    console.say(answer.message)

@@ -1,0 +1,81 @@
+"""The verb that measures and keeps a demonstrator's reaction time."""
+
+from __future__ import annotations
+
+import getpass
+from typing import Annotated
+
+import typer
+
+from hitab_client import console
+
+
+def register(app: typer.Typer) -> None:
+    """Add this verb to the command."""
+    app.command(rich_help_panel="Train")(reaction)
+
+
+def reaction(
+    seconds: Annotated[
+        float | None, typer.Argument(help="Your reaction time, s.", show_default=False)
+    ] = None,
+    measure: Annotated[
+        bool, typer.Option("--measure", help="Measure it: a game of ten seconds.")
+    ] = False,
+    forget: Annotated[bool, typer.Option("--forget", help="Correct commands no more.")] = False,
+    demonstrator: Annotated[
+        str, typer.Option(help="Whose; default: the user's.", show_default=False)
+    ] = "",
+) -> None:
+    """Show, set or measure your reaction time; commands are then recorded as if they came in time.
+
+    A person sees a situation, decides and presses a key: by then the situation has changed. With a
+    reaction time kept, each command counts for the situation of that time before, scaled by the
+    world's pace; while the world is paused, for the present one.
+
+    Examples:
+
+      hitab reaction --measure
+
+      hitab reaction 0.3
+
+      hitab reaction --forget
+    """
+    from hitab_client import reaction_time
+
+    who = demonstrator or getpass.getuser()
+    if sum((seconds is not None, measure, forget)) > 1:
+        raise typer.BadParameter("give a time, --measure or --forget, but only one of them")
+    if measure:
+        seconds = _measured()
+    if seconds is not None or forget:
+        reaction_time.keep(who, None if forget else seconds)
+    now = reaction_time.of(who)
+    console.say(
+        f"commands of {who} are recorded with the situation of {now:g} s before"
+        if now
+        else f"no reaction time is kept for {who}; commands are recorded as they come"
+    )
+
+
+def _measured() -> float:
+    import select
+    import sys
+    import time
+
+    from hitab_client import SwarmError, reaction_time
+
+    if not sys.stdin.isatty():
+        raise SwarmError(
+            "the game needs a terminal with a keyboard; set the time, such as `hitab reaction 0.3`"
+        )
+
+    def pressed(seconds: float) -> float | None:
+        if not select.select([sys.stdin], [], [], seconds)[0]:
+            return None
+        at = time.monotonic()
+        sys.stdin.readline()
+        return at
+
+    console.note(f"Press Enter whenever it says NOW, {reaction_time.ROUNDS} times.")
+    return reaction_time.measured(lambda: console.note("NOW"), pressed)
