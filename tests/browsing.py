@@ -97,7 +97,7 @@ def studio(log: Path, *arguments: str) -> Iterator[str]:
         )
     try:
         url = f"http://127.0.0.1:{port}/"
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 100
         while not _answers(url):
             if process.poll() is not None or time.monotonic() > deadline:
                 raise AssertionError(f"the studio did not start:\n{log.read_text()}")

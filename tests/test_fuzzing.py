@@ -118,6 +118,7 @@ def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[Runni
 def let_go(running: RunningSwarm, agents: list[str]) -> None:
     """End what the fuzzer has begun as a demonstrator: trainings, and a paused world."""
     for agent in agents:
+        running.agents.await_agent(agent, SECONDS)  # its backlog may be long
         running.agents.set_mode(agent, "idle")
     running.world.control("pace", pace="lockstep")
     running.world.control("resume")

@@ -226,6 +226,7 @@ def test_a_folder_that_holds_something_else_is_left_alone(checkout):
     assert (checkout.venv / "thesis.tex").read_text() == "mine"
 
 
+@pytest.mark.timeout(400)
 def test_a_set_up_killed_while_it_made_the_environment_is_made_good(checkout):
     process = checkout.start()
     wait_until((checkout.venv / "pyvenv.cfg").exists)
