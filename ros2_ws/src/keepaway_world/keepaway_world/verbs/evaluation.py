@@ -140,7 +140,7 @@ def evaluate(
 
     Args:
         library: the library folder.
-        behavior: the keepers' top-level behavior.
+        behavior: the keepers' top-level behavior, of the library or hand-written.
         episodes: number of episodes.
         seed: of the run; the same seed gives the same episodes.
         pace: ``lockstep`` or ``inprocess``.
@@ -210,7 +210,7 @@ def _check_library(library: Path, behavior: str) -> str:
     if not library.is_dir():
         raise LibraryError(f"{library}: there is no such library folder; train one: `hitab demo`")
     opened = open_library(library)
-    there = opened.load()
+    there = {*opened.load(), *opened.domain.automata}
     if behavior not in there:
         raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there, behavior)}')
     return opened.digest

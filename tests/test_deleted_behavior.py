@@ -1,0 +1,153 @@
+"""A team of hard-coded automata: one deleted, trained on the field, loaded as the others run."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from statistics import fmean
+
+import pytest
+from mentions import ROOT
+
+from hitab_bringup import open_library, read_swarm, temporary_swarm
+from hitab_client.lessons import LessonPlayer, read_lesson
+from hitab_client.shipped import find_file, shipped
+from hitab_core import Example, Repertoire, load_domain
+from hitab_world.inprocess import perform, play
+from keepaway_world.parameters import variant
+from keepaway_world.verbs.evaluation import evaluate
+from keepaway_world.world import KeepawayWorld
+
+KEEPERS = ("keeper_1", "keeper_2", "keeper_3")
+LIBRARY = shipped("libraries", "keepaway_handcoded")
+SECONDS = 60.0
+
+
+def examples_of(library: Path) -> tuple[Example, ...]:
+    return open_library(library).load()["GotoBall"].examples
+
+
+def measured(folder: Path, episodes: int) -> list[dict]:
+    """Return what the benchmark measures of the team: whole, without GotoBall, with it trained."""
+    benchmark = [sys.executable, str(ROOT / "benchmarks" / "deleted_behavior.py")]
+    options = ["--episodes", str(episodes), "--seed", "12", "--json", str(folder / "f.json")]
+    done = subprocess.run([*benchmark, *options], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "f.json").read_text())["teams"]
+
+
+def test_without_it_the_team_is_clearly_worse_and_what_was_trained_restores_it(tmp_path):
+    whole, without, trained = measured(tmp_path, 25)
+    assert (whole["examples"], without["examples"], trained["examples"]) == (0, 0, 20)
+    assert whole["hold_time_s"]["mean"] > 3.0 * without["hold_time_s"]["mean"]
+    for figure in ("hold_time_s", "passes"):
+        one, other = whole[figure], trained[figure]
+        error = math.hypot(one["se"], other["se"])
+        assert abs(one["mean"] - other["mean"]) < 2.0 * error
+        # Episodes without it are alike, so that they have hardly an error.
+        assert other["mean"] - without[figure]["mean"] > 4.0 * other["se"]
+
+
+def test_the_team_of_hard_coded_and_trained_automata_is_evaluated_as_any_other():
+    done = evaluate(
+        LIBRARY,
+        behavior="Keepaway",
+        episodes=3,
+        seed=5,
+        pace="inprocess",
+        parameters={"taker_speed": 0.25},
+        advance=lambda *_: None,
+    )
+    assert [played.seconds for played in done.played] == by_themselves(3, 5, LIBRARY)
+
+
+def by_themselves(episodes: int, seed: int, library: Path | None) -> list[float]:
+    """Return how long the team keeps the ball in one process, s; None: without GotoBall."""
+    domain = load_domain("keepaway_handcoded").without(["GotoBall"])
+    repertoire = Repertoire(domain, {} if library is None else open_library(library).load())
+    world = KeepawayWorld(variant("paper"), seed)
+    return [r.seconds for r in play(world, perform(world, repertoire, "Keepaway"), episodes)]
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_it_is_trained_on_one_robot_and_loaded_into_all_from_a_file_while_they_run(
+    home, hitab, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    swarm = read_swarm(find_file("keepaway_deleted", "swarms", "swarm"))
+    swarm = swarm.with_world(pace="lockstep", paused=True)
+
+    def did(*arguments: str) -> str:
+        done = hitab(*arguments)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    with temporary_swarm(swarm, tmp_path / "run") as running:
+        running.folder.write(running.record, register=True)
+        agents, world, link = running.agents, running.world, running.link
+
+        def missing() -> set[str]:
+            return {
+                name
+                for name in KEEPERS
+                if any('"GotoBall" was taken out' in f for f in agents.statuses[name].faults)
+            }
+
+        def held(episodes: int, seed: int) -> list[float]:
+            return [episode.seconds for episode in world.play(episodes, seed)]
+
+        # All play without it, standing still where they need it, and say so.
+        assert missing() == set(KEEPERS)
+        assert {agents.statuses[name].behavior for name in KEEPERS} == {"Keepaway"}
+        without = held(1, swarm.world.seed)
+        assert without == by_themselves(1, swarm.world.seed, None)
+
+        # One is trained by commands, and plays; the others go on without it.
+        lesson = read_lesson(find_file("handcoded/goto_ball", "lessons", "lesson"))
+        report = LessonPlayer(lesson, agents, world).play()
+        assert report.examples <= 20
+        learned = Path(report.path).parent
+        for one, shipped_one in zip(examples_of(learned), examples_of(LIBRARY), strict=True):
+            assert (one.state, one.next_state) == (shipped_one.state, shipped_one.next_state)
+            # The keeper runs in between, and the noise depends on the number of the episode.
+            assert one.features == pytest.approx(shipped_one.features, abs=0.1)
+        assert link.spin_until(lambda: missing() == {"keeper_2", "keeper_3"}, SECONDS)
+        assert link.spin_until(
+            lambda: {agents.statuses[name].behavior for name in KEEPERS} == {"Keepaway"}, SECONDS
+        )
+
+        # The others load it from a file while they play.
+        world.control("resume")
+        assert did("library", "export", "GotoBall", "--agent", "keeper_1") == (
+            "wrote GotoBall to GotoBall.bundle.yaml\n"
+        )
+        for name in ("keeper_2", "keeper_3"):
+            assert "GotoBall: new\n" in did(
+                "library", "import", "GotoBall.bundle.yaml", "--agent", name
+            )
+        before = world.status.cycle
+        did("library", "reload")
+        assert link.spin_until(lambda: not missing(), SECONDS)
+        digests = {agents.statuses[name].library_digest for name in KEEPERS}
+        assert len(digests) == 1
+
+        went: set[str] = set()
+
+        def all_went() -> bool:
+            for name in KEEPERS:
+                path = agents.statuses[name].active_path
+                if list(path[:2]) == ["ControlBall", "GotoBall"] and len(path) > 2:
+                    went.add(name)
+            return went == set(KEEPERS)
+
+        assert link.spin_until(all_went, SECONDS)
+        assert world.status.cycle > before
+        assert {agents.statuses[name].behavior for name in KEEPERS} == {"Keepaway"}
+
+        # Together they play as the same team does in one process, far longer than without it.
+        world.control("pause")
+        together = held(5, 12)
+        assert together == by_themselves(5, 12, learned)
+        assert fmean(together) > 2.0 * fmean(without)
