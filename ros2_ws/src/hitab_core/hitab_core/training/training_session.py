@@ -5,30 +5,20 @@ Source: the paper, section 3, "Training with HiTAB".
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
-from hitab_core.running.senses import value_or_nan
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import Direction, Edit, ExampleLog, these
 from hitab_core.training.exchange import exchanged
-from hitab_core.training.moments import (
-    STEP_SECONDS,
-    Moment,
-    Moments,
-    moment_before,
-    readable,
-    state_of,
-)
+from hitab_core.training.perceived import Perceived
 from hitab_core.training.training_record import prepared
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -57,8 +47,7 @@ class TrainingSession:
     in Start, and everything in the journal can still be undone.
 
     Attributes:
-        readable: names of the readings of its examples.
-        moments: what was perceived lately.
+        perception: what the agent perceived lately, and around each command.
     """
 
     def __init__(
@@ -85,11 +74,9 @@ class TrainingSession:
         check_curriculum(curriculum, context.repertoire)
         self.context = context
         self.curriculum = curriculum
-        self.readable = tuple(names) or readable(context.repertoire.domain, curriculum.parameters)
+        self.perception = Perceived(context, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
-        self.moments = Moments()
         self.testing = False
-        self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._tested = False
         self._left = False
         self._journal = journal
@@ -97,11 +84,7 @@ class TrainingSession:
 
     def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
         bindings = self._bindings
-        look = self.context.senses.look
-        self._looks = [
-            None if use.name in FLAGS else partial(_looked, look, use.bound(bindings))
-            for use in self.readable
-        ]
+        self.perception.bind(self.context, bindings)
         blank = Automaton(
             self.curriculum.name,
             tuple(states),
@@ -117,6 +100,11 @@ class TrainingSession:
     @property
     def _bindings(self) -> dict[str, str]:
         return dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
+
+    @property
+    def readable(self) -> tuple[Use, ...]:
+        """Names of the readings of its examples."""
+        return self.perception.readable
 
     @property
     def examples(self) -> tuple[Example, ...]:
@@ -140,16 +128,13 @@ class TrainingSession:
         self.running.stop()
         self.running.start()
         self._left = False
-        latest = self.moments.latest
-        self.moments.begin()
-        if latest is not None:
-            self.moments.add(replace(latest, state=START, since=latest.time, raised=frozenset()))
+        self.perception.restart()
 
     def leave(self) -> None:
         """Stop, since the agent performs something else; come back with `restart`."""
         self.running.stop()
         self._left = True
-        self.moments.begin()
+        self.perception.moments.begin()
 
     def perceived(self, cycle: int, time: float, *, jumped: bool = False) -> None:
         """Keep what the agent perceives now, before it acts on that.
@@ -159,24 +144,8 @@ class TrainingSession:
             time: simulated time, s.
             jumped: whether the situation does not follow from the last one.
         """
-        if self._left:
-            return
-        if jumped:
-            self.moments.begin()
-        running, latest = self.running, self.moments.latest
-        state = state_of(running.active)
-        since = latest.since if latest is not None and latest.state == state else time
-        raised = running.child.raised if running.child is not None else ()
-        self.moments.add(Moment(cycle, time, state, since, frozenset(raised), self._read(raised)))
-
-    def _read(self, raised: Iterable[str]) -> tuple[float, ...]:
-        """Return the readings of now; NaN for what cannot be read."""
-        up = frozenset(raised)
-        values = (
-            float(use.name in up) if look is None else look()
-            for use, look in zip(self.readable, self._looks, strict=True)
-        )
-        return tuple(value if math.isfinite(value) else math.nan for value in values)
+        if not self._left:
+            self.perception.keep(self.running, cycle, time, jumped=jumped)
 
     def check_on(self, context: RunContext) -> None:
         """Check that the training could continue with another repertoire.
@@ -199,16 +168,10 @@ class TrainingSession:
             if edit is not None:
                 self._make(edit)
             if record["do"] == "command":
-                self._keep_window(record)
+                self.perception.keep_window(int(record["examples"][0]["command"]), record)
             self._tested |= record["do"] == "test"
         self.check_on(self.context)
         self.rebuild(self.context)
-
-    def _keep_window(self, record: Mapping[str, Any]) -> None:
-        moments = tuple(map(Moment.from_record, record.get("moments", ())))
-        if moments:
-            number = int(record["examples"][0]["command"])
-            self._windows[number] = (float(record["time"]), moments)
 
     def rebuild(self, context: RunContext) -> None:
         """Restart at Start, since behaviors of the repertoire may have changed."""
@@ -247,34 +210,26 @@ class TrainingSession:
             )
         self._check_state(state)
         label = str(state)
-        due = self._due(ago, seen, cycle)
+        perception, chosen, running = self.perception, self.curriculum.features, self.running
+        due = perception.due(running, chosen, cycle, ago, seen)
         again = label == due.state
-        features = self._values_in(due)
-        self._check_values(features)
-        latest = self.moments.latest
         taught = self.log.preview(
             due.state,
-            features,
+            perception.values(due, chosen),
             label,
             kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
             with_default=not again and not self.context.repertoire.is_one_shot(state),
             cycle=due.cycle,
-            ago=0.0 if latest is None else max(0.0, latest.time - due.time),
+            ago=max(0.0, perception.time - due.time),
             readings=due.readings,
         )
-        record = {
-            "do": "command",
-            "examples": [example_record(e) for e in taught],
-            "time": due.time if latest is None else latest.time,
-            "moments": [moment.to_record() for moment in self.moments.window(due)],
-        }
         edit = self.log.addition(taught)
+        around = perception.window_record(due)
         # On disk first: acknowledged examples must survive a crash.
-        self._write(record)
+        self._write({"do": "command", "examples": [example_record(e) for e in taught], **around})
         self.log.make(edit)
-        self._keep_window(record)
-        self.moments.enter(label, due)
-        running = self.running
+        perception.keep_window(taught[0].command, around)
+        perception.moments.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
         running.go_to(label)
@@ -282,54 +237,7 @@ class TrainingSession:
 
     def _write(self, record: Mapping[str, Any]) -> None:
         """Write a step to the journal, with its time; it is on disk when this returns."""
-        latest = self.moments.latest
-        self._journal({"time": 0.0 if latest is None else latest.time, **record})
-
-    def _due(self, ago: float, seen: int, cycle: int) -> Moment:
-        """Return the moment for which a command is meant."""
-        if ago or seen:
-            due = self.moments.due(ago, seen)
-            if due is not self.moments.latest:
-                return due
-        # What decides now was perhaps not perceived yet as a moment.
-        running, latest = self.running, self.moments.latest
-        values = running.peek_features()
-        raised = frozenset(running.child.raised if running.child is not None else ())
-        readings = list(self._read(raised))
-        for feature, value in zip(self.curriculum.features, values, strict=True):
-            if feature in self._column:
-                readings[self._column[feature]] = value
-        return Moment(
-            cycle,
-            0.0 if latest is None else latest.time,
-            state_of(running.active),
-            0.0 if latest is None else latest.since,
-            raised,
-            tuple(readings),
-        )
-
-    @property
-    def _column(self) -> dict[Use, int]:
-        return {use: i for i, use in enumerate(self.readable)}
-
-    def _values_in(self, moment: Moment) -> tuple[float, ...]:
-        """Return the values of the chosen features in a moment."""
-        column = self._column
-        return tuple(moment.readings[column[feature]] for feature in self.curriculum.features)
-
-    def _check_values(self, values: Sequence[float]) -> None:
-        for feature, value in zip(self.curriculum.features, values, strict=True):
-            if math.isinf(value):
-                raise FeatureValueError(
-                    f'feature "{feature}" is {value} but must be finite in an example; have it '
-                    "return a large number instead, such as the range of its sensor"
-                )
-        if values and all(map(math.isnan, values)):
-            names = ", ".join(map(str, self.curriculum.features))
-            raise FeatureValueError(
-                f"no feature of this training has a value now ({names}); check the sensors, or "
-                "choose other features"
-            )
+        self._journal({"time": self.perception.time, **record})
 
     def test(self, *, restart: bool = False) -> None:
         """Learn the transition functions and let them decide.
@@ -453,41 +361,9 @@ class TrainingSession:
 
     def _retiming(self, numbers: Sequence[int], ago: float) -> Edit:
         wanted = self.log.commands_of(numbers)
-        dues: dict[int, Moment] = {}
-        for command, number in wanted.items():
-            if command not in self._windows:
-                raise TrainingError(
-                    f"example {number} was recorded in an earlier training, so what was before "
-                    "it is not known; delete it, and demonstrate it again"
-                )
-            time, moments = self._windows[command]
-            if not 0.0 <= ago <= time - moments[0].time + STEP_SECONDS:
-                raise TrainingError(
-                    f"what was {ago:g} s before example {number} was recorded is not kept; give "
-                    f"a number from 0 to {time - moments[0].time:.2g}"
-                )
-            dues[command] = moment_before(moments, time - ago)
-
-        def changed(e: Example) -> Example:
-            due = dues.get(e.command)
-            if due is None:
-                return e
-            values = self._values_in(due)
-            self._check_values(values)
-            time = self._windows[e.command][0]
-            return replace(
-                e,
-                state=e.state if e.is_default else due.state,
-                features=values,
-                cycle=due.cycle,
-                ago=max(0.0, time - due.time),
-                readings=due.readings,
-            )
-
-        after = [changed(e) for e in self.log.examples]
-        return self.log.replacement(
-            after, f"{these(wanted.values())} due {ago:g} s before its command"
-        )
+        after = self.perception.retimed(self.log.examples, wanted, ago, self.curriculum.features)
+        words = f"{these(wanted.values())} due {ago:g} s before its command"
+        return self.log.replacement(after, words)
 
     def _make(self, edit: Edit) -> None:
         """Make a prepared edit."""
@@ -523,7 +399,7 @@ class TrainingSession:
         self.running.raised.discard(str(edit.left))
         self.running.go_to(edit.entered)
         if edit.direction is Direction.UNDO:
-            self.moments.reenter(str(edit.left), edit.entered)
+            self.perception.moments.reenter(str(edit.left), edit.entered)
 
     def automaton(self, done: str = "tested") -> Automaton:
         """Return what has been learned so far, untrimmed.
@@ -580,10 +456,6 @@ class TrainingSession:
                 f'"{state}" is not among the states chosen for "{self.curriculum.name}" '
                 f"{has(chosen, state)}; begin again with this state, or without a choice of states"
             )
-
-
-def _looked(look: Callable[[Use], float], use: Use) -> float:
-    return value_or_nan(look, use)
 
 
 def _labels(examples: Iterable[Example]) -> list[str]:

@@ -1,0 +1,223 @@
+"""What the agent perceived during a training: lately, and around each command.
+
+A command is recorded with the situation that it was meant for (`hitab_core.training.moments`), and
+the moments around it are kept so that it can be retimed later.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from hitab_core.automaton import FLAGS, START
+from hitab_core.errors import FeatureValueError, TrainingError
+from hitab_core.example import Example
+from hitab_core.running.running_automaton import RunContext, RunningAutomaton
+from hitab_core.running.senses import value_or_nan
+from hitab_core.training.moments import (
+    STEP_SECONDS,
+    Moment,
+    Moments,
+    moment_before,
+    readable,
+    state_of,
+)
+from hitab_core.use import Use
+
+
+class Perceived:
+    """Reads whatever can be read, and keeps it for as long as a command may refer to it.
+
+    Attributes:
+        readable: names of the readings.
+        moments: the last ones.
+    """
+
+    def __init__(
+        self,
+        context: RunContext,
+        parameters: Sequence[str],
+        chosen: Sequence[Use],
+        names: Sequence[Use] = (),
+    ) -> None:
+        """Keep nothing yet.
+
+        Args:
+            context: of the agent.
+            parameters: of the automaton in training.
+            chosen: its features.
+            names: of the readings; empty: all that can be read. What cannot be read any more is
+                NaN.
+        """
+        found = tuple(names) or readable(context.repertoire.domain, parameters)
+        self.readable = (*found, *(use for use in chosen if use not in found))
+        self.moments = Moments()
+        self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
+        self._column = {use: i for i, use in enumerate(self.readable)}
+        self._uses: list[Use | None] = []
+        self._context = context
+
+    @property
+    def time(self) -> float:
+        """The simulated time of the last percept, s; 0 if there was none."""
+        latest = self.moments.latest
+        return 0.0 if latest is None else latest.time
+
+    def bind(self, context: RunContext, bindings: Mapping[str, str]) -> None:
+        """Read from an agent's senses from now on."""
+        self._context = context
+        self._uses = [None if u.name in FLAGS else u.bound(bindings) for u in self.readable]
+
+    def _read(self, raised: Iterable[str]) -> tuple[float, ...]:
+        """Return the readings of now; NaN for what cannot be read."""
+        up, look = frozenset(raised), self._context.senses.look
+        values = (
+            float(flag.name in up) if use is None else value_or_nan(look, use)
+            for flag, use in zip(self.readable, self._uses, strict=True)
+        )
+        return tuple(value if math.isfinite(value) else math.nan for value in values)
+
+    def keep(
+        self, running: RunningAutomaton, cycle: int, time: float, *, jumped: bool = False
+    ) -> None:
+        """Keep what the agent perceives now, before it acts on that.
+
+        Args:
+            running: what it performs.
+            cycle: of the world.
+            time: simulated time, s.
+            jumped: whether the situation does not follow from the last one.
+        """
+        if jumped:
+            self.moments.begin()
+        latest, state = self.moments.latest, state_of(running.active)
+        since = latest.since if latest is not None and latest.state == state else time
+        raised = running.child.raised if running.child is not None else ()
+        self.moments.add(Moment(cycle, time, state, since, frozenset(raised), self._read(raised)))
+
+    def restart(self) -> None:
+        """Forget what was before the last percept, which begins an episode, in Start."""
+        latest = self.moments.latest
+        self.moments.begin()
+        if latest is not None:
+            self.moments.add(replace(latest, state=START, since=latest.time, raised=frozenset()))
+
+    def due(
+        self,
+        running: RunningAutomaton,
+        features: Sequence[Use],
+        cycle: int,
+        ago: float,
+        seen: int,
+    ) -> Moment:
+        """Return the moment for which a command is meant.
+
+        Args:
+            running: what the agent performs.
+            features: of the automaton in training.
+            cycle: of the world, now.
+            ago, seen: see `Moments.due`.
+
+        Raises:
+            TrainingError: if that moment is not kept.
+            FeatureValueError: as reading the features.
+        """
+        latest = self.moments.latest
+        if ago or seen:
+            due = self.moments.due(ago, seen)
+            if due is not latest:
+                return due
+        # The present one, with the values that the next decision would use.
+        values = running.peek_features()
+        raised = frozenset(running.child.raised if running.child is not None else ())
+        readings = list(self._read(raised))
+        for feature, value in zip(features, values, strict=True):
+            readings[self._column[feature]] = value
+        since = 0.0 if latest is None else latest.since
+        state = state_of(running.active)
+        return Moment(cycle, self.time, state, since, raised, tuple(readings))
+
+    def values(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
+        """Return the values of features in a moment.
+
+        Raises:
+            FeatureValueError: if none has one, or one is infinite.
+        """
+        values = tuple(moment.readings[self._column[feature]] for feature in features)
+        for feature, value in zip(features, values, strict=True):
+            if math.isinf(value):
+                raise FeatureValueError(
+                    f'feature "{feature}" is {value} but must be finite in an example; have it '
+                    "return a large number instead, such as the range of its sensor"
+                )
+        if values and all(map(math.isnan, values)):
+            raise FeatureValueError(
+                f"no feature of this training has a value now ({', '.join(map(str, features))}); "
+                "check the sensors, or choose other features"
+            )
+        return values
+
+    # -- moments that stay with the examples ------------------------------------------------
+
+    def window_record(self, due: Moment) -> dict[str, Any]:
+        """Return the moments around a command as plain data for the journal."""
+        return {"time": self.time, "moments": [m.to_record() for m in self.moments.window(due)]}
+
+    def keep_window(self, command: int, record: Mapping[str, Any]) -> None:
+        """Keep the moments around a command, as `window_record` returned them."""
+        moments = tuple(map(Moment.from_record, record.get("moments", ())))
+        if moments:
+            self._windows[command] = (float(record["time"]), moments)
+
+    def retimed(
+        self,
+        examples: Sequence[Example],
+        commands: Mapping[int, int],
+        ago: float,
+        features: Sequence[Use],
+    ) -> list[Example]:
+        """Return examples with some commands due at another time.
+
+        Args:
+            examples: all of them.
+            commands: numbers of the commands, each with one of its examples.
+            ago: how long before the command it was due, s.
+            features: of the automaton in training.
+
+        Raises:
+            TrainingError: if what was then is not kept.
+            FeatureValueError: as `values`.
+        """
+        dues = {command: self._then(command, n, ago) for command, n in commands.items()}
+
+        def changed(e: Example) -> Example:
+            due = dues.get(e.command)
+            if due is None:
+                return e
+            return replace(
+                e,
+                state=e.state if e.is_default else due.state,
+                features=self.values(due, features),
+                cycle=due.cycle,
+                ago=max(0.0, self._windows[e.command][0] - due.time),
+                readings=due.readings,
+            )
+
+        return [changed(e) for e in examples]
+
+    def _then(self, command: int, example: int, ago: float) -> Moment:
+        if command not in self._windows:
+            raise TrainingError(
+                f"example {example} was recorded in an earlier training, so what was before it is "
+                "not known; delete it, and demonstrate it again"
+            )
+        time, moments = self._windows[command]
+        longest = time - moments[0].time
+        if not 0.0 <= ago <= longest + STEP_SECONDS:
+            raise TrainingError(
+                f"what was {ago:g} s before example {example} was recorded is not kept; give a "
+                f"number from 0 to {longest:.2g}"
+            )
+        return moment_before(moments, time - ago)
