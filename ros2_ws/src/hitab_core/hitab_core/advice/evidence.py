@@ -1,0 +1,121 @@
+"""The examples of one state, as advice looks at them, and learning from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hitab_core.arrays import Booleans, Floats
+from hitab_core.domain import FeatureKind, Scale
+from hitab_core.example import Example, ExampleKind
+from hitab_core.learning import TREE
+from hitab_core.learning.boundaries import on_circle
+from hitab_core.learning.classifier_spec import ClassifierSpec
+from hitab_core.learning.splits import Choose
+from hitab_core.learning.transition_tree import TransitionTree
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What the transition function of one state is learned from.
+
+    Attributes:
+        state: its label.
+        values: shape (n, m), the examples' feature values, toroidal ones in [0, period); NaN: not
+            known.
+        next_states: the n labels.
+        default: shape (n,), whether an example is a default one.
+        scales: how the values of each feature compare.
+        names: of the features.
+        units: of the features; empty: none.
+        classifier: what learns from it, as in `learn_transitions`.
+    """
+
+    state: str
+    values: Floats
+    next_states: tuple[str, ...]
+    default: Booleans
+    scales: tuple[Scale, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    classifier: str = TREE
+
+    @classmethod
+    def of(
+        cls,
+        state: str,
+        examples: Sequence[Example],
+        scales: Sequence[Scale],
+        names: Sequence[str],
+        units: Sequence[str] = (),
+        classifier: str = TREE,
+    ) -> Evidence:
+        """Return the evidence for one state.
+
+        Args:
+            state: its label.
+            examples: of any states; those of others are left out, and superseded ones.
+            scales, names: of the examples' features.
+            units: of the features; none, if not given.
+            classifier: what learns from them.
+        """
+        own = [example for example in examples if example.state == state and example.is_learned]
+        values = np.array([example.features for example in own], np.float64)
+        values = on_circles(values.reshape(len(own), len(scales)), scales)
+        return cls(
+            state,
+            values,
+            tuple(example.next_state for example in own),
+            np.array([example.is_default for example in own], np.bool_),
+            tuple(scales),
+            tuple(names),
+            tuple(units) or ("",) * len(scales),
+            classifier,
+        )
+
+    def with_answer(self, values: Sequence[float], next_state: str) -> Evidence:
+        """Return the evidence with one more example, see `answer_kind`."""
+        row = on_circles(np.array([values], np.float64), self.scales)
+        kind = answer_kind(self.state, next_state)
+        return replace(
+            self,
+            values=np.vstack([self.values, row]),
+            next_states=(*self.next_states, next_state),
+            default=np.append(self.default, kind is ExampleKind.DEFAULT),
+        )
+
+    def learn(self, choose: Choose | None = None) -> TransitionTree | None:
+        """Return the tree that is learned from it; None without examples or if it is no tree.
+
+        Args:
+            choose: see `TransitionTree.fit`.
+
+        Raises:
+            VocabularyError, FeatureValueError, ValueError: as `TransitionTree.fit`.
+        """
+        spec = ClassifierSpec.parse(self.classifier)
+        if spec.name != TREE or not self.next_states:
+            return None
+        tree = TransitionTree(self.scales, feature_names=list(self.names), **spec.arguments)
+        return tree.fit(self.values, list(self.next_states), self.default, choose=choose)
+
+
+def answer_kind(state: str, next_state: str) -> ExampleKind:
+    """Return the kind of example that records what to do in a situation that was asked about.
+
+    To go elsewhere is a correction. To stay is what default examples say: keep doing this, up to
+    where something else was demonstrated. As an ordinary example it would move the boundary to
+    the demonstrated ones half-way towards a situation that was chosen for another reason.
+    """
+    return ExampleKind.DEFAULT if next_state == state else ExampleKind.CORRECTION
+
+
+def on_circles(values: Floats, scales: Sequence[Scale]) -> Floats:
+    """Return a copy of values, shape (n, m), with toroidal ones in [0, period)."""
+    placed = np.array(values, np.float64)
+    for f, scale in enumerate(scales):
+        if scale.kind is FeatureKind.TOROIDAL:
+            placed[:, f] = [on_circle(v, scale.period) for v in placed[:, f].tolist()]
+    return placed

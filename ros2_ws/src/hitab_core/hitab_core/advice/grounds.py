@@ -1,0 +1,224 @@
+"""What each part of a learned tree rests on: its examples, and how near they come to each test.
+
+A boundary lies somewhere between two examples. What a tree decides for a value between them says
+more about where boundaries are placed than about what the examples mean, so a decision counts as
+*clear* only if the value is well on its side of each test: at least three fifths of the way
+from the nearest example of the other side to the nearest one of its own, or beyond that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hitab_core.advice.evidence import Evidence
+from hitab_core.arrays import Booleans, Floats
+from hitab_core.domain import FeatureKind
+from hitab_core.learning import Leaf, Node, tree_text
+from hitab_core.learning.boundaries import on_circle
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, ThresholdNode
+from hitab_core.learning.tree_text import Step
+
+CLEAR = 0.6
+"""How far from the other side's nearest example a clear value is, in gaps between the sides."""
+
+SURE = 2 / 3
+"""The least probability of a next state that is a decision rather than a draw."""
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """The examples that a part of a tree rests on.
+
+    An example that lacks a tested value counts in each branch with the branch's share.
+
+    Attributes:
+        ordinary: number of ordinary examples, demonstrated ones and corrections.
+        default: number of default examples.
+    """
+
+    ordinary: float = 0.0
+    default: float = 0.0
+
+    @property
+    def examples(self) -> float:
+        """All of them."""
+        return self.ordinary + self.default
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What a tree decides in a situation.
+
+    Attributes:
+        next_state: the most probable one.
+        sure: whether it has at least the probability `SURE`.
+        clear: whether the situation is well on its side of each test on the path.
+        path: the tests on the path, with the branch taken.
+        support: of the leaf.
+    """
+
+    next_state: str
+    sure: bool
+    clear: bool
+    path: tuple[Step, ...]
+    support: Support
+
+
+class Grounds:
+    """A tree with what its nodes rest on.
+
+    Attributes:
+        tree: the tree.
+        evidence: what it was learned from.
+    """
+
+    def __init__(self, tree: TransitionTree, evidence: Evidence) -> None:
+        self.tree = tree
+        self.evidence = evidence
+        self._support: dict[int, Support] = {}
+        self._gaps: dict[int, list[tuple[float, float]]] = {}
+        default = evidence.default
+        waiting = [(tree.root_, np.ones(len(evidence.next_states)))]
+        while waiting:
+            node, weights = waiting.pop()
+            self._support[id(node)] = Support(
+                float(weights[~default].sum()), float(weights[default].sum())
+            )
+            if not isinstance(node, Leaf):
+                branch_of = _branches(node, evidence.values[:, node.feature])
+                self._gaps[id(node)] = _gaps(node, evidence.values[:, node.feature], weights > 0)
+                known = weights[branch_of >= 0].sum()
+                for i, branch in enumerate(node.branches):
+                    here = branch_of == i
+                    share = weights[here].sum() / known if known else 0.0
+                    waiting.append(
+                        (branch, weights * np.where(branch_of == -1, share, here.astype(float)))
+                    )
+
+    def support(self, node: Node) -> Support:
+        """Return what a node of the tree rests on."""
+        return self._support[id(node)]
+
+    def decide(self, values: Sequence[float]) -> Decision | None:
+        """Return what the tree decides; None if it tests a value that is missing (NaN)."""
+        node, last = self.tree.root_, self.tree.root_
+        path: list[Step] = []
+        clear = True
+        while not isinstance(node, Leaf):
+            value = values[node.feature]
+            if math.isnan(value):
+                return None
+            branch = node.branch_for(value)
+            clear = clear and self._is_clear(node, branch, value)
+            path.append((node, branch))
+            last, node = node, node.branches[branch] if branch is not None else Leaf(node.counts)
+        largest = max(node.counts)
+        return Decision(
+            self.tree.labels[node.counts.index(largest)],
+            largest >= SURE * sum(node.counts),
+            clear,
+            tuple(path),
+            self._support.get(id(node)) or self._support[id(last)],
+        )
+
+    def words(self, path: Sequence[Step]) -> str:
+        """Return the conditions on a path with their units, such as ``Range <= 2 m and Far``."""
+        evidence = self.evidence
+        features = dict.fromkeys(node.feature for node, _ in path)
+        texts = tree_text.conditions(path, evidence.scales, evidence.names)
+        return " and ".join(
+            text + _unit(evidence, f) for text, f in zip(texts, features, strict=True)
+        )
+
+    def _is_clear(self, node: Node, branch: int | None, value: float) -> bool:
+        if isinstance(node, ThresholdNode):
+            ((low, high),) = self._gaps[id(node)]
+            gap = high - low
+            return value - low <= (1 - CLEAR) * gap if branch == 0 else value - low >= CLEAR * gap
+        if isinstance(node, ArcNode):
+            for (before, after), leads_to in zip(self._gaps[id(node)], (0, 1), strict=True):
+                gap = (after - before) % node.period
+                passed = on_circle(value - before, node.period)
+                near = CLEAR * gap <= passed if branch == leads_to else passed <= (1 - CLEAR) * gap
+                if passed < gap and not near:
+                    return False
+            return True
+        return branch is not None
+
+
+def parting(some: Sequence[Step], other: Sequence[Step]) -> int:
+    """Return the index of the first test in which two paths differ."""
+    for i, ((a, _), (b, _)) in enumerate(zip(some, other, strict=False)):
+        if _test(a) != _test(b):
+            return i
+    return min(len(some), len(other))
+
+
+def situation_in_words(
+    evidence: Evidence, values: Sequence[float], features: Sequence[int]
+) -> str:
+    """Return values in words, such as ``Range = 2 m, not Far``; without those that are NaN."""
+    texts = []
+    for f in features:
+        value, name, scale = values[f], evidence.names[f], evidence.scales[f]
+        if math.isnan(value):
+            continue
+        if scale.kind is FeatureKind.BOOLEAN:
+            texts.append(name if value else f"not {name}")
+        elif scale.kind is FeatureKind.CATEGORICAL:
+            known = dict(enumerate(scale.categories))
+            texts.append(f"{name} = {known.get(int(value), f'{value:.6g}')}")
+        else:
+            half = scale.kind is FeatureKind.TOROIDAL and value > scale.period / 2
+            number = value - scale.period if half else value
+            texts.append(f"{name} = {number:.6g}{_unit(evidence, f)}")
+    return ", ".join(texts)
+
+
+def _unit(evidence: Evidence, feature: int) -> str:
+    measured = evidence.scales[feature].kind in (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
+    unit = evidence.units[feature]
+    return f" {unit}" if unit and measured else ""
+
+
+def _test(node: ThresholdNode | ArcNode | CategoryNode) -> tuple[object, ...]:
+    if isinstance(node, ThresholdNode):
+        return (node.feature, node.threshold)
+    if isinstance(node, ArcNode):
+        return (node.feature, node.start, node.end)
+    return (node.feature, *node.categories)
+
+
+def _branches(node: Node, column: Floats) -> Floats:
+    """Return the branch of each value; -1 where it is missing, -2 if there is none."""
+    assert not isinstance(node, Leaf)
+    found = []
+    for value in column.tolist():
+        branch = -1 if math.isnan(value) else node.branch_for(value)
+        found.append(-2 if branch is None else branch)
+    return np.array(found)
+
+
+def _gaps(node: Node, column: Floats, there: Booleans) -> list[tuple[float, float]]:
+    """Return the nearest examples on both sides of a threshold, or of the two ends of an arc.
+
+    The first end of an arc leads inside, the second one outside.
+    """
+    values = np.unique(column[there & ~np.isnan(column)])
+    if isinstance(node, ThresholdNode):
+        low, high = values[values <= node.threshold], values[values > node.threshold]
+        return [(low.max(initial=-math.inf), high.min(initial=math.inf))]
+    if isinstance(node, ArcNode):
+        return [_around(values, end, node.period) for end in (node.start, node.end)]
+    return []
+
+
+def _around(values: Floats, end: float, period: float) -> tuple[float, float]:
+    """Return the last value before a place on the circle, and the first at or after it."""
+    from_end = (values - end) % period
+    return float(values[from_end.argmax()]), float(values[from_end.argmin()])

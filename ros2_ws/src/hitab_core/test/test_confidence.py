@@ -1,0 +1,179 @@
+"""How sure a decision is: what it rests on, and how far it is from what was demonstrated."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hitab_core.advice.confidence import Confidence, Confidences, confidences
+from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.grounds import Support
+from hitab_core.advice.nearness import UNKNOWN, Nearness
+from hitab_core.automaton import Automaton
+from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
+from hitab_core.example import Example, ExampleKind
+from hitab_core.learning.transition_learning import learn_transition, learn_transitions
+from hitab_core.transition_function import HandWritten
+from hitab_core.use import Use
+
+METERS = Scale()
+DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
+COLORS = Scale(FeatureKind.CATEGORICAL, categories=("red", "green", "blue"))
+
+
+def evidence(rows, scales, classifier="tree"):
+    """Return the evidence of rows (values, next state, is default) of state S."""
+    kinds = (ExampleKind.DEMONSTRATED, ExampleKind.DEFAULT)
+    examples = [Example("S", values, goes_to, kinds[default]) for values, goes_to, default in rows]
+    names = [f"f{i}" for i in range(len(scales))]
+    return Evidence.of("S", examples, scales, names, (), classifier)
+
+
+def rated(rows, scales, classifier="tree"):
+    """Return what rates decisions of what is learned from rows."""
+    known = evidence(rows, scales, classifier)
+    function = learn_transition(
+        classifier, scales, known.values, known.next_states, known.default.tolist()
+    )
+    return Confidences(function, known)
+
+
+BALL = [
+    ((9.0, 0.0), "Go", True),
+    ((8.0, 0.0), "Go", True),
+    ((7.0, 0.0), "Go", False),
+    ((1.0, 1.0), "Stop", False),
+]
+
+
+def test_support_is_that_of_the_leaf_with_default_examples_apart():
+    rate = rated(BALL, [METERS, BOOLEAN_SCALE])
+    assert rate([8.5, 0.0]).support == Support(ordinary=1, default=2)
+    assert rate([8.5, 1.0]).support == Support(ordinary=1, default=0)
+
+
+def test_distance_is_0_where_an_example_is_and_counts_only_what_was_tested():
+    rate = rated(BALL, [METERS, BOOLEAN_SCALE])
+    assert rate([500.0, 0.0]).distance == 0  # only the second feature was tested
+    near = rated([row for row in BALL if row[0][1] == 0 or row[0][0] == 1], [METERS, METERS])
+    assert near([9.0, 0.0]).distance == 0
+
+
+def test_distance_on_a_line_is_in_median_differences_of_the_examples():
+    rate = rated([((0.0,), "A", False), ((2.0,), "B", False), ((4.0,), "B", False)], [METERS])
+    assert rate([5.0]).distance == pytest.approx(1 / 2)  # the differences are 2, 2 and 4
+    assert rate([-3.0]).distance == pytest.approx(3 / 2)
+    assert rate([1.2]).distance == pytest.approx(0.8 / 2)
+
+
+def test_a_number_that_says_nothing_is_there_does_not_make_all_else_near():
+    rows = [((float(v),), "A" if v < 3 else "B", False) for v in (1, 2, 3, 4, 5, 1000)]
+    assert rated(rows, [METERS])([9.0]).distance > 1
+
+
+def test_distance_on_a_circle_is_the_shorter_way_round():
+    rows = [((350.0,), "A", False), ((80.0,), "B", False)]
+    rate = rated(rows, [DEGREES])
+    assert rate([10.0]).distance == pytest.approx(20 / 90)
+    assert rate([-10.0]).distance == rate([710.0]).distance == 0
+
+
+def test_categories_are_equal_or_not():
+    rows = [((0.0,), "A", False), ((2.0,), "B", False)]
+    rate = rated(rows, [COLORS])
+    assert rate([2.0]) == Confidence(Support(1, 0), 0)
+    unseen = rate([1.0])
+    assert unseen == Confidence(Support(2, 0), 1)  # decided by all examples
+
+
+def test_the_feature_that_is_farthest_off_counts():
+    near = Nearness(np.array([[0.0, 0.0], [4.0, 10.0]]), [METERS, METERS], (0, 1))
+    assert near([1.0, 5.0]) == pytest.approx(0.5)
+    assert near([1.0, 0.0]) == pytest.approx(0.25)
+
+
+def test_values_that_are_missing_are_left_out():
+    values = np.array([[0.0, math.nan], [4.0, 10.0], [math.nan, math.nan]])
+    near = Nearness(values, [METERS, METERS], (0, 1))
+    assert near([0.0, 10.0]) == 0  # the first example does not say
+    assert near([4.0, None]) == near([4.0, math.nan]) == 0
+    assert near([math.nan, math.nan]) == UNKNOWN
+    assert Nearness(values, [METERS, METERS], ())([1.0, 2.0]) == 0
+
+
+def test_a_decision_without_a_tested_value_is_as_sure_as_its_weakest_leaf():
+    rate = rated(BALL, [METERS, BOOLEAN_SCALE])
+    assert rate([8.5, None]) == rate([8.5, math.nan])
+    assert rate([8.5, None]).support == Support(ordinary=1, default=0)
+
+
+def test_where_nothing_is_tested_the_distance_is_0():
+    assert rated([((3.0,), "A", False)], [METERS])([99.0]) == Confidence(Support(1, 0), 0)
+
+
+def test_of_what_is_no_tree_only_the_distance_is_known():
+    known = evidence([((0.0, 0.0), "A", False), ((2.0, 0.0), "B", False)], [METERS, METERS])
+    found = Confidences(HandWritten(lambda first: "A", (0,)), known)([3.0, None])
+    assert math.isnan(found.support.examples)
+    assert found.distance == pytest.approx(0.5)
+    assert found.doubts(2, 0) == ""
+    assert found.doubts(2, 0.4) == "it is 0.5 spreads of the examples from the nearest one"
+
+
+def test_an_automaton_is_rated_by_state_and_its_superseded_examples_support_nothing():
+    features = (1.0,)
+    examples = (
+        Example("Start", features, "Go"),
+        Example("Go", features, "Go", ExampleKind.SUPERSEDED),
+        Example("Go", features, "Stop", ExampleKind.CORRECTION),
+    )
+    shuttle = Automaton(
+        "Shuttle",
+        (Use("Go"), Use("Stop")),
+        (Use("Range"),),
+        {**learn_transitions(examples, [METERS]), "Stop": HandWritten(lambda: "Go")},
+        examples=examples,
+    )
+    rated = confidences(shuttle, [METERS])
+    assert sorted(rated) == ["Go", "Start"]
+    assert rated["Go"]([1.0]) == Confidence(Support(1, 0), 0)
+
+
+def test_doubts_say_what_is_missing():
+    sure = Confidence(Support(1, 2), 0.3)
+    assert sure.doubts(3, 0.5) == ""
+    assert sure.doubts(4, 0) == "it rests on 3 examples"
+    assert sure.doubts(4, 0.25) == (
+        "it rests on 3 examples and it is 0.3 spreads of the examples from the nearest one"
+    )
+    assert Confidence(Support(0.5, 0), 0).doubts(1, 0) == "it rests on 0.5 examples"
+    assert Confidence(Support(1, 0), math.inf).doubts(1, 2) == (
+        "no example has the values that it depends on"
+    )
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.floats(-50, 50), st.floats(0, 359), st.integers(0, 1), st.sampled_from("ABC")
+        ),
+        min_size=1,
+        max_size=12,
+    ),
+    st.tuples(st.floats(-60, 60), st.floats(-400, 400), st.integers(0, 1)),
+)
+def test_the_distance_is_that_of_the_nearest_example_in_the_tested_features(rows, situation):
+    scales = [METERS, DEGREES, BOOLEAN_SCALE]
+    known = evidence([(row[:3], row[3], False) for row in rows], scales)
+    tree = known.learn()
+    rate = Confidences(tree, known)
+    tested = tree.retrace(situation, ("a", "b", "c")).features
+    found = rate([v if f in tested else None for f, v in enumerate(situation)])
+    assert found.distance == pytest.approx(
+        Nearness(known.values, scales, sorted(tested))(situation)
+    )
+    assert found.support.ordinary >= 1
+    for row in known.values.tolist():
+        assert rate(row).distance == pytest.approx(0, abs=1e-9)
