@@ -112,10 +112,18 @@ DOMAIN = Domain.of(
         BasicBehavior("Stop", stop, description="stand still"),
     ),
     features=(
-        Feature("RangeAhead", range_ahead, unit="m"),
-        Feature("DistanceTo", distance_to, parameters=("X",), unit="m"),
-        Feature("HeadingTo", heading_to, FeatureKind.TOROIDAL, parameters=("X",), unit="rad"),
-        Feature("Bumped", bumped, FeatureKind.BOOLEAN),
+        # Required: a robot whose sensor is silent must not drive on by what is usual.
+        Feature("RangeAhead", range_ahead, unit="m", required=True),
+        Feature("DistanceTo", distance_to, parameters=("X",), unit="m", required=True),
+        Feature(
+            "HeadingTo",
+            heading_to,
+            FeatureKind.TOROIDAL,
+            parameters=("X",),
+            unit="rad",
+            required=True,
+        ),
+        Feature("Bumped", bumped, FeatureKind.BOOLEAN, required=True),
     ),
     targets=(
         Target("home", lambda body: HOME, "where the odometry began"),

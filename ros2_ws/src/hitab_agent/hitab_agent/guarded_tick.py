@@ -1,4 +1,7 @@
-"""Acting on a percept; an agent that cannot act does nothing and reports why."""
+"""Acting on a percept; an agent that cannot act does nothing and reports why.
+
+An agent that decides although a feature has no value acts, and reports that, too.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,10 @@ TICK = "tick"
 """The fault of an agent that does nothing because it cannot perceive, decide or act."""
 
 
+VALUES = "values"
+"""The fault of an agent that decides without the values of some features."""
+
+
 class GuardedTick:
     """Ticks an agent; never raises.
 
@@ -33,6 +40,7 @@ class GuardedTick:
             guard: of its node; its faults include this one.
         """
         self.fault = ""
+        self._lacking: list[str] = []
         self._failed_in = ("", "")
         self._agent = agent
         self._guard = guard
@@ -48,7 +56,22 @@ class GuardedTick:
             return NO_ACTION
         if self.fault:
             self._clear()
+        lacking = agent.context.senses.lacking()
+        if lacking != self._lacking:
+            self._report(lacking)
         return action
+
+    def _report(self, lacking: list[str]) -> None:
+        """Report which features have no value though decisions need them."""
+        agent = self._agent
+        self._lacking = lacking
+        self._failed_in = (agent.mode.value, agent.behavior)
+        if not lacking:
+            self._guard.faults.clear(VALUES)
+            return
+        text = f"{agent.name} decides without what it needs: {'; '.join(lacking)}"
+        self._guard.log(text, (VALUES, *lacking))
+        self._guard.faults.set(VALUES, text)
 
     def fail(self, error: Exception) -> None:
         """Report an error that kept the agent from perceiving, deciding or acting."""
@@ -62,10 +85,15 @@ class GuardedTick:
             self._guard.faults.set(TICK, text)
 
     def clear_if_past(self) -> None:
-        """Clear the fault if the agent no longer performs the behavior that failed."""
+        """Clear the faults if the agent no longer performs the behavior that had them."""
         agent = self._agent
-        if self.fault and self._failed_in != (agent.mode.value, agent.behavior):
+        if self._failed_in == (agent.mode.value, agent.behavior):
+            return
+        if self.fault:
             self._clear()
+        if self._lacking:
+            agent.context.senses.missed.clear()
+            self._report([])
 
     def _clear(self) -> None:
         self.fault = ""

@@ -78,6 +78,10 @@ class Feature:
     The optional ``read_all(percepts, *targets)`` returns the values of many agents at once, shape
     (n,), from their percepts alone. They must equal what ``read`` returns; each target is what its
     ``resolve_all`` returned. Without it the feature is read agent by agent.
+
+    Where a feature has no value (NaN, None or a raised `FeatureValueError`), a learned tree
+    decides by the others. If it is ``required``, nothing is decided without it: who needs it does
+    nothing, such as a robot that would drive blindly.
     """
 
     name: str
@@ -89,6 +93,7 @@ class Feature:
     categories: tuple[str, ...] = ()
     description: str = ""
     read_all: Callable[..., Floats] | None = None
+    required: bool = False
 
     @property
     def scale(self) -> Scale:

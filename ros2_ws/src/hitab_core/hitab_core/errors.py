@@ -21,6 +21,10 @@ class FeatureValueError(HitabError):
     """A feature whose value is missing, not a number or outside its categories."""
 
 
+class NoValueError(FeatureValueError):
+    """A feature that has no value now; a learned tree decides without it."""
+
+
 class LibraryError(HitabError):
     """A behavior file or library folder that cannot be read, trusted or written."""
 

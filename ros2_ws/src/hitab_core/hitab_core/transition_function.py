@@ -16,7 +16,8 @@ Values = list[float | None]
 Decide = Callable[[Values, Callable[[int], float], Callable[[], float]], int]
 """``decide(values, read, draw)`` returns the index of the next state.
 
-``values[slot]`` is None until ``read(slot)`` is called; ``draw()`` is uniform on [0, 1).
+``values[slot]`` is None until ``read(slot)`` is called, which raises `FeatureValueError` if there
+is no value: a `NoValueError` if the decision may do without. ``draw()`` is uniform on [0, 1).
 """
 
 
@@ -60,8 +61,8 @@ class TransitionFunction(Protocol):
         """Explain a past decision from the values that it read, without repeating it.
 
         Args:
-            values: of the features; None if the decision did not read one. The explanation ends
-                where such a value would be needed.
+            values: of the features; None if the decision did not read one, NaN if it was
+                missing. The explanation ends where such a value would be needed.
             names: of the features.
         """
 

@@ -10,7 +10,7 @@ NAMED_MAX = 5
 """Maximum number of names in a sentence, if nothing else is said."""
 
 
-def quantity(number: int, noun: str, plural: str = "") -> str:
+def quantity(number: float, noun: str, plural: str = "") -> str:
     """Return a number with its noun, such as ``1 example`` or ``3 examples``.
 
     Args:

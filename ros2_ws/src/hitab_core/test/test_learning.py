@@ -132,12 +132,14 @@ def test_every_state_can_be_learned_by_another_classifier():
         learn_transitions(EXAMPLES, SCALES, nearest.replace("1", "5"))
 
 
-@pytest.mark.parametrize("classifier", ["tree", "sklearn.naive_bayes.GaussianNB"])
-def test_a_missing_value_is_refused_by_feature_example_and_state(classifier):
-    broken = [*EXAMPLES, Example("GoFast", (math.nan, 0.0), "Stop", number=7)]
+@pytest.mark.parametrize(
+    ("classifier", "value"), [("tree", math.inf), ("sklearn.naive_bayes.GaussianNB", math.nan)]
+)
+def test_a_value_that_is_not_taken_is_refused_by_feature_example_and_state(classifier, value):
+    broken = [*EXAMPLES, Example("GoFast", (value, 0.0), "Stop", number=7)]
     with pytest.raises(
         FeatureValueError,
-        match=r'feature 0 "DistanceTo\(ball\)" has value nan in example 7 of state "GoFast"',
+        match=rf'feature 0 "DistanceTo\(ball\)" has value {value} in example 7 of state "GoFast"',
     ):
         learn_transitions(broken, SCALES, classifier, ["DistanceTo(ball)", "BallIsKickable"])
 

@@ -421,11 +421,48 @@ def test_a_decision_is_drawn_from_the_leaf_with_the_agents_own_generator():
 
 
 @pytest.mark.parametrize("value", [float("nan"), None])
-def test_a_missing_value_is_refused_by_name(value):
+def test_where_a_value_is_missing_the_others_decide(value):
+    examples = [
+        Example(START, (0.0, 0.0), "A"),
+        Example("A", (0.0, 0.0), "A"),
+        Example("A", (math.nan, 9.0), "B"),  # a missing value blocks no example
+        Example("A", (1.0, 9.0), "B"),
+    ]
+    scales = [DOMAIN.features["x"].scale] * 2
+    learned = Automaton(
+        "T", uses("A", "B"), uses("x", "y"), learn_transitions(examples, scales), (), ()
+    )
+    agent = Agent(learned)
+    running = agent.perform("T")
+    running.tick()
+    agent.see(x=value, y=9.0)
+    running.tick()
+    assert running.active == "B"
+
+
+@pytest.mark.parametrize("value", [float("nan"), None])
+def test_without_a_value_a_decision_is_drawn_by_the_examples_of_each_branch(value):
+    examples = [Example(START, (float(i),), "A" if i < 3 else "B") for i in range(4)]
+    function = learn_transitions(examples, [DOMAIN.features["x"].scale])
+    agent = Agent(Automaton("T", uses("A", "B"), uses("x"), function), seed=3)
+    agent.see(x=value)
+    running = agent.perform("T")
+    chosen = []
+    for _ in range(400):
+        running.start()
+        running.tick()
+        chosen.append(running.active)
+    assert 0.15 < chosen.count("B") / 400 < 0.35  # 1/4, five standard deviations
+    assert agent.senses.lacking()[0].startswith('feature "x" has no value')
+    agent.see(x=3.0)
+    assert agent.senses.lacking() == []
+
+
+def test_an_infinite_value_is_refused_by_name():
     agent = Agent()
     session = agent.train(features=("y", "x"))
-    agent.body.sees["x"] = value
-    with pytest.raises(FeatureValueError, match='feature "x" has no value'):
+    agent.see(x=math.inf)
+    with pytest.raises(FeatureValueError, match='feature "x" is inf'):
         session.command(Use("A"))
     assert not session.examples
     assert session.running.active == START

@@ -18,14 +18,14 @@ class Row:
         depth: from 0.
         condition: of the branch; "" in a tree without tests.
         chances: at a leaf, probability and label of each next state, the most probable first.
-        examples: at a leaf, the number of its examples.
+        examples: at a leaf, the number of its examples; not whole if some lacked a value.
         taken: whether the shown decision took it.
     """
 
     depth: int
     condition: str
     chances: tuple[tuple[float, str], ...]
-    examples: int
+    examples: float
     taken: bool
 
 
@@ -49,7 +49,7 @@ def tree_rows(
     while waiting:
         node, depth, condition, taken = waiting.pop()
         if isinstance(node, Leaf):
-            rows.append(Row(depth, condition, leaf(node), sum(node.counts), taken))
+            rows.append(Row(depth, condition, leaf(node), tree_text.number_of(sum(node.counts)), taken))
             continue
         if condition:
             rows.append(Row(depth, condition, (), 0, taken))

@@ -73,9 +73,9 @@ def end_between(
 
 
 def on_circle(value: float, period: float) -> float:
-    """Return the place of ``value`` in [0, period).
+    """Return the place of ``value`` in [0, period); NaN if it is missing.
 
     Python's remainder of a tiny negative number is ``period`` itself, the same place as zero.
     """
     place = value % period
-    return place if place < period else 0.0
+    return 0.0 if place >= period else place

@@ -5,6 +5,10 @@ parsed, never run: a class that scikit-learn lists among its classifiers, and ke
 values. scikit-learn is imported when the first such function is learned, so agents that use trees
 do not need it. A decision takes one prediction of the classifier, usually a thousand times as long
 as a tree's.
+
+A missing value is given to a classifier that says it takes NaN (scikit-learn's tag ``allow_nan``).
+Any other refuses it by name. It is not filled in: a made-up value would be learned like a
+demonstrated one, and nobody would see it.
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -23,7 +28,7 @@ from numpy.typing import ArrayLike
 
 from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
-from hitab_core.errors import TrainingError, VocabularyError
+from hitab_core.errors import NoValueError, TrainingError, VocabularyError
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_encoding import FeatureEncoding
 from hitab_core.learning.feature_values import check_scales, feature_values
@@ -97,6 +102,7 @@ class ClassifierFunction:
         labels: the next states seen, sorted.
         classifier: fitted; its classes are the indices of ``labels``. None if there is only one.
         encoding: of the feature values for it.
+        takes_nan: whether it decides where a value is missing.
         data_digest: SHA-256 of the spec and the training data.
     """
 
@@ -104,6 +110,7 @@ class ClassifierFunction:
     labels: tuple[str, ...]
     classifier: Any
     encoding: FeatureEncoding
+    takes_nan: bool
     data_digest: str
     _recent: dict[tuple[float, ...], list[float]] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -126,9 +133,10 @@ class ClassifierFunction:
             shape (n, n_labels), in the order of ``labels``.
 
         Raises:
-            FeatureValueError: naming a feature whose value is missing or impossible.
+            FeatureValueError: naming a feature whose value is impossible, or missing if it takes
+                no NaN.
         """
-        values = feature_values(X, self.encoding.scales)
+        values = feature_values(X, self.encoding.scales, may_miss=self.takes_nan)
         if self.classifier is None:
             return np.ones((len(values), 1))
         encoded = self.encoding(values)
@@ -161,12 +169,21 @@ class ClassifierFunction:
         order = sorted(range(len(self.labels)), key=lambda i: states[self.labels[i]])
         choices = [states[self.labels[i]] for i in order]
         used = [slots[f] for f in self.features_used]
+        takes_nan = self.takes_nan
         if not used and len(choices) == 1:
             only = choices[0]
             return lambda values, read, draw: only
 
         def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
-            row = [read(slot) if (v := values[slot]) is None else v for slot in used]
+            row = []
+            for slot in used:
+                value = values[slot]
+                try:
+                    row.append(read(slot) if value is None else value)
+                except NoValueError:
+                    if not takes_nan:
+                        raise
+                    row.append(math.nan)
             odds = np.array(self._odds(row))[order]
             if most_probable or odds.max() == 1.0:
                 return choices[int(odds.argmax())]
@@ -178,7 +195,13 @@ class ClassifierFunction:
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
         """Explain the decision for a full feature vector: only the classifier's name."""
-        feature_values([values], self.encoding.scales, names, ["the values to explain"])
+        feature_values(
+            [values],
+            self.encoding.scales,
+            names,
+            ["the values to explain"],
+            may_miss=self.takes_nan,
+        )
         odds = self.predict_proba([values])[0].tolist()
         likely = {label: p for label, p in zip(self.labels, odds, strict=True) if p > 0}
         return Explanation((self.spec,), self.features_used, likely)
@@ -188,7 +211,8 @@ class ClassifierFunction:
         read = tuple(i for i in self.features_used if values[i] is not None)
         if self.classifier is None:
             return Explanation((self.spec,), read, dict.fromkeys(self.labels, 1.0))
-        odds = self._recent.get(tuple(v for i in read if (v := values[i]) is not None), ())
+        seen = (v for i in read if (v := values[i]) is not None)
+        odds = self._recent.get(tuple(math.nan if v != v else v for v in seen), ())
         likely = {label: p for label, p in zip(self.labels, odds, strict=False) if p > 0}
         return Explanation((self.spec,), read, likely)
 
@@ -230,11 +254,14 @@ def learn_replacement(
         names: names of the features, for errors.
 
     Raises:
-        FeatureValueError: naming a feature whose value is missing or impossible.
+        FeatureValueError: naming a feature whose value is impossible, or missing if the classifier
+            takes no NaN.
         TrainingError: if the classifier cannot learn from these examples.
     """
     check_scales(scales, names)
-    values = feature_values(X, scales, names)
+    classifier = make()
+    may_miss = takes_nan(classifier)
+    values = feature_values(X, scales, names, may_miss=may_miss)
     encoding = FeatureEncoding.of(values, scales)
     labels, classes = np.unique(np.asarray(y, dtype=str), return_inverse=True)
     learned_from = json.dumps(
@@ -245,12 +272,14 @@ def learn_replacement(
             list(y),
         ]
     )
-    classifier = make() if len(labels) > 1 else None
+    if len(labels) < 2:
+        classifier = None
     function = ClassifierFunction(
         str(spec),
         tuple(labels.tolist()),
         classifier,
         encoding,
+        may_miss,
         hashlib.sha256(learned_from.encode()).hexdigest(),
     )
     if classifier is not None:
@@ -263,3 +292,10 @@ def learn_replacement(
                 "give more examples, other parameters, or use the tree"
             ) from error
     return function
+
+
+def takes_nan(classifier: Any) -> bool:
+    """Return whether a classifier of scikit-learn learns and decides where values are missing."""
+    from sklearn.utils import get_tags  # here, so that trees do without it
+
+    return bool(get_tags(classifier).input_tags.allow_nan)

@@ -3,6 +3,10 @@
 Every test becomes ``low < value <= high``, after ``value %= period`` if there is a period, so that
 one decision costs a fraction of a microsecond. One walk decides for a single agent, the other for
 many agents at once, with exactly the same comparisons.
+
+Where a value is missing, a decision goes down one branch by its draw, as often as examples went
+there in training; what is left of the draw is uniform again and serves for what follows. So every
+decision takes at most one draw.
 """
 
 from __future__ import annotations
@@ -14,12 +18,20 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from hitab_core.arrays import Floats, Integers
-from hitab_core.learning.tree_nodes import ArcNode, Leaf, Node, ThresholdNode, fold
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.errors import NoValueError
+from hitab_core.learning.missing_values import Likely
+from hitab_core.learning.tree_nodes import ArcNode, Counts, Leaf, Node, ThresholdNode, fold
 from hitab_core.transition_function import Decide, Values
 
 Compiled = Any
-"""``(slot, period, low, high, yes, no)``; at the end of a path, anything but a plain tuple."""
+"""``(slot, period, low, high, yes, no, share)``; at the end of a path, anything but a plain tuple.
+
+``share`` is the fraction of the examples that went to ``yes`` in training.
+"""
+
+LARGEST_DRAW = math.nextafter(1.0, 0.0)
+"""What is left of a draw is rounded, but stays below 1."""
 
 
 class Draw(NamedTuple):
@@ -33,7 +45,7 @@ class Draw(NamedTuple):
 
 
 def leaf_choice(
-    counts: Sequence[int], states: Sequence[int], *, most_probable: bool = False
+    counts: Sequence[float], states: Sequence[int], *, most_probable: bool = False
 ) -> int | Draw:
     """Return the state of a leaf, or the distribution to draw it from.
 
@@ -49,14 +61,15 @@ def leaf_choice(
     if len(present) == 1:
         return present[0][0]
     total = sum(n for _, n in present)
-    below, cumulative = 0, []
+    below, cumulative = 0.0, []
     for _, n in present:
         below += n
         cumulative.append(below / total)
+    cumulative[-1] = 1.0  # parts of examples may add up to a little less
     return Draw(cumulative, [state for state, _ in present])
 
 
-def compiled(root: Node, slots: Sequence[int], leaf: Callable[[tuple[int, ...]], Any]) -> Compiled:
+def compiled(root: Node, slots: Sequence[int], leaf: Callable[[Counts], Any]) -> Compiled:
     """Return the tree as nested tuples.
 
     Args:
@@ -70,12 +83,19 @@ def compiled(root: Node, slots: Sequence[int], leaf: Callable[[tuple[int, ...]],
             return leaf(node.counts)
         slot = slots[node.feature]
         if isinstance(node, ThresholdNode):
-            return (slot, 0.0, -math.inf, node.threshold, *parts)
+            return (slot, 0.0, -math.inf, node.threshold, *parts, _share(node.low, node.high))
         if isinstance(node, ArcNode):
             return _arc(slot, node, *parts)
-        return _categories(slot, node.categories, parts, leaf(node.counts))
+        sizes = [sum(branch.counts) for branch in node.branches]
+        return _categories(slot, node.categories, parts, sizes, leaf(node.counts))
 
     return fold(root, make)
+
+
+def _share(yes: Node, no: Node) -> float:
+    """Return the fraction of the examples of two branches that is in the first one."""
+    first = sum(yes.counts)
+    return first / (first + sum(no.counts))
 
 
 def _arc(slot: int, node: ArcNode, inside: Compiled, outside: Compiled) -> Compiled:
@@ -85,8 +105,10 @@ def _arc(slot: int, node: ArcNode, inside: Compiled, outside: Compiled) -> Compi
     tiny negative value is ``period``.
     """
     low, high, yes, no = node.start, node.end or node.period, inside, outside
+    share = _share(node.inside, node.outside)
     if low == 0.0 or high < low:
         low, high, yes, no = node.end, node.start or node.period, outside, inside
+        share = _share(node.outside, node.inside)
     return (
         slot,
         node.period,
@@ -94,42 +116,70 @@ def _arc(slot: int, node: ArcNode, inside: Compiled, outside: Compiled) -> Compi
         math.nextafter(high, -math.inf),
         yes,
         no,
+        share,
     )
 
 
 def _categories(
-    slot: int, categories: Sequence[int], parts: Sequence[Compiled], fallback: Compiled
+    slot: int,
+    categories: Sequence[int],
+    parts: Sequence[Compiled],
+    sizes: Sequence[float],
+    fallback: Compiled,
 ) -> Compiled:
-    """Return a binary search over the ascending categories."""
+    """Return a binary search over the ascending categories; no example went to ``fallback``."""
     if len(categories) == 1:
-        return (slot, 0.0, categories[0] - 0.5, categories[0] + 0.5, parts[0], fallback)
+        return (slot, 0.0, categories[0] - 0.5, categories[0] + 0.5, parts[0], fallback, 1.0)
     half = len(categories) // 2
     return (
         slot,
         0.0,
         -math.inf,
         categories[half - 1] + 0.5,
-        _categories(slot, categories[:half], parts[:half], fallback),
-        _categories(slot, categories[half:], parts[half:], fallback),
+        _categories(slot, categories[:half], parts[:half], sizes[:half], fallback),
+        _categories(slot, categories[half:], parts[half:], sizes[half:], fallback),
+        sum(sizes[:half]) / sum(sizes),
     )
 
 
-def decider(root: Compiled) -> Decide:
-    """Return a function that decides for one agent, from a tree with `leaf_choice` leaves."""
+def decider(root: Compiled, likely: Likely | None = None) -> Decide:
+    """Return a function that decides for one agent.
+
+    Args:
+        root: a tree with `leaf_choice` leaves.
+        likely: decides where a value is missing; None: the draw does.
+    """
 
     def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
-        node = root
+        node, drawn = root, -1.0
         while type(node) is tuple:
-            slot, period, low, high, yes, no = node
+            slot, period, low, high, yes, no, share = node
             value = values[slot]
             if value is None:
-                value = read(slot)
+                try:
+                    value = read(slot)
+                except NoValueError:
+                    value = math.nan
             if period:
                 value %= period
-            node = yes if low < value <= high else no
+            if low < value <= high:
+                node = yes
+            elif value == value:
+                node = no
+            elif likely is not None:
+                return likely(values, read)
+            else:
+                if drawn < 0.0:
+                    drawn = draw()
+                if drawn < share:
+                    node, drawn = yes, drawn / share
+                else:
+                    node, drawn = no, min((drawn - share) / (1.0 - share), LARGEST_DRAW)
         if type(node) is int:
             return node
-        return node[1][bisect_right(node[0], draw())]  # type: ignore[no-any-return]
+        if drawn < 0.0:
+            drawn = draw()
+        return node[1][bisect_right(node[0], drawn)]  # type: ignore[no-any-return]
 
     return decide
 
@@ -137,64 +187,126 @@ def decider(root: Compiled) -> Decide:
 class Columns(Protocol):
     """Where the values of many agents come from."""
 
-    def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
-        """Return the agents among ``rows`` that have a value in a slot, and their values."""
+    def take(self, slot: int, rows: Integers) -> tuple[Floats, Booleans | None]:
+        """Return the values of some agents in a slot, shape (n,), NaN if there is none.
+
+        The second result is None if all have a value; else it says, shape (n,), who may decide
+        without one. The others may not decide.
+        """
 
 
 class MatrixColumns:
-    """The columns of an array, shape (n, m), without missing values."""
+    """The columns of an array, shape (n, m); NaN if a value is missing."""
 
     def __init__(self, X: Floats) -> None:
         self._X = X
+        self._complete = not np.isnan(X).any()
 
-    def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
-        """Return the rows, and their values."""
-        return rows, self._X[rows, slot]
+    def take(self, slot: int, rows: Integers) -> tuple[Floats, Booleans | None]:
+        """Return the values, and who lacks one."""
+        values = self._X[rows, slot]
+        return values, None if self._complete else np.isnan(values)
 
 
-def ends(root: Compiled, columns: Columns, rows: Integers) -> Iterator[tuple[Any, Integers]]:
-    """Yield the path ends that agents reach, with the indices of these agents.
+class Ending(NamedTuple):
+    """The end of a path through a compiled tree.
+
+    Attributes:
+        leaf: of the tree.
+        rows: the agents that reach it.
+        drawn: shape (n,), what is left of the draws that led them there; None: nothing was drawn.
+    """
+
+    leaf: Any
+    rows: Integers
+    drawn: Floats | None
+
+
+def ends(
+    root: Compiled,
+    columns: Columns,
+    rows: Integers,
+    draw: Callable[[Integers], Floats],
+    likely: Callable[[int], Any] | None = None,
+) -> Iterator[Ending]:
+    """Yield the path ends that agents reach; see `decider`.
 
     Args:
         root: a compiled tree.
         columns: the agents' values, by the slots of the tree.
         rows: the agents.
+        draw: returns a uniform number on [0, 1) for each of some agents.
+        likely: returns the end for an agent that lacks a value; None: its draw leads on.
     """
-    waiting: list[tuple[Compiled, Integers]] = [(root, rows)]
+    waiting: list[Ending] = [Ending(root, rows, None)]
     while waiting:
-        node, rows = waiting.pop()
+        ending = waiting.pop()
+        node, rows, drawn = ending
         if not len(rows):
             continue
         if type(node) is not tuple:
-            yield node, rows
+            yield ending
             continue
-        slot, period, low, high, yes, no = node
-        rows, values = columns.take(slot, rows)
+        slot, period, low, high, yes, no, share = node
+        values, without = columns.take(slot, rows)
+        if without is not None and without.any():
+            lacking, left = rows[without], None if drawn is None else drawn[without]
+            if likely is not None:
+                for row in lacking.tolist():
+                    yield Ending(likely(row), np.array([row]), None)
+            else:
+                left = draw(lacking) if left is None else left
+                to_yes = left < share
+                rest = np.minimum((left[~to_yes] - share) / (1.0 - share), LARGEST_DRAW)
+                waiting.append(Ending(no, lacking[~to_yes], rest))
+                waiting.append(Ending(yes, lacking[to_yes], left[to_yes] / share))
+        if without is not None:
+            there = values == values
+            rows, values = rows[there], values[there]
+            drawn = None if drawn is None else drawn[there]
         if period:
             values = values % period
         held = values <= high
         if low != -math.inf:
             held &= low < values
         n_held = np.count_nonzero(held)
-        if n_held < len(rows):
-            waiting.append((no, rows[~held] if n_held else rows))
-        if n_held:
-            waiting.append((yes, rows[held] if n_held < len(rows) else rows))
+        if n_held == len(rows):
+            waiting.append(Ending(yes, rows, drawn))
+        elif not n_held:
+            waiting.append(Ending(no, rows, drawn))
+        else:
+            left_of = (None, None) if drawn is None else (drawn[~held], drawn[held])
+            waiting.append(Ending(no, rows[~held], left_of[0]))
+            waiting.append(Ending(yes, rows[held], left_of[1]))
 
 
-def decide_rows(root: Compiled, X: Floats, draws: Floats) -> Integers:
+def drawn_from(leaf: Draw, ending: Ending, draw: Callable[[Integers], Floats]) -> Integers:
+    """Return which of a leaf's choices each of the agents that have reached it draws."""
+    drawn = draw(ending.rows) if ending.drawn is None else ending.drawn
+    return np.searchsorted(leaf.cumulative, drawn, side="right")
+
+
+def decide_rows(
+    root: Compiled, X: Floats, draws: Floats, likely: Callable[[int], int] | None = None
+) -> Integers:
     """Decide for many agents at once, with a tree with `leaf_choice` leaves.
 
     Args:
         root: the compiled tree, its slots columns of X.
-        X: shape (n, m), values without missing ones.
+        X: shape (n, m), values; NaN if missing.
         draws: shape (n,), uniform on [0, 1).
+        likely: see `ends`.
     """
+
+    def draw(rows: Integers) -> Floats:
+        taken: Floats = draws[rows]
+        return taken
+
     chosen = np.empty(len(X), np.int64)
-    for leaf, rows in ends(root, MatrixColumns(X), np.arange(len(X))):
+    for ending in ends(root, MatrixColumns(X), np.arange(len(X)), draw, likely):
+        leaf = ending.leaf
         if isinstance(leaf, Draw):
-            drawn = np.searchsorted(leaf.cumulative, draws[rows], side="right")
-            chosen[rows] = np.asarray(leaf.choices)[drawn]
+            chosen[ending.rows] = np.asarray(leaf.choices)[drawn_from(leaf, ending, draw)]
         else:
-            chosen[rows] = leaf
+            chosen[ending.rows] = leaf
     return chosen

@@ -18,7 +18,7 @@ class FeatureEncoding:
     A continuous feature is standardized by the mean and standard deviation of the examples, since
     many classifiers measure distances, in which metres must not outweigh radians. A toroidal one
     becomes the cosine and sine of its angle, so that zero is not special. A categorical one is
-    one-hot encoded; a boolean one stays 0 or 1.
+    one-hot encoded; a boolean one stays 0 or 1. What is missing (NaN) stays so, in all columns.
     """
 
     scales: tuple[Scale, ...]
@@ -29,16 +29,19 @@ class FeatureEncoding:
     @classmethod
     def of(cls, X: Floats, scales: Sequence[Scale]) -> FeatureEncoding:
         """Fit the encoding to examples, shape (n, m)."""
-        deviations = X.std(axis=0)
+        known = np.ma.masked_invalid(X)
+        means, deviations, largest = (
+            np.ma.filled(found(axis=0), 0.0) for found in (known.mean, known.std, known.max)
+        )
         n_categories = tuple(
-            len(scale.categories) or int(X[:, f].max()) + 1
+            len(scale.categories) or int(largest[f]) + 1
             if scale.kind is FeatureKind.CATEGORICAL
             else 0
             for f, scale in enumerate(scales)
         )
         return cls(
             tuple(scales),
-            tuple(X.mean(axis=0).tolist()),
+            tuple(means.tolist()),
             tuple(np.where(deviations > 0, deviations, 1.0).tolist()),
             n_categories,
         )
@@ -52,7 +55,10 @@ class FeatureEncoding:
                 angle = values * (2 * np.pi / scale.period)
                 columns += [np.cos(angle), np.sin(angle)]
             elif scale.kind is FeatureKind.CATEGORICAL:
-                columns += [(values == c).astype(float) for c in range(self.n_categories[f])]
+                columns += [
+                    np.where(values == values, values == c, values)
+                    for c in range(self.n_categories[f])
+                ]
             elif scale.kind is FeatureKind.CONTINUOUS:
                 columns.append((values - self.means[f]) / self.deviations[f])
             else:

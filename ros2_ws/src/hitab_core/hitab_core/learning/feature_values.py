@@ -1,4 +1,4 @@
-"""Feature values as arrays; missing or impossible values are refused by name."""
+"""Feature values as arrays; impossible values, and where need be missing ones, are refused."""
 
 from __future__ import annotations
 
@@ -10,6 +10,11 @@ from numpy.typing import ArrayLike
 from hitab_core.arrays import Booleans, Floats
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
+
+_NEEDED = (
+    "which is missing, and this classifier takes no missing values; leave out the example or the "
+    'feature, or use "tree"'
+)
 
 
 def feature_called(index: int, names: Sequence[str] | None = None) -> str:
@@ -36,17 +41,21 @@ def feature_values(
     scales: Sequence[Scale],
     names: Sequence[str] | None = None,
     rows: Sequence[str] | None = None,
+    *,
+    may_miss: bool = False,
 ) -> Floats:
-    """Return X as an array of floats.
+    """Return X as an array of floats, NaN where a value is missing.
 
     Args:
         X: shape (n, m), values; None or NaN if missing.
         scales: how the values of each of the m features compare.
         names: names of the features, for errors.
         rows: labels of the rows for errors; ``row 0``, ``row 1``, ... by default.
+        may_miss: whether values may be missing.
 
     Raises:
-        FeatureValueError: naming the first feature with a missing, infinite or out-of-scale value.
+        FeatureValueError: naming the first feature with an infinite, an out-of-scale or, unless
+            they may miss, a missing value.
         ValueError: if X has the wrong shape.
     """
     values = np.asarray(X, dtype=np.float64)
@@ -57,9 +66,11 @@ def feature_values(
         )
     for f, scale in enumerate(scales):
         column = values[:, f]
+        missing = np.isnan(column)
         for wrong, why in (
-            (~np.isfinite(column), "which is missing or not a finite number"),
-            (_outside(column, scale), _what_there_is(scale)),
+            (np.isinf(column), "which is not finite"),
+            (missing & (not may_miss), _NEEDED),
+            (_outside(column, scale) & ~missing, _what_there_is(scale)),
         ):
             if wrong.any():
                 row = int(np.argmax(wrong))

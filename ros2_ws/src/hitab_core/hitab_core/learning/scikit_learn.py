@@ -52,7 +52,7 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
 
     def fit(self, X: ArrayLike, y: ArrayLike, default: ArrayLike | None = None) -> Self:
         """Learn from examples; see `TransitionTree.fit`."""
-        X, y = validate_data(self, X, y, dtype=np.float64)
+        X, y = validate_data(self, X, y, dtype=np.float64, ensure_all_finite="allow-nan")
         check_classification_targets(y)
         names = getattr(self, "feature_names_in_", None)
         self.tree_ = TransitionTree(
@@ -61,12 +61,24 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
         self.classes_ = self.tree_.classes_
         return self
 
+    def __sklearn_tags__(self) -> Any:
+        """Return scikit-learn's tags: values may be missing."""
+        tags = super().__sklearn_tags__()
+        tags.input_tags.allow_nan = True
+        return tags
+
+    def _questions(self, X: ArrayLike) -> Floats:
+        checked: Floats = validate_data(
+            self, X, dtype=np.float64, reset=False, ensure_all_finite="allow-nan"
+        )
+        return checked
+
     def predict_proba(self, X: ArrayLike) -> Floats:
         """Return the probability of each class, shape (n, n_classes), for X of shape (n, m)."""
         check_is_fitted(self)
-        return self.tree_.predict_proba(validate_data(self, X, dtype=np.float64, reset=False))
+        return self.tree_.predict_proba(self._questions(X))
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
         """Return the most probable class of each row, shape (n,), for X of shape (n, m)."""
         check_is_fitted(self)
-        return self.tree_.predict(validate_data(self, X, dtype=np.float64, reset=False))
+        return self.tree_.predict(self._questions(X))

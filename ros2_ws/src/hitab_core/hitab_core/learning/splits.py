@@ -7,6 +7,9 @@ the ends. The penalty on continuous features of C4.5's release 8 is left out: it
 when examples are few, and a demonstrator gives few, each for a reason. Through the average, a
 feature that is not chosen can still affect the choice.
 
+Examples without a value of a feature do not take part in its split; they reduce its gain, see
+`gain_ratio.gain_and_ratio`.
+
 Ties (differences below `gain_ratio.TIE`, so that they are the same on all machines) are broken
 
 - within a feature by the larger smallest branch, then on a line by the lower threshold, on a
@@ -16,7 +19,7 @@ Ties (differences below `gain_ratio.TIE`, so that they are the same on all machi
   be switched off (``boolean_first``), and `hitab_core.advice.alternatives` asks about such ties.
 
 References:
-    J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapter 2.
+    J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapters 2 and 3.
     J. R. Quinlan, Improved Use of Continuous Attributes in C4.5, JAIR 4, 1996.
     U. M. Fayyad, K. B. Irani, On the Handling of Continuous-Valued Attributes in Decision Tree
     Generation, Machine Learning 8, 1992.
@@ -32,7 +35,7 @@ import numpy as np
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.boundaries import end_between, threshold_between
-from hitab_core.learning.gain_ratio import TIE, best_of, gain_and_ratio, two_way_gains
+from hitab_core.learning.gain_ratio import TIE, Counts, best_of, gain_and_ratio, two_way_gains
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,19 +80,36 @@ class Split:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Examples:
-    """The examples of a node, seen through one feature.
+    """The examples of a node that have a value of one feature.
 
     Attributes:
         values: shape (n,), the feature's values; toroidal ones in [0, period).
         classes: shape (n,), the classes as 0 .. n_classes - 1.
         default: shape (n,), whether an example is a default one.
         n_classes: number of classes, including those absent from this node.
+        weights: shape (n,), the fraction of each example that is in this node, above 0; None: all
+            of each.
+        unknown: how many examples of the node, in all, have no value of the feature.
     """
 
     values: Floats
     classes: Integers
     default: Booleans
     n_classes: int
+    weights: Floats | None = None
+    unknown: float = 0
+
+    def count(self, those: Booleans) -> float:
+        """Return how many examples some are."""
+        if self.weights is None:
+            return int(np.count_nonzero(those))
+        return float(self.weights[those].sum())
+
+    def split(
+        self, test: Threshold | Arc | Categories, counts: Counts, parts: tuple[Integers, ...]
+    ) -> Split:
+        """Return the split by a test; ``counts`` are each branch's examples of each class."""
+        return Split(test, *gain_and_ratio(counts, self.unknown), parts)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,30 +118,37 @@ class _Groups:
 
     values: list[float]
     group_of: Integers
-    counts: Integers
+    counts: Counts
     is_default: list[bool]
 
     @classmethod
     def of(cls, examples: Examples) -> _Groups:
         values, group_of = np.unique(examples.values, return_inverse=True)
-        counts = np.zeros((len(values), examples.n_classes), np.int64)
-        np.add.at(counts, (group_of, examples.classes), 1)
+        weights = examples.weights
+        kind: type = np.int64 if weights is None else np.float64
+        counts: Counts = np.zeros((len(values), examples.n_classes), kind)
+        np.add.at(counts, (group_of, examples.classes), 1 if weights is None else weights)
         is_default = np.ones(len(values), np.bool_)
         np.logical_and.at(is_default, group_of, examples.default)
         return cls(values.tolist(), group_of, counts, is_default.tolist())
 
 
 def _two_way(examples: Examples, first: Booleans, test: Threshold | Arc) -> Split:
+    weights = examples.weights
     counts = np.array(
         [
-            np.bincount(examples.classes[side], minlength=examples.n_classes)
+            np.bincount(
+                examples.classes[side],
+                None if weights is None else weights[side],
+                minlength=examples.n_classes,
+            )
             for side in (first, ~first)
         ]
     )
-    return Split(test, *gain_and_ratio(counts), (np.flatnonzero(first), np.flatnonzero(~first)))
+    return examples.split(test, counts, (np.flatnonzero(first), np.flatnonzero(~first)))
 
 
-def split_continuous(examples: Examples, min_branch: int = 1) -> Split | None:
+def split_continuous(examples: Examples, min_branch: float = 1) -> Split | None:
     """Return the best split by a threshold between two adjacent distinct values, if any."""
     groups = _Groups.of(examples)
     if len(groups.values) < 2:
@@ -139,7 +166,7 @@ def split_continuous(examples: Examples, min_branch: int = 1) -> Split | None:
     return _two_way(examples, groups.group_of <= best, Threshold(threshold))
 
 
-def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Split | None:
+def split_toroidal(examples: Examples, period: float, min_branch: float = 1) -> Split | None:
     """Return the best split by an arc, if any.
 
     An end of an arc lies between two values that are neighbours on the circle; the inside is the
@@ -155,7 +182,7 @@ def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Sp
     origin = int(groups.group_of[0])
     counts = np.roll(groups.counts, -origin, axis=0)
     ends = np.arange(k)
-    if min_branch == 1:
+    if min_branch <= 1:
         only = np.where((counts > 0).sum(axis=1) == 1, counts.argmax(axis=1), -1)
         ends = np.flatnonzero((only != np.roll(only, -1)) | (only < 0))
         if len(ends) < 2:
@@ -180,7 +207,7 @@ def split_toroidal(examples: Examples, period: float, min_branch: int = 1) -> Sp
     return _two_way(examples, inside, Arc(end(last_outside), end(last_inside), period))
 
 
-def _best_arc(up_to: Integers, totals: Integers, min_branch: int) -> tuple[int, int] | None:
+def _best_arc(up_to: Counts, totals: Counts, min_branch: float) -> tuple[int, int] | None:
     """Return the two ends, in ascending order, of the best arc.
 
     Args:
@@ -206,15 +233,15 @@ def _best_arc(up_to: Integers, totals: Integers, min_branch: int) -> tuple[int, 
     return None if chosen is None else (int(i[chosen]), int(j[chosen]))
 
 
-def split_boolean(examples: Examples, min_branch: int = 1) -> Split | None:
+def split_boolean(examples: Examples, min_branch: float = 1) -> Split | None:
     """Return the split into false and true, if both were seen often enough."""
     false = examples.values <= 0.5
-    if min(np.count_nonzero(false), np.count_nonzero(~false)) < min_branch:
+    if min(examples.count(false), examples.count(~false)) < min_branch:
         return None
     return _two_way(examples, false, Threshold(0.5))
 
 
-def split_categorical(examples: Examples, min_branch: int = 1) -> Split | None:
+def split_categorical(examples: Examples, min_branch: float = 1) -> Split | None:
     """Return the split into all categories seen, if two of them were seen often enough.
 
     Two, not all, as in C4.5: otherwise one rare category would make the feature useless.
@@ -224,16 +251,16 @@ def split_categorical(examples: Examples, min_branch: int = 1) -> Split | None:
         return None
     parts = tuple(np.flatnonzero(groups.group_of == g) for g in range(len(groups.values)))
     test = Categories(tuple(int(value) for value in groups.values))
-    return Split(test, *gain_and_ratio(groups.counts), parts)
+    return examples.split(test, groups.counts, parts)
 
 
-def split_by(examples: Examples, scale: Scale, min_branch: int = 1) -> Split | None:
+def split_by(examples: Examples, scale: Scale, min_branch: float = 1) -> Split | None:
     """Return the best split by a feature of this scale; None if there is none.
 
     Args:
-        examples: the node's examples, seen through the feature.
+        examples: the node's examples that have a value of the feature.
         scale: of the feature.
-        min_branch: the fewest examples a branch may have.
+        min_branch: the fewest examples a branch may have, above 0.
     """
     if scale.kind is FeatureKind.TOROIDAL:
         return split_toroidal(examples, scale.period, min_branch)

@@ -12,7 +12,11 @@ from numpy.typing import ArrayLike
 from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
-from hitab_core.learning.classifier_replacement import classifier_maker, learn_replacement
+from hitab_core.learning.classifier_replacement import (
+    classifier_maker,
+    learn_replacement,
+    takes_nan,
+)
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
 from hitab_core.learning.memo import LearningMemo
@@ -66,6 +70,16 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     return learn_tree
 
 
+def takes_missing(classifier: str) -> bool:
+    """Return whether a classifier learns from examples that lack values.
+
+    Raises:
+        VocabularyError: if there is no such classifier.
+    """
+    spec = ClassifierSpec.parse(classifier)
+    return spec.name == TREE or takes_nan(classifier_maker(spec)())
+
+
 def learn_transition(
     classifier: str,
     scales: Sequence[Scale],
@@ -85,7 +99,8 @@ def learn_transition(
         names: names of the features, for errors.
 
     Raises:
-        FeatureValueError: naming a feature whose value is missing or impossible.
+        FeatureValueError: naming a feature whose value is impossible, or missing if the classifier
+            takes no missing values.
         VocabularyError: if there is no such classifier.
         TrainingError: if the classifier cannot learn from these examples.
     """
@@ -111,7 +126,8 @@ def learn_transitions(
         names: names of the features, for errors.
 
     Raises:
-        FeatureValueError: naming a feature and an example whose value is missing or impossible.
+        FeatureValueError: naming a feature and an example whose value is impossible, or missing if
+            the classifier takes no missing values.
         VocabularyError: if there is no such classifier.
         TrainingError: if an example does not have one value per feature, or, naming the state, if
             the classifier cannot learn from its examples.
@@ -122,7 +138,7 @@ def learn_transitions(
         >>> {state: function.labels for state, function in functions.items()}
         {'Start': ['GoFast'], 'GoFast': ['Stop']}
     """
-    learn = learner(classifier, scales, names)
+    learn, may_miss = learner(classifier, scales, names), takes_missing(classifier)
     by_state: dict[str, list[Example]] = {}
     for example in examples:
         if len(example.features) != len(scales):
@@ -137,7 +153,8 @@ def learn_transitions(
     for state, own in by_state.items():
         X = np.array([example.features for example in own], dtype=np.float64)
         rows = [f'example {example.number} of state "{state}"' for example in own]
-        feature_values(X, scales, names, rows)  # checked here so that errors name the example
+        # Checked here so that errors name the example.
+        feature_values(X, scales, names, rows, may_miss=may_miss)
         y = [example.next_state for example in own]
         default = [example.is_default for example in own]
         try:

@@ -10,6 +10,7 @@ import hashlib
 import inspect
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, Self
 
@@ -31,6 +32,7 @@ from hitab_core.learning.compiled_tree import (
     leaf_choice,
 )
 from hitab_core.learning.feature_values import check_scales, feature_values
+from hitab_core.learning.missing_values import Likely, distribution_at, likely_state
 from hitab_core.learning.splits import Choose, choose_split
 from hitab_core.learning.tree_growth import grow
 from hitab_core.learning.tree_nodes import Leaf, Node, described, fold, nodes
@@ -46,6 +48,10 @@ class TransitionTree:
     It is C4.5 with HiTAB's two changes: a leaf keeps the distribution of its examples, and a
     boundary between a default and a demonstrated example lies beside the latter
     (`hitab_core.learning.boundaries`). `hitab_core.learning.splits` lists and rates the splits.
+
+    A missing value (None or NaN), in an example or in a question, is no error: an example without
+    a value of a tested feature counts in every branch in part (`tree_growth`), and so does the
+    answer (`missing_values`).
 
     The same examples in the same order give the same tree on any machine. The order matters only
     between equally good arcs of a toroidal feature.
@@ -138,14 +144,15 @@ class TransitionTree:
         """Learn from examples.
 
         Args:
-            X: shape (n, m), feature values in the features' own units, n at least 1.
+            X: shape (n, m), feature values in the features' own units, n at least 1; None or NaN
+                if missing.
             y: shape (n,), labels of the next states.
             default: shape (n,), whether an example is a default one; None: none are.
             choose: which split of a node to take, see `tree_growth.grow`; None: the one with the
                 largest gain ratio, as C4.5.
 
         Raises:
-            FeatureValueError: naming a feature with a missing, infinite or out-of-scale value.
+            FeatureValueError: naming a feature with an infinite or out-of-scale value.
             VocabularyError: naming a toroidal feature without a period.
             ValueError: if shapes do not match or a parameter is out of range.
         """
@@ -158,7 +165,8 @@ class TransitionTree:
         n_columns = np.shape(X)[1] if np.ndim(X) == 2 else 0
         scales = tuple(self.scales) if self.scales is not None else (Scale(),) * n_columns
         check_scales(scales, self.feature_names)
-        values = feature_values(X, scales, self.feature_names) + 0.0  # a copy, no negative zeros
+        values = feature_values(X, scales, self.feature_names, may_miss=True)
+        values = values + 0.0  # a copy, no negative zeros
         labels = np.asarray(y)
         is_default = np.zeros(len(values), np.bool_)
         if default is not None:
@@ -219,11 +227,15 @@ class TransitionTree:
             FeatureValueError: as `fit`.
         """
         root = self._fitted()
-        values = feature_values(X, self.scales_, self.feature_names)
+        values = feature_values(X, self.scales_, self.feature_names, may_miss=True)
         probabilities = np.empty((len(values), len(self.classes_)))
         tree = compiled(root, range(self.n_features_in_), np.array)
-        for counts, rows in ends(tree, MatrixColumns(values), np.arange(len(values))):
-            probabilities[rows] = counts / counts.sum()
+
+        def mixed(row: int) -> Floats:
+            return np.array(distribution_at(root, values[row].tolist().__getitem__))
+
+        for ending in ends(tree, MatrixColumns(values), np.arange(len(values)), np.zeros, mixed):
+            probabilities[ending.rows] = ending.leaf / ending.leaf.sum()
         return probabilities
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
@@ -244,23 +256,36 @@ class TransitionTree:
         """Return the decision as a fast function; see `TransitionFunction.compile`.
 
         A leaf with several classes takes one draw, over its states in the order of their indices;
-        a leaf with one class takes none. Among equally probable states ``most_probable`` takes the
-        lowest index.
+        a leaf with one class takes none, unless a value was missing on the way. Among equally
+        probable states ``most_probable`` takes the lowest index.
 
         Raises:
             VocabularyError: if the tree leads to a state that is not in ``states``.
         """
-        return decider(self._compiled(slots, states, most_probable))
+        return decider(*self.compile_batch(slots, states, most_probable=most_probable))
 
     def compile_batch(
         self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
-    ) -> Compiled:
+    ) -> tuple[Compiled, Likely | None]:
         """Return the tree in the form of `compiled_tree.ends`, for many agents; see `compile`.
+
+        Returns:
+            The tree, and what decides where a value is missing; None: the draw does.
 
         Raises:
             VocabularyError: if the tree leads to a state that is not in ``states``.
         """
-        return self._compiled(slots, states, most_probable)
+        root = self._fitted()
+        for label in self.labels:
+            if label not in states:
+                raise VocabularyError(
+                    f'examples lead to "{label}", which is not a state {has(states)}'
+                )
+        indices = [states[label] for label in self.labels]
+        tree = compiled(
+            root, slots, lambda counts: leaf_choice(counts, indices, most_probable=most_probable)
+        )
+        return tree, likely_state(root, slots, indices) if most_probable else None
 
     def decide_batch(
         self,
@@ -287,39 +312,44 @@ class TransitionTree:
         """
         if states is None:
             states = {label: i for i, label in enumerate(self.labels)}
-        tree = self._compiled(range(self.n_features_in_), states, most_probable)
-        values = feature_values(X, self.scales_, self.feature_names)
-        return decide_rows(tree, values, np.asarray(draws, dtype=np.float64))
+        tree, likely = self.compile_batch(
+            range(self.n_features_in_), states, most_probable=most_probable
+        )
+        values = feature_values(X, self.scales_, self.feature_names, may_miss=True)
 
-    def _compiled(
-        self, slots: Sequence[int], states: Mapping[str, int], most_probable: bool
-    ) -> Any:
-        root = self._fitted()
-        for label in self.labels:
-            if label not in states:
-                raise VocabularyError(
-                    f'examples lead to "{label}", which is not a state {has(states)}'
-                )
-        indices = [states[label] for label in self.labels]
-        return compiled(
-            root, slots, lambda counts: leaf_choice(counts, indices, most_probable=most_probable)
+        def likely_in(row: int) -> int:
+            assert likely is not None
+            here: list[Any] = values[row].tolist()
+            return likely(here, here.__getitem__)
+
+        return decide_rows(
+            tree,
+            values,
+            np.asarray(draws, dtype=np.float64),
+            None if likely is None else likely_in,
         )
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
         """Explain the decision for a full feature vector; ``names`` name its features.
 
+        The tests end at the first missing value (None or NaN); the distribution is exact.
+
         Raises:
             FeatureValueError: as `fit`.
         """
-        self._fitted()
-        feature_values([values], self.scales_, names, ["the values to explain"])
-        return self.retrace(values, names)
+        root = self._fitted()
+        (row,) = feature_values(
+            [values], self.scales_, names, ["the values to explain"], may_miss=True
+        ).tolist()
+        why = self.retrace(row, names)
+        odds = zip(self.labels, distribution_at(root, row.__getitem__), strict=True)
+        return replace(why, distribution={label: p for label, p in odds if p > 0})
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
         """Explain a past decision; see `TransitionFunction.retrace`.
 
-        Only values on the path are used. At a value of None the explanation ends with the
-        distribution of the examples that got that far.
+        Only values on the path are used. At a value of None, and after one that was missing (NaN),
+        the explanation ends with the distribution of the examples that got that far.
         """
         node = self._fitted()
         tests: list[str] = []
@@ -328,9 +358,12 @@ class TransitionTree:
             value = values[node.feature]
             if value is None:
                 break
+            features.append(node.feature)
+            if value != value:
+                tests.append(f"{names[node.feature]} has no value")
+                break
             branch = node.branch_for(value)
             tests.extend(tree_text.conditions([(node, branch)], self.scales_, names))
-            features.append(node.feature)
             node = node.branches[branch] if branch is not None else Leaf(node.counts)
         return Explanation(
             tuple(tests),

@@ -13,12 +13,15 @@ from hitab_core.learning.boundaries import on_circle
 
 T = TypeVar("T")
 
+Counts = tuple[float, ...]
+"""The number of examples of each class: integers, or floats where some are there only in part."""
+
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
     """The end of a path: the number of examples of each class."""
 
-    counts: tuple[int, ...]
+    counts: Counts
 
     @property
     def branches(self) -> tuple[Node, ...]:
@@ -32,7 +35,7 @@ class ThresholdNode:
 
     feature: int
     threshold: float
-    counts: tuple[int, ...]
+    counts: Counts
     low: Node
     high: Node
 
@@ -58,7 +61,7 @@ class ArcNode:
     period: float
     start: float
     end: float
-    counts: tuple[int, ...]
+    counts: Counts
     inside: Node
     outside: Node
 
@@ -81,7 +84,7 @@ class CategoryNode:
 
     feature: int
     categories: tuple[int, ...]
-    counts: tuple[int, ...]
+    counts: Counts
     branches: tuple[Node, ...]
 
     @property
@@ -127,7 +130,8 @@ def nodes(root: Node) -> list[Node]:
 
 def described(node: Node) -> dict[str, object]:
     """Return a node, without its branches, as plain data with exact numbers (``float.hex``)."""
-    plain: dict[str, object] = {"counts": list(node.counts)}
+    counts = [n.hex() if isinstance(n, float) else n for n in node.counts]
+    plain: dict[str, object] = {"counts": counts}
     if isinstance(node, ThresholdNode):
         plain |= {"feature": node.feature, "threshold": node.threshold.hex()}
     elif isinstance(node, ArcNode):

@@ -9,19 +9,26 @@ from statistics import NormalDist
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode, fold
 
 
-def pessimistic_errors(errors: int, n: int, confidence: float) -> float:
+def pessimistic_errors(errors: float, n: float, confidence: float) -> float:
     """Return a pessimistic error count for a leaf that gets ``errors`` < ``n`` of ``n`` wrong.
 
     This is ``n`` times the upper limit of the error rate: the true rate is higher with probability
     ``confidence``. It is C4.5's approximation (normal, continuity-corrected; exact without
     errors), except that the normal quantile is exact; C4.5 interpolates in a table.
+    Where values are missing, numbers need not be whole: below one error, and where all but half an
+    example are wrong, it is C4.5's interpolation.
 
     References:
         J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapter 4 and
         ``stats.c`` of its release 8.
     """
-    if errors == 0:
-        return n * (1.0 - math.pow(confidence, 1.0 / n))
+    if errors < 1:
+        without = n * (1.0 - math.pow(confidence, 1.0 / n))
+        if errors == 0:
+            return without
+        return without + errors * (pessimistic_errors(1, n, confidence) - without)
+    if errors + 0.5 >= n:
+        return errors + 0.67 * (n - errors)
     z2 = NormalDist().inv_cdf(1.0 - confidence) ** 2
     observed = errors + 0.5
     limit = observed + z2 / 2 + math.sqrt(z2 * (observed * (1 - observed / n) + z2 / 4))

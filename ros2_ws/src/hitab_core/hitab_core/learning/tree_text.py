@@ -29,17 +29,23 @@ class Rule:
     Attributes:
         conditions: readable; at most one per feature.
         distribution: probability of each possible next state, by label.
-        examples: how many examples it was learned from.
+        examples: how many examples it was learned from; not whole if some lacked a value.
     """
 
     conditions: tuple[str, ...]
     distribution: Mapping[str, float]
-    examples: int
+    examples: float
 
     def __str__(self) -> str:
         """Return ``if A and B: Stop 0.75, GoFast 0.25 (4 examples)``."""
         given = f"if {' and '.join(self.conditions)}" if self.conditions else "always"
-        return f"{given}: {as_odds(self.distribution)} ({quantity(self.examples, 'example')})"
+        learned_from = quantity(number_of(self.examples), "example")
+        return f"{given}: {as_odds(self.distribution)} ({learned_from})"
+
+
+def number_of(examples: float) -> float:
+    """Return a number of examples as it is written: whole, or to two decimals."""
+    return int(examples) if examples == int(examples) else round(examples, 2)
 
 
 def as_odds(distribution: Mapping[str, float]) -> str:
@@ -49,7 +55,7 @@ def as_odds(distribution: Mapping[str, float]) -> str:
     return ", ".join(f"{label} {p:.3g}" for label, p in distribution.items())
 
 
-def distribution(counts: Sequence[int], labels: Sequence[str]) -> dict[str, float]:
+def distribution(counts: Sequence[float], labels: Sequence[str]) -> dict[str, float]:
     """Return the probability of each label that was seen."""
     total = sum(counts)
     return {label: n / total for label, n in zip(labels, counts, strict=True) if n}
@@ -194,7 +200,7 @@ def drawing(
         text = "".join(conditions(path[-1:], scales, names))
         if isinstance(node, Leaf):
             odds = as_odds(distribution(node.counts, labels))
-            text += f"{': ' if text else ''}{odds} ({sum(node.counts)})"
+            text += f"{': ' if text else ''}{odds} ({number_of(sum(node.counts))})"
         if text:
             lines.append("|   " * (len(path) - 1) + text)
     return "\n".join(lines)

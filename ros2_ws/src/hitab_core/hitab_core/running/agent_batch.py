@@ -63,6 +63,8 @@ class AgentBatch:
         for row in rows.tolist() if self.errors else ():
             self.errors.pop(row, None)
         self.errors |= self.batch.tick(rows)
+        for row, missed in self.senses.missed.items():
+            self.stages[row].senses.missed.update(missed)
         self.decided[rows] = True
 
     def decide_alone(self, only: Integers) -> None:

@@ -10,17 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.learning.compiled_tree import Draw, ends
+from hitab_core.learning.compiled_tree import Compiled, Draw, drawn_from, ends
+from hitab_core.learning.missing_values import Likely
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.batch_senses import BatchSenses
 from hitab_core.running.observing import guest
-from hitab_core.transition_function import TransitionFunction
+from hitab_core.transition_function import TransitionFunction, Values
 from hitab_core.use import Use
 
 NOTHING = -1
@@ -294,15 +295,21 @@ class BatchAutomaton:
         compile_batch = getattr(function, "compile_batch", None)
         if compile_batch is None:
             return self._one_by_one(function, slots, states)
-        root = compile_batch(slots, states, most_probable=self._most_probable)
-        return lambda rows: self._down_the_tree(root, rows)
+        root, likely = compile_batch(slots, states, most_probable=self._most_probable)
+        most_likely = None if likely is None else partial(self._likely, likely, _blank(slots))
+        return partial(self._down_the_tree, root, most_likely)
 
-    def _down_the_tree(self, root: Any, rows: Integers) -> Iterator[tuple[int, Integers]]:
-        for leaf, piece in ends(root, self.senses, rows):
+    def _down_the_tree(
+        self, root: Compiled, likely: Callable[[int], int | None] | None, rows: Integers
+    ) -> Iterator[tuple[int, Integers]]:
+        for ending in ends(root, self.senses, rows, self._draw, likely):
+            leaf, piece, _ = ending
+            if leaf is None:
+                continue
             if not isinstance(leaf, Draw):
                 yield leaf, piece
                 continue
-            drawn = np.searchsorted(leaf.cumulative, self._draw(piece), side="right")
+            drawn = drawn_from(leaf, ending, self._draw)
             for i, choice in enumerate(leaf.choices):
                 chosen = piece[drawn == i]
                 if len(chosen):
@@ -313,7 +320,7 @@ class BatchAutomaton:
     ) -> _Decision:
         """Return the decision of a function that can decide only for one agent at a time."""
         decide_one = function.compile(slots, states, most_probable=self._most_probable)
-        blank: list[float | None] = [None] * (max(slots, default=0) + 1)
+        blank = _blank(slots)
 
         def decide(rows: Integers) -> Iterator[tuple[int, Integers]]:
             for row in rows.tolist():
@@ -328,11 +335,24 @@ class BatchAutomaton:
 
         return decide
 
+    def _likely(self, likely: Likely, blank: Values, row: int) -> int | None:
+        """Return the most probable state of an agent that lacks a value; None if it has none."""
+        try:
+            return likely(blank, partial(self._read, row))
+        except Exception as error:  # one agent must not stop the others
+            self.senses.errors[row] = error
+            return None
+
     def _read(self, row: int, slot: int) -> float:
         return self.senses.value(slot, row)
 
     def _draw_one(self, only: Integers) -> float:
         return float(self._draw(only)[0])
+
+
+def _blank(slots: Sequence[int]) -> Values:
+    """Return values of which none has been read."""
+    return [None] * (max(slots, default=0) + 1)
 
 
 def _joined(pieces: list[Integers]) -> Integers:

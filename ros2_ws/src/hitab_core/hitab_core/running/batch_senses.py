@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from hitab_core.arrays import Booleans, Floats, Integers
-from hitab_core.domain import Domain, FeatureKind
-from hitab_core.running.senses import checked, resolved
+from hitab_core.domain import Domain
+from hitab_core.errors import NoValueError
+from hitab_core.running.senses import checked, checks_of, resolved
 from hitab_core.use import Use
 
 ReadAll = Callable[[], Floats]
@@ -27,6 +28,7 @@ class _Column:
     """The values of one feature: shape (n,).
 
     Attributes:
+        checks: of a value, see `checked`.
         use: of the feature.
         readers: functions that read it from an agent's body, by row; made on first use.
         known: which values have been read since the last percepts.
@@ -35,8 +37,7 @@ class _Column:
     """
 
     values: Floats
-    name: str = ""
-    categories: int = 0
+    checks: tuple[str, int, bool, bool] = ("", 0, False, False)
     read_all: ReadAll | None = None
     use: Use | None = None
     readers: dict[int, Callable[[], float]] = field(default_factory=dict)
@@ -50,7 +51,8 @@ class BatchSenses:
 
     Attributes:
         from_bodies: whether to read everything from bodies, agent by agent.
-        errors: why a feature that a decision needed could not be read, by row.
+        errors: why a feature without which nothing is decided could not be read, by row.
+        missed: why a feature that a decision needed had no value, by row and feature.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class BatchSenses:
         """
         self.from_bodies = False
         self.errors: dict[int, Exception] = {}
+        self.missed: dict[int, dict[Use, str]] = {}
         self._domain = domain
         self._size = size
         self._bodies = bodies
@@ -78,12 +81,8 @@ class BatchSenses:
         if use not in self._slots:
             feature = self._domain.features[use.name]
             column = _Column(
-                np.zeros(self._size),
-                str(use),
-                len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
-                self._reads_all(use),
+                np.zeros(self._size), checks_of(use, feature), self._reads_all(use), use
             )
-            column.use = use
             self._columns.append(column)
             self._slots[use] = len(self._columns) - 1
         return self._slots[use]
@@ -109,41 +108,59 @@ class BatchSenses:
     def forget(self) -> None:
         """Clear all values except flags, for new percepts."""
         self.errors.clear()
+        self.missed.clear()
         for slot in self._slots.values():
             column = self._columns[slot]
             column.whole = False
             column.wrong.clear()
             column.known = None
 
-    def take(self, slot: int, rows: Integers) -> tuple[Integers, Floats]:
-        """Return the rows whose value can be read, and their values."""
+    def take(self, slot: int, rows: Integers) -> tuple[Floats, Booleans | None]:
+        """Return the values of some agents; see `compiled_tree.Columns`."""
         column = self._columns[slot]
         if not column.whole and not self._read_all(column):
             self._read(column, rows)
         values = column.values.take(rows)
-        if column.wrong:
-            missing = values != values
-            self.errors |= {row: column.wrong[row] for row in rows[missing].tolist()}
-            rows, values = rows[~missing], values[~missing]
-        return rows, values
+        if not column.wrong:
+            return values, None
+        without = np.zeros(len(rows), np.bool_)
+        for place in np.flatnonzero(values != values).tolist():
+            without[place] = self._miss(column, int(rows[place]))
+        return values, without
+
+    def _miss(self, column: _Column, row: int) -> bool:
+        """Note that a value was needed and not there; return whether one may decide without it."""
+        error = column.wrong[row]
+        if not isinstance(error, NoValueError):
+            self.errors[row] = error
+            return False
+        assert column.use is not None
+        self.missed.setdefault(row, {})[column.use] = str(error)
+        return True
 
     def value(self, slot: int, row: int) -> float:
         """Return one value.
 
         Raises:
-            FeatureValueError: if it is missing, not a number or not a category.
+            NoValueError: if the feature has no value now.
+            FeatureValueError: if it has none and no decision may do without.
         """
-        _, values = self.take(slot, np.array([row]))
-        if not len(values):
-            raise self.errors[row]
+        values, without = self.take(slot, np.array([row]))
+        if without is not None and values[0] != values[0]:
+            raise self._columns[slot].wrong[row]
         return float(values[0])
 
     def known(self, slot: int, row: int) -> float | None:
-        """Return a value if it has been read since the last percepts, else None."""
+        """Return a value if it has been read since the last percepts, else None.
+
+        NaN if it was read and missing.
+        """
         column = self._columns[slot]
-        read = column.whole or (column.known is not None and bool(column.known[row]))
-        value = float(column.values[row]) if read else math.nan
-        return None if value != value else value
+        if not (column.whole or (column.known is not None and column.known[row])):
+            return None
+        if row in column.wrong:
+            return math.nan if isinstance(column.wrong[row], NoValueError) else None
+        return float(column.values[row])
 
     def _read_all(self, column: _Column) -> bool:
         """Read a column for all agents at once; return whether that is possible."""
@@ -165,8 +182,11 @@ class BatchSenses:
         column.whole = True
         values = column.values
         wrong = values != values
-        if column.categories:
-            wrong |= ~((values >= 0) & (values < column.categories) & (values == np.floor(values)))
+        _, categories, circular, _ = column.checks
+        if categories:
+            wrong |= ~((values >= 0) & (values < categories) & (values == np.floor(values)))
+        if circular:
+            wrong |= np.isinf(values)
         for row in np.flatnonzero(wrong).tolist():
             self._read_one(column, row, partial(float, values[row]))
 
@@ -188,7 +208,7 @@ class BatchSenses:
 
     def _read_one(self, column: _Column, row: int, read: Callable[[], float]) -> None:
         try:
-            column.values[row] = checked(read, column.name, column.categories)
+            column.values[row] = checked(read, *column.checks)
         except Exception as error:  # one agent's sensor must not stop the others
             column.values[row] = np.nan
             column.wrong[row] = error

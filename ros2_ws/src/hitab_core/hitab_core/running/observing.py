@@ -30,7 +30,8 @@ class Change:
         commanded: whether by the demonstrator rather than by a transition function.
         uses: the automaton's features, in its own terms.
         bindings: of its parameters to targets.
-        values: of each feature; None if not read in this tick. Empty if commanded.
+        values: of each feature; None if not read in this tick, NaN if it was missing. Empty if
+            commanded.
         function: that decided; None if commanded.
     """
 

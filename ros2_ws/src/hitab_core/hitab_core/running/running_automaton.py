@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior
+from hitab_core.errors import NoValueError
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.observing import Change, Observe, guest
 from hitab_core.running.senses import Senses, resolved
@@ -266,11 +268,21 @@ class RunningAutomaton:
             child.raised.clear()
 
     def peek_features(self) -> list[float]:
-        """Return the current values of all features; leave raised flags up."""
+        """Return the current values of all features, NaN if one is missing; leave flags up.
+
+        Raises:
+            FeatureValueError: if a required feature has no value.
+        """
         child = self.child
         for slot, flag in self._flag_slots:
             self._values[slot] = 1.0 if child is not None and flag in child.raised else 0.0
-        return [self._read(slot) for slot in self._slots]
+        return [self._value_or_nan(slot) for slot in self._slots]
+
+    def _value_or_nan(self, slot: int) -> float:
+        try:
+            return self._read(slot)
+        except NoValueError:
+            return math.nan
 
     def _see_flags(self, child: Running | None) -> None:
         raised = child.raised if child is not None else None
@@ -299,7 +311,6 @@ class RunningAutomaton:
         source, destination = self._labels[self._active], self._labels[index]
         if commanded:
             return Change(self.path, source, destination, True)
-        values = self._values
         return Change(
             self.path,
             source,
@@ -307,6 +318,6 @@ class RunningAutomaton:
             False,
             self.automaton.features,
             self.bindings,
-            [values[slot] for slot in self._slots],
+            [self._senses.known(slot) for slot in self._slots],
             self._functions.get(source),
         )

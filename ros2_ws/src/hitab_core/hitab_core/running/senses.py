@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, ParamSpec
 
-from hitab_core.domain import Domain, FeatureKind
-from hitab_core.errors import FeatureValueError, HitabError, VocabularyError
+from hitab_core.domain import Domain, Feature, FeatureKind
+from hitab_core.errors import FeatureValueError, HitabError, NoValueError, VocabularyError
 from hitab_core.transition_function import Values
 from hitab_core.use import Use
 
@@ -41,13 +41,26 @@ class Senses:
     Attributes:
         values: of the features, by slot.
         perceived: whether there was a percept yet.
+        missed: why a feature that a decision needed had no value, by feature; see `lacking`.
     """
 
-    __slots__ = ("_blank", "_body", "_domain", "_readers", "_slots", "perceived", "values")
+    __slots__ = (
+        "_blank",
+        "_body",
+        "_domain",
+        "_missing",
+        "_readers",
+        "_slots",
+        "missed",
+        "perceived",
+        "values",
+    )
 
     def __init__(self, body: Any, domain: Domain) -> None:
         self.values: Values = []
         self.perceived = False
+        self.missed: dict[Use, str] = {}
+        self._missing: dict[int, NoValueError] = {}
         self._blank: Values = []
         self._readers: list[Callable[[], float] | None] = []
         self._slots: dict[Use, int] = {}
@@ -62,12 +75,8 @@ class Senses:
 
     def _reader(self, use: Use) -> Callable[[], float]:
         feature = self._domain.features[use.name]
-        return partial(
-            checked,
-            resolved(feature.read, self._body, self._domain, use),
-            str(use),
-            len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
-        )
+        read = resolved(feature.read, self._body, self._domain, use)
+        return partial(checked, read, *checks_of(use, feature))
 
     def slot_for_flag(self) -> int:
         """Return a new slot that the automaton fills itself."""
@@ -83,14 +92,46 @@ class Senses:
         """Return the value in ``slot``, reading the feature on first use in this tick.
 
         Raises:
-            FeatureValueError: if the feature's value is missing or not a number.
+            NoValueError: if the feature has no value now.
+            FeatureValueError: if it has none and no decision may do without.
         """
         value = self.values[slot]
         if value is None:
             reader = self._readers[slot]
-            value = 0.0 if reader is None else reader()
+            if slot in self._missing:
+                raise self._missing[slot].with_traceback(None)
+            try:
+                value = 0.0 if reader is None else reader()
+            except NoValueError as error:
+                self._missing[slot] = error
+                self.missed[self._use_of(slot)] = str(error)
+                raise
             self.values[slot] = value
         return value
+
+    def _use_of(self, slot: int) -> Use:
+        return next(use for use, at in self._slots.items() if at == slot)
+
+    def known(self, slot: int) -> float | None:
+        """Return a value that was read in this tick; NaN if it was missing, None if not read."""
+        return math.nan if slot in self._missing else self.values[slot]
+
+    def lacking(self) -> list[str]:
+        """Return why features that decisions needed still have no value.
+
+        A feature is listed from the first decision that had to do without until it has a value
+        again, whether decisions still need it or not.
+        """
+        for use in list(self.missed):
+            try:
+                self.look(use)
+            except NoValueError as error:
+                self.missed[use] = str(error)
+            except Exception:  # domain code: whoever needs the feature will report it
+                pass
+            else:
+                del self.missed[use]
+        return list(self.missed.values())
 
     def look(self, use: Use) -> float:
         """Return a feature's value for an observer, without caching it.
@@ -109,6 +150,8 @@ class Senses:
         """Clear all values, for a new percept."""
         self.perceived = True
         self.values[:] = self._blank
+        if self._missing:
+            self._missing.clear()
 
     def check_perceived(self) -> None:
         """Check that there was a percept.
@@ -144,28 +187,47 @@ def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) ->
         return math.nan
 
 
-def checked(read: Callable[[], float], name: str, categories: int) -> float:
+def checked(
+    read: Callable[[], float], name: str, categories: int, circular: bool, required: bool
+) -> float:
     """Return a feature's value.
 
     Args:
         read: reads it.
-        name: of the feature, for errors.
+        name: of the feature with its targets, for errors.
         categories: number of categories; 0 for a feature that is not categorical.
+        circular: whether the feature is toroidal.
+        required: see `Feature.required`.
 
     Raises:
-        FeatureValueError: if the value is missing, not a number or not a category.
+        NoValueError: if there is no value: NaN, no number, or a `FeatureValueError` of ``read``.
+        FeatureValueError: if the value is impossible, or missing but required.
     """
-    read_value: Any = read()
+    try:
+        read_value: Any = read()
+    except FeatureValueError as error:
+        raise (FeatureValueError if required else NoValueError)(str(error)) from error
     try:
         value = float(read_value)
     except (TypeError, ValueError, OverflowError):
         value = math.nan
     if value != value:
-        raise FeatureValueError(
-            f'feature "{name}" has no value (got {repr(read_value)[:50]}); check its sensor'
-        )
+        why = f'feature "{name}" has no value (got {repr(read_value)[:50]}); check its sensor'
+        raise FeatureValueError(why) if required else NoValueError(why)
     if categories and not (0 <= value < categories and value == int(value)):
         raise FeatureValueError(
             f'feature "{name}" has value {value:g}, not one of its {categories} categories'
         )
+    if circular and math.isinf(value):
+        raise FeatureValueError(f'feature "{name}" has value {value}, which is not on its circle')
     return value
+
+
+def checks_of(use: Use, feature: Feature) -> tuple[str, int, bool, bool]:
+    """Return the arguments of `checked` for a feature bound to targets."""
+    return (
+        str(use),
+        len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
+        feature.kind is FeatureKind.TOROIDAL,
+        feature.required,
+    )
