@@ -1,5 +1,6 @@
 """A demonstrator trains an agent over the public topics and services, while it runs."""
 
+import json
 import os
 import signal
 
@@ -95,6 +96,27 @@ def test_undo_and_redo_restore_what_the_agent_performs_as_well(begun):
     with pytest.raises(SwarmError, match="nothing to redo"):
         agents.edit_examples(ONE, "redo")
     agents.set_mode(ONE, "testing")
+
+
+def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun):
+    """The robot runs at the ball; a person who wanted it to stop at once is 0.5 s late."""
+    agents, world = begun.agents, begun.world
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+    state = world.step(20)
+    agents.command(ONE, "Stop", ago=0.5, seen=state.cycle)
+    listed = agents.list_examples(ONE)
+    late = {e.number: e for e in listed.examples}
+    assert late[3].cycle == state.cycle - 5
+    assert late[3].ago == pytest.approx(0.5)
+    agents.edit_examples(ONE, "retime", [3], ago=1.0)
+    later = agents.list_examples(ONE)
+    assert {e.cycle for e in later.examples if e.number in (3, 4)} == {state.cycle - 10}
+    assert later.done[-1] == "example 3 due 1 s before its command"
+    with pytest.raises(SwarmError, match="is not kept; give a number from 0 to"):
+        agents.edit_examples(ONE, "retime", [3], ago=20.0)
+    with pytest.raises(SwarmError, match="cannot have been due -1 s ago"):
+        agents.command(ONE, "Stop", ago=-1.0)
 
 
 def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
@@ -245,3 +267,30 @@ def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab)
     assert 'saved "NearIt(closest_takr)" with 4 examples' in done.stdout, done.stderr
     assert '"closest_takr" is now a parameter' in done.stdout
     assert 'Did you mean "closest_taker"?' in done.stdout
+
+
+def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
+    agents, world = begun.agents, begun.world
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+    world.step(20)
+    agents.command(ONE, "Stop")
+    assert "BallIsKickable" in agents.list_examples(ONE).readable
+    before = agents.behavior(ONE)
+    shown = hitab("examples", "features", ONE, "-f", "DirectionTo(ball)", "--show")
+    assert "features: DirectionTo(ball)" in shown.stdout, shown.stderr
+    assert agents.behavior(ONE).features == before.features, "only shown"
+    assert hitab("examples", "features", ONE, "-f", "DirectionTo(ball)").returncode == 0
+    agents.save(ONE, name="Turned")
+    assert hitab("retrain", ONE, "Turned", "-f", "DistanceTo(ball)").returncode == 0
+    assert agents.behavior(ONE, "Turned").features == before.features
+    told = json.loads(hitab("report", ONE, "Turned", "--json", "-").stdout)["trainings"]
+    assert [(t["commands"], t["examples"], t["structures"]) for t in told] == [
+        (2, 4, 2),
+        (0, 4, 1),
+    ]
+    assert told[0]["simulated_seconds"] == pytest.approx(2.0, abs=0.2)
+    refused = hitab("retrain", ONE, "Turned", "-f", "Lucky")
+    assert refused.returncode == 1
+    assert 'unknown feature "Lucky"' in refused.stderr
+    assert agents.statuses[ONE].mode != "training"

@@ -35,7 +35,10 @@ def test_the_history_of_a_training_is_told(keepers):
     agents.edit_examples(ONE, "undo")
     listed = agents.list_examples(ONE)
     assert list(listed.done) == ["Start → GoFast, 2 examples"]
-    assert list(listed.undone) == ["GoFast → Stop, 2 examples", "deleted example 4"]
+    assert list(listed.undone) == [
+        "GoFast → Stop, 2 examples; superseded example 2",
+        "deleted example 4",
+    ]
     saved = agents.save(ONE)
     assert saved.success
     assert not agents.list_examples(ONE, "Told").done, "what is saved has no history"

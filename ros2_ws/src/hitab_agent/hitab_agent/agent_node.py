@@ -211,7 +211,8 @@ class AgentNode(GuardedNode):
                 percept.heard,
                 percept.cycle,
                 self.seconds_of(percept),
-                jumped=percept.look,
+                # A paused world that shows its cycle again was changed.
+                jumped=percept.look and percept.cycle == agent.cycle,
             )
             if percept.restart:
                 agent.restart(percept.seed, percept.episode)

@@ -342,7 +342,9 @@ class Agent:
             raise LostBehaviorError(refused_name(name, "trained", self.edition.losses))
         examples: tuple[Example, ...] = ()
         if resume:
-            curriculum, examples = resumed(curriculum, self.repertoire.get(resume), self.domain)
+            curriculum, examples = resumed(
+                curriculum, self.repertoire.get(resume), self.repertoire
+            )
         session = TrainingSession(self._context, curriculum, examples, self.journal.write)
         self.journal.begin(curriculum, examples, session.readable)
         self._stop()

@@ -6,26 +6,28 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
-from hitab_core.domain import BasicBehavior, Domain
+from hitab_core.domain import BasicBehavior
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.repertoire import Repertoire
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.exchange import exchanged, realigned
 from hitab_core.training.moments import readable
 
 
 def resumed(
-    curriculum: Curriculum, earlier: BasicBehavior | Automaton, domain: Domain
+    curriculum: Curriculum, earlier: BasicBehavior | Automaton, repertoire: Repertoire
 ) -> tuple[Curriculum, tuple[Example, ...]]:
     """Return a curriculum completed from a trained behavior, and that behavior's examples.
 
     Args:
         curriculum: what to train; without a name, features or parameters, those of ``earlier``.
         earlier: whose examples to continue from.
-        domain: of the agent.
+        repertoire: of the agent.
 
     Raises:
         TrainingError: if it has no examples, or they lack a value for one of the features.
+        VocabularyError: if there is no such feature.
     """
     if not isinstance(earlier, Automaton) or not earlier.examples:
         raise TrainingError(f'"{earlier.name}" was not trained; there is nothing to resume')
@@ -36,8 +38,10 @@ def resumed(
         features=features,
         parameters=curriculum.parameters or earlier.parameters,
     )
+    for feature in features:
+        repertoire.check_feature(feature, completed.parameters)
     examples: Sequence[Example] = earlier.examples
     if tuple(features) != earlier.features:
         examples = exchanged(examples, earlier.features, features, earlier.readable, earlier.name)
-    names = readable(domain, completed.parameters)
+    names = readable(repertoire.domain, completed.parameters)
     return completed, realigned(examples, earlier.readable, names)
