@@ -200,13 +200,15 @@ def checked(
         required: see `Feature.required`.
 
     Raises:
-        NoValueError: if there is no value: NaN, no number, or a `FeatureValueError` of ``read``.
-        FeatureValueError: if the value is impossible, or missing but required.
+        NoValueError: if there is no value: NaN, no number, or ``read`` raises it.
+        FeatureValueError: if the value is impossible, or missing but required, or ``read`` raises it.
     """
     try:
         read_value: Any = read()
-    except FeatureValueError as error:
-        raise (FeatureValueError if required else NoValueError)(str(error)) from error
+    except NoValueError as error:
+        if required:
+            raise FeatureValueError(str(error)) from error
+        raise
     try:
         value = float(read_value)
     except (TypeError, ValueError, OverflowError):
