@@ -48,7 +48,12 @@ def reader(tmp_path, home, hitab, monkeypatch):
 
 @pytest.mark.parametrize(
     "page",
-    ["README.md", "docs/tutorial.md", pytest.param("docs/commanders.md", marks=pytest.mark.long)],
+    [
+        "README.md",
+        "docs/tutorial.md",
+        pytest.param("docs/commanders.md", marks=pytest.mark.long),
+        pytest.param("docs/deleted-behavior.md", marks=pytest.mark.long),
+    ],
 )
 def test_the_page_shows_what_its_commands_print(reader, page):
     steps = list(to_be_run(page))
