@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hitab_core.advice.alternatives import alternative_trees
 from hitab_core.advice.ambiguity import ambiguities
@@ -11,6 +13,8 @@ from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.situations import Origin
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
+from hitab_core.learning import Leaf
+from hitab_core.learning.tree_nodes import nodes
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
@@ -37,15 +41,15 @@ def evidence(rows, scales=SCALES, names=NAMES, units=UNITS, classifier="tree"):
     return Evidence.of(rows[0][0], examples, scales, names, units, classifier)
 
 
-def decisions(given, situations):
+def decisions(known, situations):
     """Return what is learned to do in some situations."""
-    return given.learn().predict(situations).tolist()
+    return known.learn().predict(situations).tolist()
 
 
 @pytest.mark.parametrize("boolean_first", [True, False])
 def test_a_tie_is_asked_about_in_a_situation_that_was_seen(boolean_first):
-    given = evidence(CHASING, classifier=f"tree(boolean_first={boolean_first})")
-    (question,) = ambiguities(given, readings=[[12.5, 1.0], [11.0, 0.0]], here=[False, True])
+    known = evidence(CHASING, classifier=f"tree(boolean_first={boolean_first})")
+    (question,) = ambiguities(known, readings=[[12.5, 1.0], [11.0, 0.0]], here=[False, True])
     sides = [question.learned, question.other]
     kickable, taker = sides if boolean_first else sides[::-1]
     assert (kickable.next_state, kickable.because) == ("Stop", "Kickable")
@@ -59,12 +63,12 @@ def test_a_tie_is_asked_about_in_a_situation_that_was_seen(boolean_first):
 @pytest.mark.parametrize("side", ["learned", "other"])
 @pytest.mark.parametrize("boolean_first", [True, False])
 def test_the_answer_makes_the_tree_take_the_right_split(boolean_first, side):
-    given = evidence(CHASING, classifier=f"tree(boolean_first={boolean_first})")
+    known = evidence(CHASING, classifier=f"tree(boolean_first={boolean_first})")
     readings = [[12.5, 1.0], [3.0, 0.0]]
-    question, *_ = ambiguities(given, readings=readings)
+    question, *_ = ambiguities(known, readings=readings)
     assert question.decisive == 1
     answer = getattr(question, side)
-    answered = given.with_answer(question.situation, answer.next_state)
+    answered = known.with_answer(question.situation, answer.next_state)
     assert answered.learn().features_used == (answer.feature,)
     assert ambiguities(answered, readings=readings) == []
 
@@ -82,9 +86,9 @@ def test_nothing_is_asked_where_one_explanation_is_better():
 
 def test_nothing_is_asked_where_the_explanations_never_differ():
     seen = [[9.0 + i / 10, 0.0] for i in range(30)] + [[8.0 - i / 10, 1.0] for i in range(30)]
-    given = evidence(CHASING)
-    assert len(alternative_trees(given)[1]) == 1
-    assert ambiguities(given, readings=seen, here=[True] * 60, compose=True) == []
+    known = evidence(CHASING)
+    assert len(alternative_trees(known)[1]) == 1
+    assert ambiguities(known, readings=seen, here=[True] * 60, compose=True) == []
 
 
 def test_nothing_is_asked_about_values_between_two_examples():
@@ -94,9 +98,9 @@ def test_nothing_is_asked_about_values_between_two_examples():
 
 
 def test_readings_of_the_state_itself_come_first():
-    given = evidence(CHASING)
+    known = evidence(CHASING)
     readings, here = [[12.0, 1.0], [14.0, 1.0]], [False, True]
-    (question,) = ambiguities(given, readings=readings, here=here)
+    (question,) = ambiguities(known, readings=readings, here=here)
     assert (question.origin, question.situation) == (Origin.HERE, (14.0, 1.0))
     assert question.share == pytest.approx(1 / 3)  # of two examples and one reading
 
@@ -118,11 +122,11 @@ def test_situations_that_could_be_placed_are_ranked_nearest_to_an_example_first(
 def test_one_situation_serves_all_explanations_that_it_tells_apart():
     scales, names = (BOOLEAN_SCALE,) * 3, ("A", "B", "C")
     rows = [("S", (0.0, 0.0, 0.0), "S", True), ("S", (1.0, 1.0, 1.0), "T", False)]
-    given = evidence(rows, scales, names, ("",) * 3)
-    assert len(alternative_trees(given)[1]) == 2
-    both = ambiguities(given, readings=[[1.0, 0.0, 0.0]])
+    known = evidence(rows, scales, names, ("",) * 3)
+    assert len(alternative_trees(known)[1]) == 2
+    both = ambiguities(known, readings=[[1.0, 0.0, 0.0]])
     assert len(both) == 1
-    apart = ambiguities(given, readings=[[1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
+    apart = ambiguities(known, readings=[[1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
     assert len(apart) == 2
 
 
@@ -138,8 +142,8 @@ def test_a_question_is_recognized_again_after_more_examples():
 def test_explanations_on_circles_and_categories_have_words():
     scales, names = (DEGREES, COLORS), ("Bearing", "Color")
     rows = [("S", (350.0, 0.0), "T", False), ("S", (90.0, 2.0), "U", False)]
-    given = evidence(rows, scales, names, ("deg", ""))
-    (question,) = ambiguities(given, readings=[[-10.0, 2.0]])
+    known = evidence(rows, scales, names, ("deg", ""))
+    (question,) = ambiguities(known, readings=[[-10.0, 2.0]])
     assert question.situation == (350.0, 2.0)
     assert question.learned.because == "Color = blue"
     assert question.other.because == "Bearing in [-140, 40) deg"
@@ -175,11 +179,53 @@ def test_the_alternative_of_two_tests_is_their_other_order():
         ("Stop", (12.0, 1.0), "Stop", True),
         ("Stop", (12.0, 0.0), "Go", False),
     ]
-    given = evidence(rows)
-    (question,) = ambiguities(given, readings=[[2.0, 0.0]])
+    known = evidence(rows)
+    (question,) = ambiguities(known, readings=[[2.0, 0.0]])
     assert (question.learned.next_state, question.other.next_state) == ("Go", "Pass")
     for answer in ("Go", "Pass"):
-        answered = given.with_answer(question.situation, answer)
+        answered = known.with_answer(question.situation, answer)
         near, lost = [1.0, 0.0], [2.4, 0.0]
         assert decisions(answered, [near, lost]) == [answer, answer]
-        assert np.array_equal(decisions(answered, given.values), given.next_states)
+        assert np.array_equal(decisions(answered, known.values), known.next_states)
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.tuples(st.integers(0, 4), st.integers(0, 3), st.integers(0, 1)),
+            st.sampled_from("ST"),
+            st.booleans(),
+        ),
+        min_size=2,
+        max_size=8,
+    ),
+    st.lists(st.tuples(st.integers(0, 4), st.integers(0, 3), st.integers(0, 1)), max_size=8),
+    st.booleans(),
+)
+def test_alternatives_explain_as_well_and_differ_where_is_asked(drawn, readings, boolean_first):
+    scales = (METERS, Scale(FeatureKind.TOROIDAL, 4.0), BOOLEAN_SCALE)
+    rows = [("S", tuple(map(float, v)), goes, is_default) for v, goes, is_default in drawn]
+    text = f"tree(boolean_first={boolean_first})"
+    known = evidence(rows, scales, ("a", "b", "c"), ("",) * 3, text)
+    learned, others = alternative_trees(known)
+    for tree in others:
+        assert misfits(tree, known) <= misfits(learned, known)
+        assert leaves(tree) <= leaves(learned)
+    values = np.array(readings, float).reshape(-1, 3)
+    for question in ambiguities(known, readings=values):
+        assert question.differs(question.situation)
+        assert question.situation in {*map(tuple, values.tolist())}
+        assert question.learned.next_state != question.other.next_state
+        assert str(learned.predict([question.situation])[0]) == question.learned.next_state
+
+
+def misfits(tree, known):
+    """Return the number of examples that are not the most probable of their leaf."""
+    odds = tree.predict_proba(known.values)
+    own = [tree.labels.index(label) for label in known.next_states]
+    return sum(row[label] < row.max() for row, label in zip(odds, own, strict=True))
+
+
+def leaves(tree):
+    """Return the number of a tree's leaves."""
+    return sum(isinstance(node, Leaf) for node in nodes(tree.root_))
