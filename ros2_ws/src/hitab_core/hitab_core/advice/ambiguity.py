@@ -12,7 +12,8 @@ do there, not why; a preference would need its own place in files, histories and
 still hold when later examples speak against it. With the example the rejected explanation no
 longer fits, or needs one more leaf. Each question is tried before it is asked: for both answers
 the tree is learned again with the example. A situation in which both answers make the tree decide
-as was answered, wherever the two explanations differ, is *decisive* and preferred.
+as was answered, wherever the two explanations differ, with no alternative left that decides
+otherwise there, is *decisive* and preferred.
 """
 
 from __future__ import annotations
@@ -30,10 +31,10 @@ from hitab_core.advice.nearness import Nearness
 from hitab_core.advice.situations import Origin, Perceived, composed
 from hitab_core.example import Example
 
-TRIED = 8
-"""How many situations are tried for a question; each costs learning two trees."""
+TRIED = 5
+"""How many situations are tried for a question; each costs learning some trees."""
 
-CONTESTED = 100
+CONTESTED = 50
 """About how many situations an answer is tried on."""
 
 
@@ -145,7 +146,7 @@ def ambiguities(
 
     There are none about other classifiers than trees. None of them is about a situation in which
     an earlier one is asked; ask the first, and call this again with the answer among the examples.
-    For twenty examples with five features this takes some tens of ms: it is not for a tick.
+    For fifteen examples with nine features this takes up to half a second: it is not for a tick.
 
     Questions are ordered by where their situation comes from (`Origin`), then by how much their
     answers settle, then by how often the explanations differ.
@@ -236,9 +237,10 @@ def _by_decisiveness(
     """Return situations in which two explanations differ, most decisive first.
 
     With each comes the share of these situations that either answer settles. They are tried in the
-    order of their distance from an example, up to the first that settles all, at most `TRIED`; the
-    others count as settling none. Near an example is best: there the person has just said what to
-    do, and the situation differs from it only in what the question is about.
+    order of their distance from an example, `TRIED` of them evenly over all, up to the first that
+    settles everything; the others count as settling nothing. Near an example is best: there the
+    person has just said what to do, and the situation differs from it only in what the question
+    is about. But too near one, the wrong explanation may only move its threshold.
     """
     evidence = pair[0].evidence
     used = sorted({f for grounds in pair for f in grounds.tree.features_used})
@@ -246,9 +248,9 @@ def _by_decisiveness(
     nearest = sorted(dict.fromkeys(situations), key=nearness)
     contested = nearest[:: len(nearest) // CONTESTED + 1]
     rated = [(0.0, situation) for situation in nearest]
-    for i, situation in enumerate(nearest[:TRIED]):
-        settled = min(_settled(right, situation, contested) for right in pair)
-        rated[i] = (settled, situation)
+    for i in sorted({round(k * (len(nearest) - 1) / (TRIED - 1)) for k in range(TRIED)}):
+        settled = min(_settled(right, nearest[i], contested) for right in pair)
+        rated[i] = (settled, nearest[i])
         if settled == 1.0:
             break
     return sorted(rated, key=lambda item: -item[0])
@@ -257,7 +259,9 @@ def _by_decisiveness(
 def _settled(
     right: Grounds, situation: tuple[float, ...], contested: Sequence[tuple[float, ...]]
 ) -> float:
-    """Return in which share of situations the tree decides rightly, once the answer was that.
+    """Return in which share of situations all is right, once the answer was that.
+
+    It is if the tree decides there as it should, and no alternative clearly decides otherwise.
 
     Args:
         right: the explanation that is meant.
@@ -267,12 +271,17 @@ def _settled(
     decision = right.decide(situation)
     assert decision is not None
     evidence = right.evidence.with_answer(situation, decision.next_state)
-    tree = evidence.learn()
+    tree, others = alternative_trees(evidence)
     assert tree is not None
-    after = Grounds(tree, evidence)
+    after, rivals = Grounds(tree, evidence), [Grounds(other, evidence) for other in others]
     settled = 0
     for values in contested:
         then, wanted = after.decide(values), right.decide(values)
-        if then is not None and wanted is not None and then.sure:
-            settled += then.next_state == wanted.next_state
+        settled += (
+            then is not None
+            and wanted is not None
+            and then.sure
+            and then.next_state == wanted.next_state
+            and not any(differ(then, rival.decide(values)) for rival in rivals)
+        )
     return settled / len(contested)
