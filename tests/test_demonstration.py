@@ -269,6 +269,26 @@ def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab)
     assert 'Did you mean "closest_taker"?' in done.stdout
 
 
+def test_contradicting_commands_end_in_a_question_that_is_answered_once(begun, hitab):
+    agents = begun.agents
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+    agents.command(ONE, "Stop")
+    agents.command(ONE, "GoFast")
+    assert hitab("questions", ONE).stdout.startswith(f"{ONE} has no question")
+    said = hitab("demonstrate", ONE, "GoSlow").stdout
+    assert f"1 question: `hitab questions {ONE}`" in said
+    told = json.loads(hitab("questions", ONE, "--json", "-").stdout)["questions"]
+    assert [(q["kind"], q["proposed"]) for q in told] == [("contradiction", "GoSlow")]
+    number = str(told[0]["number"])
+    assert hitab("answer", ONE, number, "Stop").returncode == 0
+    assert {e.next_state for e in agents.list_examples(ONE).examples} == {"GoFast", "Stop"}
+    again = hitab("answer", ONE, number)
+    assert again.returncode == 1
+    assert f"question {number} is no longer open" in again.stderr
+    assert begun.link.spin_until(lambda: not agents.statuses[ONE].questions, 5)
+
+
 def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
     agents, world = begun.agents, begun.world
     put(begun, 8.0)
@@ -294,3 +314,27 @@ def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
     assert refused.returncode == 1
     assert 'unknown feature "Lucky"' in refused.stderr
     assert agents.statuses[ONE].mode != "training"
+
+
+def test_an_agent_that_is_unsure_halts_says_why_and_goes_on_when_it_is_sure(begun, hitab):
+    agents, world = begun.agents, begun.world
+    put(begun, 8.0)
+    agents.command(ONE, "GoFast")
+    world.step(20)
+    agents.command(ONE, "Stop")
+    agents.set_mode(ONE, "testing", restart=True)
+    assert hitab("caution", ONE, "halt", "--distance", "1.5").returncode == 0
+    put(begun, 8.0)
+    world.step(2)
+    assert not agents.statuses[ONE].unsure
+    put(begun, 40.0)
+    place = by_name(world.step(3).entities)[ONE].x
+    assert begun.link.spin_until(lambda: "nearest one" in agents.statuses[ONE].unsure, 10)
+    assert by_name(world.step(5).entities)[ONE].x == pytest.approx(place, abs=0.3)
+    assert "unsure: Near" in hitab("status").stdout
+    put(begun, 8.0)
+    world.step(2)
+    assert begun.link.spin_until(lambda: not agents.statuses[ONE].unsure, 10)
+    refused = hitab("caution", ONE, "halt")
+    assert "needs a number of examples or a distance" in refused.stderr
+    assert hitab("caution", ONE, "go_on").returncode == 0

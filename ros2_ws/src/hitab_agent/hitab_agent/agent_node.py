@@ -232,6 +232,8 @@ class AgentNode(GuardedNode):
             action = self._tick.act()
         elif percept.restart or self.agent.active_path != self.status.path:
             self.status.publish()
+        if self.agent.unsure != self.status.message.unsure:
+            self.status.publish_soon()
         log = self.transition_log
         if self._unsettled or log.changed:
             path = self.agent.active_path

@@ -7,12 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hitab_msgs import srv
+from hitab_msgs import msg, srv
 
 from hitab_core import (
     Agent,
     BasicBehavior,
     BehaviorLibrary,
+    Caution,
     Domain,
     LibraryError,
     Mode,
@@ -23,7 +24,7 @@ from hitab_core import (
     unknown,
 )
 from hitab_core.library import SUFFIX
-from hitab_core.training import Curriculum
+from hitab_core.training import Curriculum, Question, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_ros.conversions import example_message, use_of
@@ -59,6 +60,9 @@ class AgentServices:
             (srv.Perform, names.PERFORM, self._perform),
             (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
             (srv.GetReport, names.GET_REPORT, self._get_report),
+            (srv.SetCaution, names.SET_CAUTION, self._set_caution),
+            (srv.ListQuestions, names.LIST_QUESTIONS, self._list_questions),
+            (srv.AnswerQuestion, names.ANSWER_QUESTION, self._answer_question),
         ]
         for kind, name, serve in offered:
             node.create_service(kind, name, answering(serve, answered))
@@ -116,9 +120,7 @@ class AgentServices:
         return f"{self._agent.name} is {self._agent.mode}; discarded {given_up}"
 
     def _edit_examples(self, request: srv.EditExamples.Request, response: Any) -> str:
-        session = self._agent.session
-        if session is None:
-            raise TrainingError(f"{self._agent.name} is not training anything")
+        session = self._training()
         edits = srv.EditExamples.Request
         match request.action:
             case edits.UNDO:
@@ -144,6 +146,31 @@ class AgentServices:
                 )
                 raise TrainingError(unknown("action", action, known))
         return f'"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
+
+    def _training(self) -> TrainingSession:
+        session = self._agent.session
+        if session is None:
+            raise TrainingError(f"{self._agent.name} is not training anything")
+        return session
+
+    def _set_caution(self, request: srv.SetCaution.Request, response: Any) -> str:
+        caution = Caution.parse(request.when_unsure, request.support, request.distance)
+        self._agent.be_cautious(caution)
+        return f"{self._agent.name}: when unsure, {caution.when_unsure.value}"
+
+    def _list_questions(self, request: srv.ListQuestions.Request, response: Any) -> str:
+        session = self._training()
+        response.questions = [question_message(q, session) for q in session.questions()]
+        response.answered = session.asked.answered
+        return quantity(len(response.questions), "question")
+
+    def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
+        session = self._training()
+        question = session.answer(request.number, request.choice, dismiss=request.dismiss)
+        if request.dismiss:
+            return f"question {question.number} is not asked again"
+        done = session.log.done[-1] if session.log.done else "nothing"
+        return f"question {question.number}: {done}"
 
     def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:
         session = self._agent.session
@@ -258,3 +285,20 @@ class AgentServices:
         response.feature_descriptions = [f.description for f in features]
         response.targets = sorted(domain.targets)
         return response
+
+
+def question_message(question: Question, session: TrainingSession) -> msg.Question:
+    """Return a question as a message."""
+    names = [str(use) for use in session.curriculum.features]
+    return msg.Question(
+        number=question.number,
+        kind=question.kind.value,
+        text=question.text,
+        state=question.state,
+        examples=list(question.examples),
+        choices=[choice.name for choice in question.choices],
+        effects=[choice.effect for choice in question.choices],
+        proposed=0,
+        features=names if question.situation else [],
+        situation=list(question.situation),
+    )

@@ -25,6 +25,7 @@ from hitab_bringup.verbs import (
     lesson,
     library,
     logs,
+    questions,
     reaction,
     report,
     status,
@@ -101,6 +102,7 @@ def make_app() -> typer.Typer:
         hierarchy,
         training,
         examples,
+        questions,
         reaction,
         report,
     ):

@@ -9,6 +9,7 @@ from typing import Any
 
 from hitab_msgs.msg import AgentStatus, Command
 from hitab_msgs.srv import (
+    AnswerQuestion,
     BeginTraining,
     Distribute,
     EditExamples,
@@ -16,9 +17,11 @@ from hitab_msgs.srv import (
     GetReport,
     GetVocabulary,
     ListExamples,
+    ListQuestions,
     LoadLibrary,
     Perform,
     SaveBehavior,
+    SetCaution,
     SetMode,
 )
 
@@ -202,6 +205,34 @@ class SwarmClient(AgentPresence):
     def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
         """Return a behavior as it was learned, or the training under way; see GetBehavior.srv."""
         return learned_of(self.ask(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields))
+
+    def questions(self, agent: str) -> Any:
+        """Return what the agent asks about its training; see ListQuestions.srv."""
+        return self.ask(agent, ListQuestions, names.LIST_QUESTIONS)
+
+    def answer(self, agent: str, number: int, choice: str = "", *, dismiss: bool = False) -> Any:
+        """Answer a question of the agent; see AnswerQuestion.srv."""
+        return self.ask(
+            agent,
+            AnswerQuestion,
+            names.ANSWER_QUESTION,
+            number=number,
+            choice=choice,
+            dismiss=dismiss,
+        )
+
+    def set_caution(
+        self, agent: str, when_unsure: str, *, support: float = 0.0, distance: float = 0.0
+    ) -> Any:
+        """Say what the agent does when it is unsure; see SetCaution.srv."""
+        return self.ask(
+            agent,
+            SetCaution,
+            names.SET_CAUTION,
+            when_unsure=when_unsure,
+            support=support,
+            distance=distance,
+        )
 
     def report(self, agent: str, automaton: str = "") -> Any:
         """Return what trainings cost the person; see GetReport.srv."""

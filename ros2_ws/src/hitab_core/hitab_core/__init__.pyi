@@ -5,6 +5,8 @@ from .automaton import FLAGS as FLAGS
 from .automaton import RESERVED as RESERVED
 from .automaton import START as START
 from .automaton import Automaton as Automaton
+from .caution import Caution as Caution
+from .caution import WhenUnsure as WhenUnsure
 from .domain import ENTRY_POINT_GROUP as ENTRY_POINT_GROUP
 from .domain import BasicBehavior as BasicBehavior
 from .domain import BatchPercepts as BatchPercepts

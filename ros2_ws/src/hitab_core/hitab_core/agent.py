@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.caution import Caution, Doubts, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
     FolderInUseError,
@@ -42,7 +43,7 @@ from hitab_core.repertoire_change import (
 )
 from hitab_core.running.live_features import Reading, live_features
 from hitab_core.running.observing import Observe
-from hitab_core.running.running_automaton import RunContext, Running
+from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
 from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
@@ -87,6 +88,8 @@ class Agent:
     Attributes:
         awaited: what it begins to perform once that is no longer lost, unless something else is
             asked of it before; None: nothing.
+        caution: what it does when it is unsure.
+        unsure: why it is unsure of its next decision; empty if it is sure, or goes on regardless.
     """
 
     def __init__(
@@ -116,6 +119,10 @@ class Agent:
         self.top: Use | None = None
         self.awaited: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
+        self.caution = Caution()
+        self.unsure = ""
+        self._doubts = Doubts()
+        self._halted = False
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
         self.edition = _first_edition(library)
@@ -258,11 +265,70 @@ class Agent:
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
+        if self.caution.when_unsure is not WhenUnsure.GO_ON and not self._dares():
+            return
         if self.mode is Mode.PERFORMING:
             if self._performance is not None:
                 self._performance.tick()
         elif self.mode is not Mode.IDLE and self.session is not None:
             self.session.tick()
+
+    def be_cautious(self, caution: Caution) -> None:
+        """Do something else than go on when it is unsure, from now on.
+
+        An agent of a host that decides in a batch begins its behavior anew, alone.
+        """
+        self.caution = caution
+        if self._halted and caution.when_unsure is not WhenUnsure.HALT:
+            self._go_on()
+        self.unsure = ""
+        performance = self._performance
+        in_batch = performance is not None and not isinstance(performance, RunningAutomaton)
+        if self.mode is Mode.PERFORMING and self.top is not None and in_batch:
+            self._performances.clear()
+            self.perform(self.top)
+
+    def _dares(self) -> bool:
+        """Return whether to decide; halt or hand back if it is unsure."""
+        if self.mode not in (Mode.PERFORMING, Mode.TESTING):
+            return True
+        session = self.session if self.mode is Mode.TESTING else None
+        self.unsure = self._doubts.of(
+            self._running,
+            self.caution,
+            self.repertoire,
+            self._context.senses.look,
+            () if session is None else session.examples,
+        )
+        if not self.unsure:
+            self._go_on()
+            return True
+        if self.caution.when_unsure is WhenUnsure.HAND_BACK:
+            if session is not None:
+                self.take_over()
+            else:
+                self.perform(None)
+        elif not self._halted:
+            basic = self._basic()
+            if basic is not None:
+                basic.stop()
+            self._halted = True
+        return False
+
+    def _go_on(self) -> None:
+        """Take up again what was halted."""
+        if self._halted:
+            self._halted = False
+            basic = self._basic()
+            if basic is not None:
+                basic.start()
+
+    def _basic(self) -> Running | None:
+        """Return the basic behavior that it performs."""
+        running = self._running
+        while isinstance(running, RunningAutomaton):
+            running = running.child
+        return running
 
     def act(self) -> tuple[Sequence[float], str]:
         """Return what the body does now, and what it says."""
@@ -308,6 +374,7 @@ class Agent:
         return performance
 
     def _stop(self) -> None:
+        self._halted = False
         running = self._running
         if running is not None:
             running.stop()

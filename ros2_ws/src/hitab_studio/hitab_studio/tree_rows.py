@@ -49,7 +49,9 @@ def tree_rows(
     while waiting:
         node, depth, condition, taken = waiting.pop()
         if isinstance(node, Leaf):
-            rows.append(Row(depth, condition, leaf(node), tree_text.number_of(sum(node.counts)), taken))
+            rows.append(
+                Row(depth, condition, leaf(node), tree_text.number_of(sum(node.counts)), taken)
+            )
             continue
         if condition:
             rows.append(Row(depth, condition, (), 0, taken))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core import Agent, BatchPercepts
+from hitab_core import Agent, BatchPercepts, WhenUnsure
 from hitab_core.running import AgentBatch, BatchMember, Running, RunningAutomaton
 
 WORTH_IT = 8
@@ -86,7 +86,8 @@ class AgentBatches:
     def _cast_anew(self, agents: Sequence[Agent]) -> None:
         groups: dict[Hashable, list[Agent]] = {}
         for agent in agents:
-            if isinstance(agent.performance, RunningAutomaton | BatchMember):
+            alone = agent.caution.when_unsure is not WhenUnsure.GO_ON
+            if not alone and isinstance(agent.performance, RunningAutomaton | BatchMember):
                 groups.setdefault(_same(agent), []).append(agent)
         for same, alike in groups.items():
             cast = self._casts.get(same)

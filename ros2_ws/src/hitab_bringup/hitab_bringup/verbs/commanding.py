@@ -77,6 +77,8 @@ def demonstrate(
         f"{agent} performs {path}; {status.behavior} has "
         f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
     )
+    if status.questions:
+        console.say(f"{quantity(status.questions, 'question')}: `hitab questions {agent}`")
 
 
 def _due(swarm_up: Connection, ago: float) -> float:

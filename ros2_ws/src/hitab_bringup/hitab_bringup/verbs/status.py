@@ -97,6 +97,8 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
             "library_digest": s.library_digest,
             "last_error": s.last_error,
             "faults": list(s.faults),
+            "unsure": s.unsure,
+            "questions": s.questions,
         }
         for name, s in sorted(swarm_up.agents.statuses.items())
     ]
@@ -198,4 +200,11 @@ def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    return [*faults, *([last] if last and last not in faults else [])]
+    from hitab_core import quantity
+
+    told = [*faults, *([last] if last and last not in faults else [])]
+    if status.get("unsure"):
+        told.append(f"unsure: {status['unsure']}")
+    if status.get("questions"):
+        told.append(f"asks {quantity(status['questions'], 'question')}")
+    return told

@@ -199,6 +199,11 @@ class RunningAutomaton:
         return self._labels[self._active]
 
     @property
+    def function(self) -> TransitionFunction | None:
+        """The transition function of the active state; None if it has none."""
+        return self._functions.get(self.active)
+
+    @property
     def child(self) -> Running | None:
         """What the active state performs; None in Start and in flag states."""
         return self._children[self._active]

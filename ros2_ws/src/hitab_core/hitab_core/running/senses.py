@@ -201,7 +201,8 @@ def checked(
 
     Raises:
         NoValueError: if there is no value: NaN, no number, or ``read`` raises it.
-        FeatureValueError: if the value is impossible, or missing but required, or ``read`` raises it.
+        FeatureValueError: if the value is impossible, missing but required, or if ``read`` raises
+            it.
     """
     try:
         read_value: Any = read()

@@ -160,6 +160,13 @@ class ExampleLog:
             entered=first.next_state,
         )
 
+    def answer(
+        self, state: str, features: tuple[float, ...], next_state: str, kind: ExampleKind
+    ) -> Edit:
+        """Prepare to add the example that an answer to a question is."""
+        example = Example(state, features, next_state, kind, self._next_number, self._next_command)
+        return self._edit([*self._examples, example], f"answered {state} → {next_state}")
+
     def deletion(self, numbers: Iterable[int]) -> Edit:
         """Prepare to delete examples.
 

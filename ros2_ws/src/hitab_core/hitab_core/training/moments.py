@@ -163,6 +163,10 @@ class Moments:
             base = next((m.time for m in reversed(kept) if m.cycle <= seen), kept[0].time)
         return moment_before(kept, base - ago)
 
+    def since(self, time: float) -> list[Moment]:
+        """Return the moments from a time on, s."""
+        return [moment for moment in self._kept if moment.time >= time]
+
     def enter(self, state: str, due: Moment) -> None:
         """Have a state be active since a moment, as if its command had come in time."""
         kept = self._kept

@@ -26,6 +26,13 @@ from hitab_core.training.moments import (
 )
 from hitab_core.use import Use
 
+BLAMED_SECONDS = 1.0
+"""A change of state that was longer before a correction was due is not what is corrected."""
+
+
+PERCEIVED_MAX = 200
+"""The most moments in which questions are looked for; with more, it takes long."""
+
 
 class Perceived:
     """Reads whatever can be read, and keeps it for as long as a command may refer to it.
@@ -139,13 +146,17 @@ class Perceived:
         state = state_of(running.active)
         return Moment(cycle, self.time, state, since, raised, tuple(readings))
 
+    def in_moment(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
+        """Return the values of features in a moment; NaN where there is none."""
+        return tuple(moment.readings[self._column[feature]] for feature in features)
+
     def values(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
         """Return the values of features in a moment.
 
         Raises:
             FeatureValueError: if none has one, or one is infinite.
         """
-        values = tuple(moment.readings[self._column[feature]] for feature in features)
+        values = self.in_moment(moment, features)
         for feature, value in zip(features, values, strict=True):
             if math.isinf(value):
                 raise FeatureValueError(
@@ -158,6 +169,30 @@ class Perceived:
                 "check the sensors, or choose other features"
             )
         return values
+
+    def wrong_decision(self, due: Moment, active: str) -> tuple[Moment, str]:
+        """Return the decision that a person corrects: its situation, and what was decided.
+
+        It is the last change to the active state, if that was not long before the command was due;
+        else that the automaton stayed in the state that was active then.
+
+        Args:
+            due: the moment at which the command was due.
+            active: label of the state that the automaton was in when the person took over.
+        """
+        after = active
+        for moment in reversed(self.moments.since(due.time - BLAMED_SECONDS)):
+            if moment.state != after:
+                return moment, after
+            after = moment.state
+        return due, due.state
+
+    def perceived(self, features: Sequence[Use]) -> list[tuple[str, tuple[float, ...]]]:
+        """Return the values of features in all moments that are kept, with the states."""
+        columns = [self._column[feature] for feature in features]
+        kept = [m for _, moments in self._windows.values() for m in moments]
+        kept = kept[:: -(-len(kept) // PERCEIVED_MAX) or 1]
+        return [(m.state, tuple(m.readings[c] for c in columns)) for m in kept]
 
     # -- moments that stay with the examples ------------------------------------------------
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_core.example_codec import example_of
+from hitab_core.example import ExampleKind
+from hitab_core.example_codec import example_of, values_of
 from hitab_core.training.example_log import Edit, ExampleLog
 
 
@@ -24,6 +25,13 @@ def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
             return log.redoing()
         case "delete":
             return log.deletion(record["numbers"])
+        case "add":
+            return log.answer(
+                record["state"],
+                values_of(record["features"]),
+                record["next_state"],
+                ExampleKind(record["kind"]),
+            )
         case "relabel":
             return log.relabelling(record["numbers"], record["next_state"])
     return None

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from hitab_core.advice.proposals import Correction
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
@@ -18,7 +19,9 @@ from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import Direction, Edit, ExampleLog, these
 from hitab_core.training.exchange import exchanged
+from hitab_core.training.moments import Moment
 from hitab_core.training.perceived import Perceived
+from hitab_core.training.questions import Material, Question, Questions, choice_of
 from hitab_core.training.training_record import prepared
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -77,6 +80,9 @@ class TrainingSession:
         self.perception = Perceived(context, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = False
+        self.asked = Questions()
+        self._corrections: dict[int, tuple[Moment, str, str]] = {}
+        self._taken_over = False
         self._tested = False
         self._left = False
         self._journal = journal
@@ -168,7 +174,10 @@ class TrainingSession:
             if edit is not None:
                 self._make(edit)
             if record["do"] == "command":
+                self._keep_correction(record)
                 self.perception.keep_window(int(record["examples"][0]["command"]), record)
+            if record["do"] == "dismiss":
+                self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
         self.check_on(self.context)
         self.rebuild(self.context)
@@ -225,9 +234,15 @@ class TrainingSession:
         )
         edit = self.log.addition(taught)
         around = perception.window_record(due)
+        if self._taken_over:
+            moment, wrong = perception.wrong_decision(due, running.active)
+            if wrong != label:
+                around["corrected"] = {"at": moment.to_record(), "wrong": wrong, "right": label}
         # On disk first: acknowledged examples must survive a crash.
         self._write({"do": "command", "examples": [example_record(e) for e in taught], **around})
         self.log.make(edit)
+        self._taken_over = False
+        self._keep_correction({"examples": [{"command": taught[0].command}], **around})
         perception.keep_window(taught[0].command, around)
         perception.moments.enter(label, due)
         running.take_down_flags()
@@ -255,7 +270,72 @@ class TrainingSession:
     def take_over(self) -> None:
         """Give control to the demonstrator, at the active state."""
         self._write({"do": "train"})
+        self._taken_over = self.testing
         self.testing = False
+
+    def _keep_correction(self, record: Mapping[str, Any]) -> None:
+        """Keep what the automaton did wrong before a command, if that is known."""
+        corrected = record.get("corrected")
+        if corrected is not None:
+            moment = Moment.from_record(corrected["at"])
+            command = int(record["examples"][0]["command"])
+            self._corrections[command] = (moment, corrected["wrong"], corrected["right"])
+
+    def questions(self) -> list[Question]:
+        """Return what the agent asks the demonstrator; this can take a tenth of a second.
+
+        Raises:
+            TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
+        """
+        return self.asked.find(self._material, self.log.examples)
+
+    def _material(self) -> Material:
+        examples, features = self.log.examples, self.curriculum.features
+        repertoire = self.context.repertoire
+        by_command = {e.command: e for e in examples if not e.is_default}
+        corrections = []
+        for command, (moment, wrong, right) in self._corrections.items():
+            example = by_command.get(command)
+            if example is not None:  # else it was undone
+                values = self.perception.in_moment(moment, features)
+                same = example.state == moment.state and example.cycle == moment.cycle
+                number = example.number if same else 0
+                corrections.append(Correction(moment.state, values, wrong, right, number))
+        return Material(
+            examples,
+            tuple(repertoire.scale_of(use) for use in features),
+            tuple(map(str, features)),
+            tuple(self._unit(use) for use in features),
+            self.curriculum.classifier,
+            tuple(self.states),
+            tuple(corrections),
+            tuple(self.perception.perceived(features)),
+        )
+
+    def _unit(self, use: Use) -> str:
+        feature = self.context.repertoire.domain.features.get(use.name)
+        return "" if feature is None else feature.unit
+
+    def answer(self, number: int, choice: str = "", *, dismiss: bool = False) -> Question:
+        """Answer a question; undo takes the answer back.
+
+        Args:
+            number: of the question.
+            choice: the name of one of its choices; empty: the proposed one.
+            dismiss: change nothing, and do not ask this again.
+
+        Raises:
+            TrainingError: if the question is not open, or has no such choice.
+        """
+        question = self.asked.get(number, self.questions())
+        chosen = choice_of(question, choice)
+        if dismiss or chosen.record is None:
+            self._write({"do": "dismiss", "key": list(question.words)})
+            self.asked.dismiss(question.words)
+            return question
+        self._edit({**chosen.record, "proposed": chosen is question.choices[0]})
+        self.asked.answered.append(f"{question.text} {chosen.name}")
+        return question
 
     def undo(self) -> None:
         """Undo the last command, deletion or relabelling.

@@ -1,0 +1,70 @@
+"""An agent that is unsure halts or hands back, if that is asked of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from hitab_core import Caution, LearningAgent, TrainingError, WhenUnsure, plain_domain
+
+CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
+
+
+@pytest.fixture
+def cart() -> LearningAgent:
+    agent = LearningAgent(CART).train("Shuttle")
+    for position, command in ((0.0, "Right"), (5.0, "Left"), (0.0, "Right"), (6.0, "Left")):
+        agent.step([position], command)
+    agent.learn()
+    return agent
+
+
+def test_without_caution_it_goes_on_wherever_it_is(cart: LearningAgent) -> None:
+    assert cart.decide([3.0]) == "Right"
+    assert cart.decide([900.0]) == "Left"
+    assert cart.agent.unsure == ""
+
+
+def test_far_from_what_it_was_shown_it_halts_until_it_is_sure(cart: LearningAgent) -> None:
+    cart.agent.be_cautious(Caution(WhenUnsure.HALT, distance=3.0))
+    assert cart.decide([3.0]) == "Right"
+    assert cart.decide([900.0]) == "Right", "it does not decide"
+    assert "from the nearest one" in cart.agent.unsure
+    assert cart.decide([6.0]) == "Left"
+    assert cart.agent.unsure == ""
+
+
+def test_with_too_few_examples_it_hands_back_to_the_demonstrator(cart: LearningAgent) -> None:
+    cart.agent.be_cautious(Caution(WhenUnsure.HAND_BACK, support=50))
+    cart.step([3.0])
+    assert cart.agent.mode == "training"
+    assert "rests on" in cart.agent.unsure
+    cart.step([3.0], "Left")
+    assert len(cart.examples) == 10
+
+
+def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
+    cart: LearningAgent,
+) -> None:
+    cart.save()
+    cart.perform("Shuttle")
+    cart.agent.be_cautious(Caution(WhenUnsure.HAND_BACK, distance=3.0))
+    cart.step([1.0])
+    assert cart.agent.mode == "performing"
+    cart.agent.sense([900.0], [], 9)
+    cart.agent.tick()
+    assert cart.agent.mode == "idle"
+    assert cart.agent.unsure
+
+
+@pytest.mark.parametrize(
+    ("when", "support", "distance", "why"),
+    [
+        ("stop", 1.0, 1.0, 'unknown caution "stop"'),
+        ("halt", -1.0, 0.0, "at least 0"),
+        ("halt", 0.0, float("nan"), "at least 0"),
+        ("halt", 0.0, 0.0, '"halt" needs a number of examples or a distance'),
+    ],
+)
+def test_a_caution_that_means_nothing_is_refused(when, support, distance, why) -> None:
+    with pytest.raises(TrainingError, match=why):
+        Caution.parse(when, support, distance)

@@ -1,0 +1,149 @@
+"""What an agent asks about the examples of a training, and what the answers do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hitab_core import Agent, BehaviorLibrary, TrainingError, Use, plain_domain
+from hitab_core.domain import FeatureKind
+from hitab_core.training import Curriculum
+
+CART = plain_domain(
+    "cart",
+    {"Left": [-1.0], "Right": [1.0], "Stop": [0.0]},
+    {"Position": lambda p: p[0], "Bump": lambda p: p[1]},
+)
+
+
+class Driven:
+    """A cart that is told where it is."""
+
+    def __init__(self, folder: Path, *features: str) -> None:
+        self.folder = folder
+        self.cycle = 0
+        self.agent = self.made()
+        self.agent.begin(Curriculum("Shuttle", tuple(map(Use, features or ("Position",)))))
+
+    def made(self) -> Agent:
+        library = BehaviorLibrary(self.folder / "library", CART)
+        return Agent("cart", CART, library, self.folder / "journal")
+
+    @property
+    def session(self):
+        assert self.agent.session is not None
+        return self.agent.session
+
+    def at(self, position: float, bump: float = 0.0) -> None:
+        self.cycle += 1
+        self.agent.sense([position, bump], [], self.cycle, self.cycle * 0.1)
+        self.agent.tick()
+
+    def show(self, position: float, label: str, bump: float = 0.0) -> None:
+        self.at(position, bump)
+        self.agent.command(Use(label))
+
+    def kinds(self) -> list[str]:
+        return [question.kind.value for question in self.session.questions()]
+
+
+@pytest.fixture
+def cart(tmp_path: Path) -> Driven:
+    return Driven(tmp_path)
+
+
+def twice(cart: Driven) -> None:
+    """Contradict oneself: in Right at 5, first Left, then Stop."""
+    cart.show(0.0, "Right")
+    cart.show(5.0, "Left")
+    cart.show(0.0, "Right")
+    cart.show(5.0, "Stop")
+
+
+def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Driven) -> None:
+    twice(cart)
+    assert cart.session.asked.count(cart.session.examples) == 1
+    (question, *_) = cart.session.questions()
+    assert question.kind == "contradiction"
+    assert question.examples == (3, 7)
+    assert [choice.name for choice in question.choices] == ["Stop", "Left"]
+    cart.session.answer(question.number, "Stop")
+    assert [e.number for e in cart.session.examples] == [1, 2, 5, 6, 7, 8], "with its default one"
+    assert "contradiction" not in cart.kinds()
+    cart.session.undo()
+    assert "contradiction" in cart.kinds(), "undo asks again"
+
+
+def test_an_answer_is_given_once_and_to_a_question_that_is_open(cart: Driven) -> None:
+    twice(cart)
+    (question, *_) = cart.session.questions()
+    with pytest.raises(TrainingError, match=r'has no choice "Wait" \(has: Left, Stop\)'):
+        cart.session.answer(question.number, "Wait")
+    cart.session.answer(question.number)
+    with pytest.raises(TrainingError, match=f"question {question.number} is no longer open"):
+        cart.session.answer(question.number)
+    with pytest.raises(TrainingError, match="no question 99"):
+        cart.session.answer(99)
+
+
+def test_a_question_that_was_dismissed_is_not_asked_again_also_after_a_crash(
+    cart: Driven,
+) -> None:
+    twice(cart)
+    (question, *_) = cart.session.questions()
+    cart.session.answer(question.number, dismiss=True)
+    assert "contradiction" not in cart.kinds()
+    cart.agent.journal.close()
+    cart.agent = cart.made()
+    assert "contradiction" not in cart.kinds()
+    assert len(cart.session.examples) == 8
+
+
+def test_a_mistaken_example_is_found_by_the_correction_of_what_it_made_the_robot_do(
+    cart: Driven,
+) -> None:
+    for start in range(3):
+        cart.show(0.0 + start / 10, "Right")
+        cart.show(5.0 + start / 10, "Left")
+        cart.show(0.2 + start / 10, "Right")
+    cart.show(2.4, "Stop")  # pressed the wrong key
+    wrong = cart.session.examples[-2].number
+    cart.show(2.5, "Right")
+    cart.agent.test()
+    for position in (1.0, 2.0, 2.4):
+        cart.at(position)
+    assert cart.agent.active_path == ["Stop"], "it does what it was taught"
+    cart.agent.take_over()
+    cart.agent.command(Use("Right"))
+    found = [q for q in cart.session.questions() if q.kind == "mistake" and wrong in q.examples]
+    assert found, [q.text for q in cart.session.questions()]
+    cart.session.answer(found[0].number)
+    assert wrong not in [e.number for e in cart.session.examples]
+    cost = cart.agent.journal.costs("Shuttle")
+    assert [(c.proposals, c.finished) for c in cost] == [(1, False)]
+
+
+def test_two_explanations_end_in_a_question_and_the_answer_in_the_right_automaton(
+    tmp_path: Path,
+) -> None:
+    """It stopped at 5 with a bump: because of the place or of the bump."""
+    cart = Driven(tmp_path, "Position", "Bump")
+    cart.show(0.0, "Right")
+    cart.at(2.0)
+    cart.at(9.0)  # seen on the way: farther, and no bump
+    cart.at(3.0, 1.0)
+    cart.show(5.0, "Stop", bump=1.0)
+    asked = [q for q in cart.session.questions() if q.kind == "ambiguity"]
+    assert asked, cart.kinds()
+    question = asked[0]
+    far = dict(zip(("Position", "Bump"), question.situation, strict=True))
+    right = "Stop" if far["Position"] >= 5.0 else "Right"  # the person means the place
+    cart.session.answer(question.number, right)
+    function = cart.session.automaton().transitions["Right"]
+    for position, bump in ((9.0, 0.0), (3.0, 1.0), (5.0, 0.0), (0.0, 1.0)):
+        wanted = "Stop" if position >= 5.0 else "Right"
+        assert function.predict([[position, bump]])[0] == wanted
+
+
+assert FeatureKind
