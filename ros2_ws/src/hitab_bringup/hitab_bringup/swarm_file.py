@@ -240,7 +240,10 @@ def _commanders(
         if own.domain:
             fields.complain("a commander's domain is its kind; write `kind:`", "domain")
         if own.without:
-            fields.complain("a commander has no hand-written automata to take out", "without")
+            fields.complain(
+                "a commander has no hand-written automata to take out; leave `without:` away here",
+                "without",
+            )
         counts, names = tree.read_commands(fields)
         host, role = fields.text("host", ""), fields.text("role", key)
         lines[key] = Line(

@@ -65,6 +65,18 @@ def test_what_is_no_hand_written_automaton_cannot_be_taken_out():
     )
 
 
+def test_nothing_can_be_taken_out_of_a_commander():
+    text = (
+        "domain: keepaway_handcoded\nwithout: [GotoBall]\nagents:\n  a: {}\n"
+        "kinds:\n  Squad: {orders: {Play: Keepaway}}\n"
+        "commanders:\n  chief: {kind: Squad, commands: [a]%s}\n"
+    )
+    assert parse_swarm(text % "", HERE).commanders[0].without == ()
+    assert "team.yaml:8: a commander has no hand-written automata to take out; leave" in complaint(
+        text % ", without: [Play]"
+    )
+
+
 def test_many_likes_take_one_line_and_few_processes():
     swarm = parse_swarm(
         "domain: keepaway\nagents:\n  ant: {count: 5, per_process: 2}\n  queen: {}\n", HERE
