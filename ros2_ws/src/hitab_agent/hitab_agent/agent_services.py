@@ -10,6 +10,8 @@ from typing import Any
 from hitab_msgs import msg, srv
 
 from hitab_core import (
+    FLAGS,
+    OWN_FEATURES,
     Agent,
     BasicBehavior,
     BehaviorLibrary,
@@ -279,10 +281,12 @@ class AgentServices:
         response.one_shot = [
             b.name for b in behaviors if isinstance(b, BasicBehavior) and b.one_shot
         ]
-        response.features = [str(Use(f.name, f.parameters)) for f in features]
-        response.feature_kinds = [f.kind.value for f in features]
-        response.feature_units = [f.unit for f in features]
-        response.feature_descriptions = [f.description for f in features]
+        words = [(Use(f.name, f.parameters), f) for f in features]
+        words += [(use, domain.feature(use.name)) for use in OWN_FEATURES if use.name not in FLAGS]
+        response.features = [str(use) for use, _ in words]
+        response.feature_kinds = [f.kind.value for _, f in words]
+        response.feature_units = [f.unit for _, f in words]
+        response.feature_descriptions = [f.description for _, f in words]
         response.targets = sorted(domain.targets)
         return response
 

@@ -139,4 +139,4 @@ def _fill_in(answer: srv.GetBehavior.Response, automaton: Automaton, domain: Dom
 
 
 def _unit(feature: Use, domain: Domain) -> str:
-    return "" if feature.name in FLAGS else domain.features[feature.name].unit
+    return domain.feature(feature.name).unit

@@ -2,6 +2,7 @@ from . import arrays as arrays
 from .agent import Agent as Agent
 from .agent import Mode as Mode
 from .automaton import FLAGS as FLAGS
+from .automaton import OWN_FEATURES as OWN_FEATURES
 from .automaton import RESERVED as RESERVED
 from .automaton import START as START
 from .automaton import Automaton as Automaton

@@ -241,6 +241,7 @@ class Agent:
                 placed.
         """
         self.cycle = cycle
+        self._context.clock.now = time
         self.body.sense(values, heard)
         self._context.senses.forget()
         if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):

@@ -22,6 +22,22 @@ FLAGS = ("Done", "Failed")
 
 RESERVED = frozenset((START, *FLAGS))
 
+SECONDS_IN_STATE = "SecondsInState"
+SECONDS_SINCE = "SecondsSince"
+
+OWN_FEATURES = (
+    *map(Use, FLAGS),
+    Use(SECONDS_IN_STATE),
+    *(Use(SECONDS_SINCE, (flag,)) for flag in FLAGS),
+)
+"""The features that each automaton has of its own, whatever the domain: whether its active state's
+behavior has raised a flag, and timers, in simulated seconds. ``SecondsInState`` counts from the
+entry into the active state, and is 0 in Start, which is left at once; ``SecondsSince(Done)`` counts
+from the last time that the automaton saw this flag up, or, if it never did, from its start.
+"""
+
+OWN_NAMES = frozenset(use.name for use in OWN_FEATURES)
+
 
 @dataclass(frozen=True)
 class Automaton:
@@ -83,6 +99,12 @@ class Automaton:
                 raise VocabularyError(
                     f'automaton "{self.name}" has a transition function for "{state}", '
                     "which is not one of its states"
+                )
+        for parameter in self.parameters:
+            if parameter in RESERVED:
+                raise VocabularyError(
+                    f'automaton "{self.name}": a parameter cannot be called "{parameter}", which '
+                    "is reserved; rename it"
                 )
         object.__setattr__(self, "_labels", labels)
         object.__setattr__(self, "transitions", MappingProxyType(dict(self.transitions)))

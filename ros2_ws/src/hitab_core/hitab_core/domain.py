@@ -18,6 +18,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Protocol
 
+from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
 from hitab_core.errors import VocabularyError
 from hitab_core.use import NAME, Use
 from hitab_core.vocabulary import check_known, has
@@ -115,6 +116,30 @@ class Scale:
 BOOLEAN_SCALE = Scale(FeatureKind.BOOLEAN)
 
 
+def _not_of_a_body(body: Any, *targets: Any) -> float:
+    raise TypeError("the engine fills this feature in")
+
+
+def _own(name: str, description: str, **more: Any) -> tuple[str, Feature]:
+    return name, Feature(name, _not_of_a_body, description=description, **more)
+
+
+OWN = dict(
+    [
+        _own("Done", "whether the active state's behavior is done", kind=FeatureKind.BOOLEAN),
+        _own("Failed", "whether the active state's behavior failed", kind=FeatureKind.BOOLEAN),
+        _own(SECONDS_IN_STATE, "time since the active state was entered", unit="s"),
+        _own(
+            SECONDS_SINCE,
+            "time since the automaton last saw this flag up, or was started",
+            parameters=("flag",),
+            unit="s",
+        ),
+    ]
+)
+"""The engine's own features by name; see `hitab_core.automaton.OWN_FEATURES`."""
+
+
 def _nothing(body: Any, *targets: Any) -> None:
     """Do nothing: the default start and stop of a basic behavior."""
 
@@ -193,7 +218,7 @@ class Domain:
         """Make a domain from lists.
 
         Raises:
-            VocabularyError: if a name is malformed, or there twice in one list.
+            VocabularyError: if a name is malformed, there twice in one list, or the engine's own.
 
         Example:
             >>> class Cart:
@@ -228,6 +253,13 @@ class Domain:
                     )
                 if names.count(thing_name) > 1:
                     raise VocabularyError(f'domain "{name}" has "{thing_name}" twice')
+        for taken, what in ((OWN_NAMES, groups[1]), (frozenset(FLAGS), groups[2])):
+            for thing in what:
+                if thing.name in taken:
+                    raise VocabularyError(
+                        f'domain "{name}": "{thing.name}" is a name of the engine\'s own, which '
+                        "every automaton has; choose another one"
+                    )
         made = [_by_name(group) for group in groups]
         return cls(name, version, body, made[0], made[1], made[2], made[3], link)
 
@@ -284,6 +316,28 @@ class Domain:
             "targets": sorted(self.targets),
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
+
+    def feature(self, name: str) -> Feature:
+        """Return a feature by name, of the domain or of the engine itself."""
+        return OWN[name] if name in OWN else self.features[name]
+
+    def check_feature(self, use: Use, parameters: Iterable[str] = ()) -> None:
+        """Check that ``use`` can be a feature of an automaton with these parameters.
+
+        Raises:
+            VocabularyError: naming what is unknown or wrongly bound.
+        """
+        if use in OWN_FEATURES:
+            return
+        if use.name in OWN_NAMES:
+            there = [str(own) for own in OWN_FEATURES if own.name == use.name]
+            raise VocabularyError(f'feature "{use}" must read {" or ".join(there)}')
+        self.check_use(use, self._feature_parameters, parameters, what="feature")
+
+    @cached_property
+    def _feature_parameters(self) -> dict[str, tuple[str, ...]]:
+        found = {name: f.parameters for name, f in self.features.items()}
+        return found | {name: f.parameters for name, f in OWN.items()}
 
     def check_use(
         self,

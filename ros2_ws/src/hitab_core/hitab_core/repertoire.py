@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NoReturn
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
-from hitab_core.domain import BOOLEAN_SCALE, BasicBehavior, Domain, Scale
+from hitab_core.domain import BasicBehavior, Domain, Scale
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.use import Use
@@ -40,8 +40,6 @@ class Repertoire:
         self._parameters = {
             name: b.parameters for name, b in domain.behaviors.items() if name not in self.lost
         }
-        self._feature_parameters = {name: f.parameters for name, f in domain.features.items()}
-        self._feature_parameters |= dict.fromkeys(FLAGS, ())
         self._users: dict[str, set[str]] = {}
         for automaton in domain.automata.values():
             if automaton.name not in self.lost:
@@ -162,10 +160,8 @@ class Repertoire:
         return isinstance(behavior, BasicBehavior) and behavior.one_shot
 
     def scale_of(self, feature: Use) -> Scale:
-        """Return how the values of a feature compare; flags are boolean."""
-        if feature.name in FLAGS:
-            return BOOLEAN_SCALE
-        return self.domain.features[feature.name].scale
+        """Return how the values of a feature compare."""
+        return self.domain.feature(feature.name).scale
 
     def check_state(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
         """Check that ``use`` can be a state of an automaton with these parameters.
@@ -188,9 +184,7 @@ class Repertoire:
         Raises:
             VocabularyError: naming what is unknown or wrongly bound.
         """
-        if use.name in FLAGS and not use.arguments:
-            return
-        self.domain.check_use(use, self._feature_parameters, parameters, what="feature")
+        self.domain.check_feature(use, parameters)
 
     def check_new(self, automaton: Automaton) -> None:
         """Check an automaton, including its name, before training it.

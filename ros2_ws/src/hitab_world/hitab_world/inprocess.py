@@ -71,10 +71,17 @@ class AutomatonPlayer:
         use: the behavior to perform, bound to targets.
         name: of the agent.
         most_probable: take the most probable next state instead of drawing one.
+        time: returns the simulated time, s; for timers.
     """
 
     def __init__(
-        self, repertoire: Repertoire, use: Use, name: str, *, most_probable: bool = False
+        self,
+        repertoire: Repertoire,
+        use: Use,
+        name: str,
+        *,
+        most_probable: bool = False,
+        time: Callable[[], float] = float,
     ) -> None:
         self.body = repertoire.domain.body(name)
         self._name = name
@@ -84,15 +91,19 @@ class AutomatonPlayer:
             repertoire, self.body, self._senses, self._random.random, most_probable
         )
         self.running = context.perform(use)
+        self._clock = context.clock
+        self._time = time
 
     def begin(self, seed: int, episode: int) -> None:
         """Begin an episode, at Start, with the agent's generator seeded for it."""
         self._random.seed(agent_seed(seed, episode, self._name))
+        self._clock.now = self._time()
         self.running.stop()
         self.running.start()
 
     def tick(self) -> None:
         """Perform one timestep on the percept that the body has just sensed."""
+        self._clock.now = self._time()
         self._senses.forget()
         self.running.tick()
 
@@ -102,8 +113,12 @@ def perform(
 ) -> dict[str, Player]:
     """Return players that perform the same behavior with all agents of a world."""
     use = Use.parse(behavior) if isinstance(behavior, str) else behavior
+
+    def time() -> float:
+        return world.episode_cycle * world.cycle_seconds
+
     return {
-        name: AutomatonPlayer(repertoire, use, name, most_probable=most_probable)
+        name: AutomatonPlayer(repertoire, use, name, most_probable=most_probable, time=time)
         for name in world.agents
     }
 

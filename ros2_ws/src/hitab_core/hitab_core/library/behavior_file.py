@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.domain import BOOLEAN_SCALE, Domain, FeatureKind, Scale
+from hitab_core.domain import Domain, FeatureKind, Scale
 from hitab_core.errors import LibraryError
 from hitab_core.example_codec import file_record, value_records
 from hitab_core.learning.transition_tree import TransitionTree
@@ -64,15 +64,15 @@ def file_name(name: str) -> str:
 
 
 def scale_of(feature: Use, domain: Domain) -> Scale:
-    """Return how the values of a feature compare; flags are boolean."""
-    return BOOLEAN_SCALE if feature.name in FLAGS else domain.features[feature.name].scale
+    """Return how the values of a feature compare."""
+    return domain.feature(feature.name).scale
 
 
 def feature_record(use: Use, domain: Domain) -> dict[str, Any]:
     """Return a feature's entry in a file: all that is needed to interpret its values."""
     if use.name in FLAGS:
         return {"feature": str(use), "kind": FLAG}
-    feature = domain.features[use.name]
+    feature = domain.feature(use.name)
     record: dict[str, Any] = {"feature": str(use), "kind": feature.kind.value}
     if feature.unit:
         record["unit"] = feature.unit

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
-from hitab_core.domain import BOOLEAN_SCALE, Domain, Scale
+from hitab_core.domain import Domain, Scale
 from hitab_core.errors import HitabError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
@@ -213,15 +213,11 @@ class _Reader:
     def _features(self) -> tuple[list[Use], list[Scale]]:
         records = self._content["features"]
         features = self._uses("features", [record["feature"] for record in records])
-        known = {f.name: f.parameters for f in self._domain.features.values()}
         scales = []
         for i, (use, record) in enumerate(zip(features, records, strict=True)):
             try:
-                if use.name in FLAGS and not use.arguments:
-                    scales.append(BOOLEAN_SCALE)
-                else:
-                    self._domain.check_use(use, known, self._content["parameters"], what="feature")
-                    scales.append(scale_of(use, self._domain))
+                self._domain.check_feature(use, self._content["parameters"])
+                scales.append(scale_of(use, self._domain))
             except VocabularyError as error:
                 self._complaints.add(("features", i), f"{error}; correct it, or train again")
                 continue

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.automaton import FLAGS, OWN_FEATURES, START, Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import VocabularyError
 from hitab_core.learning.transition_learning import learn_transitions
@@ -156,7 +156,8 @@ def check_bound(automaton: Automaton, domain: Domain) -> None:
         VocabularyError: naming what is bound to neither a target nor a parameter.
     """
     there = [*domain.targets, *automaton.parameters]
-    for use in (*automaton.states, *automaton.features):
+    features = [use for use in automaton.features if use not in OWN_FEATURES]
+    for use in (*automaton.states, *features):
         for argument in use.arguments:
             if argument not in there:
                 raise VocabularyError(

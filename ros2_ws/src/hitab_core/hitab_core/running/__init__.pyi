@@ -1,6 +1,7 @@
 from .agent_batch import AgentBatch as AgentBatch
 from .agent_batch import BatchMember as BatchMember
 from .observing import Change as Change
+from .running_automaton import Clock as Clock
 from .running_automaton import RunContext as RunContext
 from .running_automaton import Running as Running
 from .running_automaton import RunningAutomaton as RunningAutomaton

@@ -49,6 +49,7 @@ class AgentBatch:
             len(stages),
             most_probable=first.most_probable,
             observe=self._observe if any(context.observe for context in stages) else None,
+            clocks=[context.clock for context in stages],
         )
         self.decided: Booleans = np.zeros(len(stages), np.bool_)
         self.errors: dict[int, Exception] = {}
@@ -97,14 +98,14 @@ class _Raised(set[str]):
     """The flags of a member; clearing them clears the batch's copy."""
 
     def __init__(self, level: BatchLevel, row: int) -> None:
-        super().__init__(level.raised_by(row))
+        super().__init__(level.own.raised_by(row))
         self._level = level
         self._row = row
 
     def clear(self) -> None:
         """Lower all flags."""
         super().clear()
-        self._level.raised[self._row] = 0
+        self._level.own.raised[self._row] = 0
 
 
 class BatchMember:
@@ -216,7 +217,11 @@ class LevelOfMember:
     @property
     def raised(self) -> set[str]:
         """The flags that it has raised."""
-        return self._level.raised_by(self._row)
+        return self._level.own.raised_by(self._row)
+
+    def own_feature(self, use: Use) -> float:
+        """Return the current value of a flag or timer; see `RunningAutomaton.own_feature`."""
+        return self._level.own_feature(use, self._row)
 
     @property
     def child(self) -> LevelOfMember | None:

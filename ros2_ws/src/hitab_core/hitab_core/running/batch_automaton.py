@@ -21,6 +21,8 @@ from hitab_core.learning.missing_values import Likely
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.batch_senses import BatchSenses
 from hitab_core.running.observing import guest
+from hitab_core.running.own_columns import FLAG_BITS, OwnColumns
+from hitab_core.running.running_automaton import Clock, Level
 from hitab_core.transition_function import TransitionFunction, Values
 from hitab_core.use import Use
 
@@ -32,8 +34,6 @@ DrawFor = Callable[[Integers], Floats]
 
 Observe = Callable[["BatchLevel", Integers, int, int], None]
 """Called for rows that change state, with the level and the source and destination indices."""
-
-_FLAG_BITS = {flag: 1 << i for i, flag in enumerate(FLAGS)}
 
 
 def draws_of(generators: Sequence[Callable[[], float]]) -> DrawFor:
@@ -59,7 +59,7 @@ class BatchLevel:
         active: shape (n,), index of each agent's active state; valid only for agents that perform
             this level.
         slots: of its features in the senses.
-        raised: shape (n,), the flags that each agent's automaton has raised, as bits.
+        own: the flags and timers of the agents' automata.
     """
 
     def __init__(
@@ -76,22 +76,21 @@ class BatchLevel:
         self.bindings = dict(zip(automaton.parameters, use.arguments, strict=True))
         self.labels = [START, *automaton.labels]
         self.active: Integers = np.zeros(batch.size, np.int64)
-        self.raised = np.zeros(batch.size, np.uint8)
+        self.own = OwnColumns(batch.size, batch.senses)
         self._batch = batch
-        self._bits = [_FLAG_BITS.get(label, 0) for label in self.labels]
+        self._bits = [FLAG_BITS.get(label, 0) for label in self.labels]
         self.children: list[BatchLevel | int | None] = [None]
         for state in automaton.states:
             self.children.append(
                 None if state.name in FLAGS else batch.child(state.bound(self.bindings), self)
             )
         self.slots: list[int] = []
-        self._flag_slots: list[tuple[int, int]] = []
         for feature in automaton.features:
-            if feature.name in FLAGS:
-                self.slots.append(batch.senses.slot_for_flag())
-                self._flag_slots.append((self.slots[-1], _FLAG_BITS[feature.name]))
-            else:
-                self.slots.append(batch.senses.slot(feature.bound(self.bindings)))
+            slot = self.own.slot(feature)
+            self.slots.append(
+                batch.senses.slot(feature.bound(self.bindings)) if slot is None else slot
+            )
+        batch.timed |= self.own.timed
         index = {label: i for i, label in enumerate(self.labels)}
         self._decisions: list[_Decision | None] = [None] * len(self.labels)
         for label, function in automaton.transitions.items():
@@ -100,7 +99,7 @@ class BatchLevel:
     def start(self, rows: Integers) -> None:
         """Put some agents in Start, with no flag raised."""
         self.active[rows] = 0
-        self.raised[rows] = 0
+        self.own.start(rows, self._batch.now)
 
     def tick(self, rows: Integers) -> None:
         """Let some agents query, change state and perform the active state."""
@@ -120,8 +119,10 @@ class BatchLevel:
             groups.append((0, group))
         gathered: list[list[Integers]] = [[] for _ in self.labels]
         for state, group in groups:
-            if self._flag_slots:
-                self._see_flags(self.children[state], group)
+            if self.own.asked:
+                child = self.children[state]
+                below = child.own if isinstance(child, BatchLevel) else None
+                self.own.query(below, group, self._batch.now, blank=child is None)
             decide = self._decisions[state]
             if decide is None:
                 gathered[state].append(group)
@@ -140,27 +141,18 @@ class BatchLevel:
         else:
             self._batch.arrive(rows, NOTHING if child is None else child)
 
-    def _see_flags(self, child: BatchLevel | int | None, rows: Integers) -> None:
-        if not isinstance(child, BatchLevel):
-            for slot, _ in self._flag_slots:
-                self._batch.senses.put(slot, rows, 0.0)
-            return
-        raised = child.raised[rows]
-        for slot, bit in self._flag_slots:
-            self._batch.senses.put(slot, rows, (raised & bit) != 0)
-        child.raised[rows] = 0
-
     def _enter(self, source: int, chosen: int, rows: Integers) -> None:
         batch = self._batch
         if batch.observe is not None:
             batch.observe(self, rows, source, chosen)
         batch.leave(rows)
         self.active[rows] = chosen
+        self.own.enter(rows, batch.now)
         child = self.children[chosen]
         if isinstance(child, BatchLevel):
             child.start(rows)
         elif child is None and chosen:
-            self.raised[rows] |= self._bits[chosen]
+            self.own.raised[rows] |= self._bits[chosen]
 
     def active_path(self, row: int) -> list[str]:
         """Return the labels of one agent's active states, from this level inwards."""
@@ -169,17 +161,20 @@ class BatchLevel:
         inner = child.active_path(row) if isinstance(child, BatchLevel) else []
         return [self.labels[state], *inner]
 
-    def condition(self, row: int) -> list[tuple[int, frozenset[str]]]:
-        """Return one agent's active states and raised flags, from this level inwards."""
+    def condition(self, row: int) -> list[Level]:
+        """Return one agent's condition, from this level inwards."""
         state = int(self.active[row])
         child = self.children[state]
         inner = child.condition(row) if isinstance(child, BatchLevel) else []
-        return [(state, frozenset(self.raised_by(row))), *inner]
+        return [self.own.condition(row, state), *inner]
 
-    def raised_by(self, row: int) -> set[str]:
-        """Return the flags that one agent's automaton has raised."""
-        raised = int(self.raised[row])
-        return {flag for flag, bit in _FLAG_BITS.items() if raised & bit}
+    def own_feature(self, use: Use, row: int) -> float:
+        """Return the current value of one agent's flag or timer; leave flags up."""
+        state = int(self.active[row])
+        child = self.children[state]
+        raised = child.own.raised_by(row) if isinstance(child, BatchLevel) else set()
+        now = self._batch.time_of(row)
+        return self.own.value(use, row, raised, now, blank=child is None)
 
 
 class BatchAutomaton:
@@ -192,6 +187,8 @@ class BatchAutomaton:
         basics: the available basic behaviors, bound to targets.
         performed: shape (n,), index of each agent's basic behavior, or `NOTHING`.
         top: the top level.
+        timed: whether any level has timers; only then is the time looked at.
+        now: shape (n,), the agents' simulated time, s.
     """
 
     def __init__(
@@ -204,6 +201,7 @@ class BatchAutomaton:
         *,
         most_probable: bool = False,
         observe: Observe | None = None,
+        clocks: Sequence[Clock] = (),
     ) -> None:
         """Put all agents in Start.
 
@@ -215,8 +213,12 @@ class BatchAutomaton:
             size: number of agents, n.
             most_probable: take the most probable next state instead of drawing one.
             observe: called at each change of state, before the new state is started.
+            clocks: of the agents; only needed for timers.
         """
         self.size = size
+        self.timed = False
+        self.now: Floats = np.zeros(size)
+        self._clocks = clocks
         self.senses = senses
         self.observe = None if observe is None else guest(observe)
         self.basics: list[Use] = []
@@ -233,6 +235,7 @@ class BatchAutomaton:
 
     def start(self, rows: Integers) -> None:
         """Put some agents in Start; they perform nothing yet."""
+        self._look_at_clocks()
         self.top.start(rows)
         self.performed[rows] = NOTHING
 
@@ -245,6 +248,7 @@ class BatchAutomaton:
         """
         self._moved[rows] = False
         self._arrived[rows] = False
+        self._look_at_clocks()
         self.top.tick(rows)
         if not self.senses.errors:
             return {}
@@ -253,14 +257,14 @@ class BatchAutomaton:
         self.performed[lost[self._moved[lost]]] = NOTHING
         return {row: self.senses.errors[row] for row in lost.tolist()}
 
-    def go_on_from(self, row: int, levels: Sequence[tuple[int, frozenset[str]]]) -> int:
+    def go_on_from(self, row: int, levels: Sequence[Level]) -> int:
         """Restore one agent's condition; return the index of what it performs."""
         child: BatchLevel | int | None = self.top
-        for state, raised in levels:
+        for level in levels:
             assert isinstance(child, BatchLevel)
-            child.active[row] = state
-            child.raised[row] = sum(_FLAG_BITS[flag] for flag in raised)
-            child = child.children[state]
+            child.active[row] = level.active
+            child.own.go_on_from(row, level)
+            child = child.children[level.active]
         performed = child if isinstance(child, int) else NOTHING
         self.performed[row] = performed
         return performed
@@ -268,6 +272,14 @@ class BatchAutomaton:
     def active_path(self, row: int) -> list[str]:
         """Return the labels of one agent's active states, outermost first."""
         return self.top.active_path(row)
+
+    def time_of(self, row: int) -> float:
+        """Return one agent's simulated time, s."""
+        return self._clocks[row].now
+
+    def _look_at_clocks(self) -> None:
+        if self.timed:
+            self.now = np.array([clock.now for clock in self._clocks])
 
     # -- for the levels ---------------------------------------------------------------------
 

@@ -96,17 +96,17 @@ class BatchSenses:
         percepts = self._percepts
         return lambda: read(percepts, *[r(percepts) for r in resolvers if r is not None])
 
-    def slot_for_flag(self) -> int:
+    def own_slot(self) -> int:
         """Return a new slot that the automaton fills itself."""
         self._columns.append(_Column(np.zeros(self._size), whole=True))
         return len(self._columns) - 1
 
     def put(self, slot: int, rows: Integers, values: Any) -> None:
-        """Set values in the slot of a flag."""
+        """Set values in an automaton's own slot."""
         self._columns[slot].values[rows] = values
 
     def forget(self) -> None:
-        """Clear all values except flags, for new percepts."""
+        """Clear all values except the automata's own, for new percepts."""
         self.errors.clear()
         self.missed.clear()
         for slot in self._slots.values():

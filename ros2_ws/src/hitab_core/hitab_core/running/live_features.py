@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from hitab_core.automaton import FLAGS
+from hitab_core.automaton import OWN_FEATURES
 from hitab_core.running.agent_batch import BatchMember, LevelOfMember
 from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
 from hitab_core.running.senses import value_or_nan
@@ -38,15 +38,15 @@ def live_features(
     readings: list[Reading] = []
     running = running.outermost if isinstance(running, BatchMember) else running
     while isinstance(running, RunningAutomaton | LevelOfMember):
-        child = running.child
-        raised = child.raised if child is not None else ()
         for feature in running.automaton.features:
             use = feature.bound(running.bindings)
-            value = float(use.name in raised) if use.name in FLAGS else value_or_nan(look, use)
+            own = use in OWN_FEATURES
+            value = running.own_feature(use) if own else value_or_nan(look, use)
             readings.append((running.label, str(use), value))
-        running = child
-    # A behavior raises a flag only to its parent automaton.
+        running = running.child
+    # Flags and timers are those of one automaton.
     readings += [
-        ("", str(use), math.nan if use.name in FLAGS else value_or_nan(look, use)) for use in also
+        ("", str(use), math.nan if use in OWN_FEATURES else value_or_nan(look, use))
+        for use in also
     ]
     return readings

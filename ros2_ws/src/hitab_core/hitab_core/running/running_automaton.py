@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple, Protocol
 
-from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.automaton import FLAGS, OWN_NAMES, START, Automaton
 from hitab_core.domain import BasicBehavior
 from hitab_core.errors import NoValueError
 from hitab_core.repertoire import Repertoire
@@ -38,6 +38,13 @@ class Running(Protocol):
         """Stop performing, innermost first."""
 
 
+@dataclass(slots=True)
+class Clock:
+    """The simulated time of an agent's last percept, s; whoever gives it the percept sets it."""
+
+    now: float = 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class RunContext:
     """The context shared by everything that one agent performs.
@@ -50,6 +57,7 @@ class RunContext:
         most_probable: take the most probable next state instead of drawing one.
         observe: called at each change of state, after the decision and before the new state
             starts. Its exceptions do not propagate; see `hitab_core.running.observing`.
+        clock: for the timers of its automata.
     """
 
     repertoire: Repertoire
@@ -58,6 +66,7 @@ class RunContext:
     draw: Callable[[], float]
     most_probable: bool = False
     observe: Observe | None = None
+    clock: Clock = field(default_factory=Clock)
 
     def __post_init__(self) -> None:
         """Wrap the observer so that its exceptions do not propagate."""
@@ -110,9 +119,24 @@ class RunningBasicBehavior:
         self._stop()
 
 
-Condition = tuple[list[tuple[int, frozenset[str]]], RunningBasicBehavior | None]
-"""The index of each automaton's active state and its raised flags, outermost first, and the
-basic behavior at the end, if any."""
+class Level(NamedTuple):
+    """The condition of one automaton that is being performed.
+
+    Attributes:
+        active: index of the active state.
+        raised: flags that it has raised.
+        entered: when the active state was entered, s.
+        seen: when each flag was last seen up, s.
+    """
+
+    active: int
+    raised: frozenset[str]
+    entered: float
+    seen: Mapping[str, float]
+
+
+Condition = tuple[list[Level], RunningBasicBehavior | None]
+"""Of each automaton, outermost first, and the basic behavior at the end, if any."""
 
 
 class RunningAutomaton:
@@ -138,6 +162,9 @@ class RunningAutomaton:
         self.label = label or automaton.name
         self.path: tuple[str, ...] = (*(above.path if above is not None else ()), self.label)
         self.raised: set[str] = set()
+        self._clock = context.clock
+        self._entered = self._clock.now
+        self._seen = dict.fromkeys(FLAGS, self._clock.now)
         self._senses = context.senses
         self._values = context.senses.values
         self._read = context.senses.read
@@ -151,16 +178,20 @@ class RunningAutomaton:
             self.add_state(state)
         self._slots: list[int] = []
         self._flag_slots: list[tuple[int, str]] = []
+        self._timer_slots: list[tuple[int, str]] = []
         self._bind(automaton.features)
         self.set_transitions(automaton.transitions)
 
     def _bind(self, features: Sequence[Use]) -> None:
         """Find the slots of the features."""
-        self._slots, self._flag_slots = [], []
+        self._slots, self._flag_slots, self._timer_slots = [], [], []
         for feature in features:
             if feature.name in FLAGS:
-                slot = self._senses.slot_for_flag()
+                slot = self._senses.own_slot()
                 self._flag_slots.append((slot, feature.name))
+            elif feature.name in OWN_NAMES:
+                slot = self._senses.own_slot()
+                self._timer_slots.append((slot, "".join(feature.arguments)))
             else:
                 slot = self._senses.slot(feature.bound(self.bindings))
             self._slots.append(slot)
@@ -217,7 +248,7 @@ class RunningAutomaton:
 
     def condition(self) -> Condition:
         """Return its condition, from which another performance can continue."""
-        own = (self._active, frozenset(self.raised))
+        own = Level(self._active, frozenset(self.raised), self._entered, dict(self._seen))
         child = self.child
         if isinstance(child, RunningAutomaton):
             levels, basic = child.condition()
@@ -227,6 +258,8 @@ class RunningAutomaton:
     def start(self) -> None:
         """Begin in Start, with no flag raised."""
         self._active = 0
+        self._entered = now = self._clock.now
+        self._seen = dict.fromkeys(FLAGS, now)
         self.raised.clear()
 
     def stop(self) -> None:
@@ -242,8 +275,8 @@ class RunningAutomaton:
         child = self._children[active]
         if child is None:
             active = self._active = 0  # Start and flag states are left at once
-        if self._flag_slots:
-            self._see_flags(child)
+        if self._flag_slots or self._timer_slots:
+            self._query_own(child)
         decide = self._decide[active]
         if decide is not None:
             chosen = decide(self._values, self._read, self.context.draw)
@@ -269,8 +302,8 @@ class RunningAutomaton:
     def take_down_flags(self) -> None:
         """Lower the flags of the active state, since a demonstrator's command is the query."""
         child = self.child
-        if child is not None:
-            child.raised.clear()
+        if child is not None and child.raised:
+            self._see(child.raised)
 
     def peek_features(self) -> list[float]:
         """Return the current values of all features, NaN if one is missing; leave flags up.
@@ -278,9 +311,10 @@ class RunningAutomaton:
         Raises:
             FeatureValueError: if a required feature has no value.
         """
-        child = self.child
         for slot, flag in self._flag_slots:
-            self._values[slot] = 1.0 if child is not None and flag in child.raised else 0.0
+            self._values[slot] = self.own_feature(Use(flag))
+        for slot, flag in self._timer_slots:
+            self._values[slot] = self._seconds_since(flag)
         return [self._value_or_nan(slot) for slot in self._slots]
 
     def _value_or_nan(self, slot: int) -> float:
@@ -289,12 +323,37 @@ class RunningAutomaton:
         except NoValueError:
             return math.nan
 
-    def _see_flags(self, child: Running | None) -> None:
+    def own_feature(self, use: Use) -> float:
+        """Return the current value of a flag or timer; leave flags up."""
+        if use.name not in FLAGS:
+            return self._seconds_since("".join(use.arguments))
+        child = self.child
+        return float(child is not None and use.name in child.raised)
+
+    def _seconds_since(self, flag: str) -> float:
+        """Return the seconds since a flag was seen up; for "", since the state was entered."""
+        child, now = self.child, self._clock.now
+        if flag:
+            up = child is not None and flag in child.raised
+            since = now if up else self._seen[flag]
+        else:
+            since = now if child is None else self._entered
+        return max(0.0, now - since)
+
+    def _query_own(self, child: Running | None) -> None:
+        """Fill in the flags and timers; a flag that was seen goes down."""
         raised = child.raised if child is not None else None
         for slot, flag in self._flag_slots:
             self._values[slot] = 1.0 if raised and flag in raised else 0.0
+        for slot, flag in self._timer_slots:
+            self._values[slot] = self._seconds_since(flag)
         if raised:
-            raised.clear()
+            self._see(raised)
+
+    def _see(self, raised: set[str]) -> None:
+        for flag in raised:
+            self._seen[flag] = self._clock.now
+        raised.clear()
 
     def _enter(self, index: int, *, commanded: bool = False) -> Running | None:
         observe = self.context.observe
@@ -304,6 +363,7 @@ class RunningAutomaton:
         if old is not None:
             old.stop()
         self._active = index
+        self._entered = self._clock.now
         child = self._children[index]
         if child is None:
             if index:

@@ -78,7 +78,7 @@ class Senses:
         read = resolved(feature.read, self._body, self._domain, use)
         return partial(checked, read, *checks_of(use, feature))
 
-    def slot_for_flag(self) -> int:
+    def own_slot(self) -> int:
         """Return a new slot that the automaton fills itself."""
         return self._new(None)
 
