@@ -1,0 +1,66 @@
+"""What advice consists of: corrections that were given, and proposals that answer them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class ProposalKind(StrEnum):
+    """Why a robot did the wrong thing, and so what to do about it."""
+
+    MISTAKE = "mistake"  # an example says what the person did not mean: remove it
+    SPARSE = "sparse"  # too little was shown there: add an example
+    CONTRADICTION = "contradiction"  # two examples exclude each other: choose one
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """A command against what the automaton did by itself.
+
+    Attributes:
+        state: label of the state in which it decided.
+        features: the values that it saw, in the order of the automaton's features; NaN: missing.
+        wrong: label of the state that it went to, or stayed in.
+        right: label of the state that the person commanded.
+        number: of the example that the command recorded, 0 if it recorded none. The example with
+            this number is not taken for evidence a second time.
+    """
+
+    state: str
+    features: tuple[float, ...]
+    wrong: str
+    right: str
+    number: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """Something that the person can accept or decline.
+
+    Attributes:
+        kind: remove (`MISTAKE`), add (`SPARSE`), or choose (`CONTRADICTION`).
+        state: label of the state whose transition function is concerned.
+        examples: their numbers, ascending. For a mistake, all to be removed, so the default
+            example of the command as well; for too few examples, those that decided; for a
+            contradiction, those that contradict each other.
+        commands: numbers of the commands that recorded them, ascending.
+        instead: the next state that was probably meant; empty if nothing suggests one.
+        place: for too few examples, a situation in which one more command tells most: feature
+            values; None otherwise.
+        corrections: indices of the corrections that it answers.
+        score: probability that it is right, 0 to 1.
+        evidence: sentences that say why, the strongest first.
+        change: a sentence that says what accepting it changes.
+    """
+
+    kind: ProposalKind
+    state: str
+    examples: tuple[int, ...]
+    commands: tuple[int, ...]
+    instead: str
+    place: tuple[float, ...] | None
+    corrections: tuple[int, ...]
+    score: float
+    evidence: tuple[str, ...]
+    change: str
