@@ -23,6 +23,7 @@ import typer
 from hitab_bringup import open_library
 from hitab_client.shipped import shipped
 from hitab_core import Automaton, Domain, Repertoire, load_domain
+from hitab_core.library import parts_of
 from hitab_world import EpisodeResult
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import PAPER
@@ -55,7 +56,7 @@ def teams(domain: Domain, deleted: str, trained: Mapping[str, Automaton]) -> lis
     Args:
         domain: with the hard-coded automata.
         deleted: name of the one that is taken out.
-        trained: what was trained in its place, by name.
+        trained: what was trained in its place, and what that is made of, by name.
     """
     rest = domain.without([deleted])
     examples = sum(len(automaton.examples) for automaton in trained.values())
@@ -119,11 +120,12 @@ def main(
     """Measure a hard-coded team: whole, without one automaton, and with a trained one instead."""
     domain = load_domain(DOMAIN)
     opened = open_library(library or shipped("libraries", DOMAIN))
-    trained = opened.load()
-    if opened.domain.name != DOMAIN or without not in trained:
+    learned = opened.load()
+    if opened.domain.name != DOMAIN or without not in learned:
         raise typer.BadParameter(
             f'{opened.folder} has no "{without}" that was trained in the domain {DOMAIN}'
         )
+    trained = {name: learned[name] for name in parts_of(opened.files, [without])}
     rows = []
     print(f"{episodes} episodes of each team, takers at {taker_speed:g} of their speed")
     print(f"  {'team':26} {'examples':>8}   {'hold time':>15}   {'passes':>12}")
