@@ -13,7 +13,7 @@ from enum import StrEnum
 
 from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.automaton import FLAGS
+from hitab_core.automaton import OWN_FEATURES
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.repertoire import Repertoire
@@ -124,10 +124,9 @@ class Doubts:
                 [str(use) for use in features],
             )
             rated = self._rated[key] = (function, Confidences(function, evidence))
-        raised = running.child.raised if running.child is not None else ()
         values = [
-            float(use.name in raised)
-            if use.name in FLAGS
+            running.own_feature(use)
+            if use in OWN_FEATURES
             else value_or_nan(look, use.bound(running.bindings))
             for use in features
         ]

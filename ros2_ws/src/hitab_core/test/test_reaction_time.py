@@ -226,3 +226,18 @@ def test_a_command_outranks_the_default_example_that_it_contradicts(cart: Driven
     assert [e.kind.value for e in cart.agent.session.examples] == [
         "demonstrated", "default", "default",
     ]  # fmt: skip
+
+
+def test_the_time_in_a_state_counts_from_when_its_command_was_due(cart: Driven) -> None:
+    session = cart.agent.session
+    assert session is not None
+    session.choose_features((Use("SecondsInState"),))
+    cart.run(10)
+    cart.command("Right", ago=0.4)
+    cart.run(5)
+    assert cart.command("Left").features[0] == pytest.approx(0.9)
+    cart.run(5)
+    cart.command("Right", ago=0.3)
+    cart.run()
+    cart.command("Left", ago=0.2)
+    assert session.examples[-2].features[0] == pytest.approx(0.2)

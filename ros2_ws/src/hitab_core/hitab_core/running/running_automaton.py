@@ -299,6 +299,10 @@ class RunningAutomaton:
         if index != self._active:
             self._enter(index, commanded=True)
 
+    def entered_at(self, time: float) -> None:
+        """Count the time in the active state from another time on, s."""
+        self._entered = time
+
     def take_down_flags(self) -> None:
         """Lower the flags of the active state, since a demonstrator's command is the query."""
         child = self.child

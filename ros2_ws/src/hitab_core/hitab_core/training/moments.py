@@ -9,12 +9,12 @@ situation of that time.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
-from hitab_core.automaton import FLAGS, START
+from hitab_core.automaton import FLAGS, OWN_FEATURES, START
 from hitab_core.domain import Domain
 from hitab_core.errors import TrainingError
 from hitab_core.example_codec import value_records, values_of
@@ -82,7 +82,9 @@ class Moment:
 
 
 def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Use, ...]:
-    """Return what can be read in every moment: flags, and features of all targets and parameters.
+    """Return what can be read in every moment: the domain's features, flags and timers.
+
+    Features of the domain are read for all targets and parameters.
 
     Args:
         domain: of the agent.
@@ -97,7 +99,7 @@ def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Use, ...]:
         for feature in features
         for arguments in product(things, repeat=len(feature.parameters))
     ]
-    return (*uses, *map(Use, FLAGS))
+    return (*uses, *OWN_FEATURES)
 
 
 class Moments:
@@ -167,13 +169,22 @@ class Moments:
         """Return the moments from a time on, s."""
         return [moment for moment in self._kept if moment.time >= time]
 
-    def enter(self, state: str, due: Moment) -> None:
-        """Have a state be active since a moment, as if its command had come in time."""
+    def enter(
+        self, state: str, due: Moment, as_entered: Callable[[Moment], tuple[float, ...]]
+    ) -> None:
+        """Have a state be active since a moment, as if its command had come in time.
+
+        Args:
+            state: its label.
+            due: the moment.
+            as_entered: returns the readings of a later moment, were the state active there.
+        """
         kept = self._kept
         for place in range(len(kept) - 1, -1, -1):
             if kept[place].time <= due.time:
                 break
-            kept[place] = replace(kept[place], state=state, since=due.time, raised=frozenset())
+            entered = replace(kept[place], state=state, since=due.time, raised=frozenset())
+            kept[place] = replace(entered, readings=as_entered(entered))
 
     def reenter(self, left: str, state: str) -> None:
         """Have a state be active instead of the one that was entered last."""

@@ -7,11 +7,11 @@ the moments around it are kept so that it can be retimed later.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from hitab_core.automaton import FLAGS, START
+from hitab_core.automaton import FLAGS, OWN_FEATURES, SECONDS_IN_STATE, START
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
@@ -75,14 +75,14 @@ class Perceived:
     def bind(self, context: RunContext, bindings: Mapping[str, str]) -> None:
         """Read from an agent's senses from now on."""
         self._context = context
-        self._uses = [None if u.name in FLAGS else u.bound(bindings) for u in self.readable]
+        self._uses = [None if u in OWN_FEATURES else u.bound(bindings) for u in self.readable]
 
-    def _read(self, raised: Iterable[str]) -> tuple[float, ...]:
+    def _read(self, running: RunningAutomaton) -> tuple[float, ...]:
         """Return the readings of now; NaN for what cannot be read."""
-        up, look = frozenset(raised), self._context.senses.look
+        look = self._context.senses.look
         values = (
-            float(flag.name in up) if use is None else value_or_nan(look, use)
-            for flag, use in zip(self.readable, self._uses, strict=True)
+            running.own_feature(own) if use is None else value_or_nan(look, use)
+            for own, use in zip(self.readable, self._uses, strict=True)
         )
         return tuple(value if math.isfinite(value) else math.nan for value in values)
 
@@ -102,7 +102,21 @@ class Perceived:
         latest, state = self.moments.latest, state_of(running.active)
         since = latest.since if latest is not None and latest.state == state else time
         raised = running.child.raised if running.child is not None else ()
-        self.moments.add(Moment(cycle, time, state, since, frozenset(raised), self._read(raised)))
+        self.moments.add(Moment(cycle, time, state, since, frozenset(raised), self._read(running)))
+
+    def enter(self, label: str, due: Moment) -> None:
+        """Have a commanded state be active since the command was due."""
+
+        def as_entered(moment: Moment) -> tuple[float, ...]:
+            readings = list(moment.readings)
+            for use, column in self._column.items():
+                if use.name in FLAGS:
+                    readings[column] = 0.0
+                elif use.name == SECONDS_IN_STATE:
+                    readings[column] = moment.time - due.time
+            return tuple(readings)
+
+        self.moments.enter(label, due, as_entered)
 
     def restart(self) -> None:
         """Forget what was before the last percept, which begins an episode, in Start."""
@@ -139,7 +153,7 @@ class Perceived:
         # The present one, with the values that the next decision would use.
         values = running.peek_features()
         raised = frozenset(running.child.raised if running.child is not None else ())
-        readings = list(self._read(raised))
+        readings = list(self._read(running))
         for feature, value in zip(features, values, strict=True):
             readings[self._column[feature]] = value
         since = 0.0 if latest is None else latest.since

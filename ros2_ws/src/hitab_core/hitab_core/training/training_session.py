@@ -244,10 +244,12 @@ class TrainingSession:
         self._taken_over = False
         self._keep_correction({"examples": [{"command": taught[0].command}], **around})
         perception.keep_window(taught[0].command, around)
-        perception.moments.enter(label, due)
+        perception.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
         running.go_to(label)
+        if not again:
+            running.entered_at(due.time)
         return taught
 
     def _write(self, record: Mapping[str, Any]) -> None:
@@ -305,16 +307,12 @@ class TrainingSession:
             examples,
             tuple(repertoire.scale_of(use) for use in features),
             tuple(map(str, features)),
-            tuple(self._unit(use) for use in features),
+            tuple(repertoire.domain.feature(use.name).unit for use in features),
             self.curriculum.classifier,
             tuple(self.states),
             tuple(corrections),
             tuple(self.perception.perceived(features)),
         )
-
-    def _unit(self, use: Use) -> str:
-        feature = self.context.repertoire.domain.features.get(use.name)
-        return "" if feature is None else feature.unit
 
     def answer(self, number: int, choice: str = "", *, dismiss: bool = False) -> Question:
         """Answer a question; undo takes the answer back.
