@@ -32,8 +32,8 @@ OWN_FEATURES = (
 )
 """The features that each automaton has of its own, whatever the domain: whether its active state's
 behavior has raised a flag, and timers, in simulated seconds. ``SecondsInState`` counts from the
-entry into the active state, and is 0 in Start, which is left at once; ``SecondsSince(Done)`` counts
-from the last time that the automaton saw this flag up, or, if it never did, from its start.
+entry into the active state, and is 0 in Start, which is left at once. ``SecondsSince(Done)``
+counts from the last time that the automaton saw this flag up, or, if it never did, from its start.
 """
 
 OWN_NAMES = frozenset(use.name for use in OWN_FEATURES)
