@@ -142,13 +142,16 @@ class ForagerTask(Task):
         """The field that is played on."""
 
 
+FORAGING_SECONDS = 150.0
+
+
 class Foraging(ForagerTask):
-    """Squads of five foragers under commanders bring boxes home."""
+    """Two squads of five foragers under commanders bring boxes home."""
 
     name = "foraging"
-    title = "foraging in squads"
-    measure = "boxes brought home in 200 s"
-    episodes = 8
+    title = "foraging in two squads"
+    measure = f"boxes brought home in {FORAGING_SECONDS:g} s"
+    episodes = 10
     top = "Forage"
     lessons = ("foraging_search", "foraging_goto", "foraging_carry", "foraging_forage")
     school_world = SCHOOL
@@ -171,13 +174,13 @@ class Foraging(ForagerTask):
     @property
     def _world(self) -> ForagingParameters:
         return ForagingParameters(
-            foragers=25,
-            small_boxes=12,
-            large_boxes=1,
-            obstacles=4,
-            width=50.0,
-            height=50.0,
-            duration=5.0 if self.quick else 200.0,
+            foragers=10,
+            small_boxes=6,
+            large_boxes=0,
+            obstacles=3,
+            width=40.0,
+            height=40.0,
+            duration=5.0 if self.quick else FORAGING_SECONDS,
         )
 
     @cached_property

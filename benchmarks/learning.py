@@ -250,6 +250,8 @@ def main(
             for entrant in entrants(task):
                 label = f"{name}, {entrant.title}: "
                 base = rows[0]["mean"] if rows else None
+                if quick:
+                    entrant = replace(entrant, teams=entrant.teams[:1])
                 row = row_of(task, entrant, count, seed, base, _prefixed(_progress, label))
                 rows.append(asdict(row))
                 _progress("")

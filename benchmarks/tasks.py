@@ -11,7 +11,7 @@ import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from random import Random
 from types import MappingProxyType
@@ -43,9 +43,6 @@ from hitab_world.inprocess import AutomatonPlayer, Player, play_on
 
 TRIED_SEED = 77
 """Of the episodes in which settings are tried, and of those in which teachers take over."""
-
-EMPTY = Path(tempfile.gettempdir()) / "hitab-nothing-is-learned-here"
-"""A folder that does not exist: a library of it is empty."""
 
 
 @dataclass(frozen=True)
@@ -282,9 +279,19 @@ def rule(name: str, states: str, features: str, **choose: Callable[..., str]) ->
     return Automaton(use.name, uses(states), read, functions, use.arguments)
 
 
-def library(domain: Domain, folder: str | Path = EMPTY) -> BehaviorLibrary:
+@cache
+def _scratch() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="hitab-learning-")
+
+
+def scratch() -> Path:
+    """Return a new folder for what lessons save; it is deleted with the process."""
+    return Path(tempfile.mkdtemp(dir=_scratch().name))
+
+
+def library(domain: Domain, folder: Path | None = None) -> BehaviorLibrary:
     """Return a library; by default with nothing in it but what the domain brings."""
-    return BehaviorLibrary(folder, domain)
+    return BehaviorLibrary(folder or Path(_scratch().name) / "nothing", domain)
 
 
 def commanders(
@@ -314,8 +321,3 @@ def without_defaults(automaton: Automaton, domain: Domain) -> Automaton:
     examples = tuple(example for example in automaton.examples if not example.is_default)
     scales = [scale_of(feature, domain) for feature in automaton.features]
     return replace(automaton, examples=examples, transitions=learn_transitions(examples, scales))
-
-
-def scratch() -> Path:
-    """Return a new folder for what lessons save; the system deletes it."""
-    return Path(tempfile.mkdtemp(prefix="hitab-learning-"))

@@ -63,7 +63,7 @@ def run(*arguments):
     ],
 )
 def test_a_clone_decides_as_scikit_learn_does(name, made):
-    given, asked = commands(40), commands(200, seed=4)
+    given, asked = commands(18), commands(200, seed=4)
     X = np.array([command.readings for command in given])
     rows = np.array([command.readings for command in asked])
     encoding = FeatureEncoding.of(X, SCALES)
