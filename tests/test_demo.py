@@ -25,15 +25,14 @@ def test_the_demo_tells_the_papers_figures_beside_ours(demo):
     _, told = demo
     rows = [line.split("│") for line in told.splitlines() if line.startswith("│")]
     table = {row[1].strip(): [cell.strip() for cell in row[2:-1]] for row in rows}
-    for name, examples, minutes in (
-        ("ApproachBall", 18, 10),
-        ("GotoBall", 10, 10),
-        ("ControlBall", 11, 45),
-        ("Keepaway", 10, 90),
+    for name, examples in (
+        ("ApproachBall", 18),
+        ("GotoBall", 10),
+        ("ControlBall", 11),
+        ("Keepaway", 10),
     ):
-        ours, papers, _, time_of_paper = table[name]
-        assert 0 < int(ours) <= int(papers) == examples
-        assert time_of_paper == f"{minutes} min"
+        commands, ours, papers = map(int, table[name])
+        assert 0 < commands < ours <= papers == examples
     assert table["hold time"][1] == "14.6 ± 0.87 s"
     assert table["passes"][1] == "3.8"
     assert table["missed deadlines"][0] == "0"
