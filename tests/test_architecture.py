@@ -28,7 +28,7 @@ CORE_FLOORS = (
     ("running",),
     ("drawing", "library"),
     ("training",),
-    ("repertoire_change",),
+    ("caution", "repertoire_change"),
     ("agent",),
     ("commanding", "learning_agent", "plain"),
 )
