@@ -61,6 +61,15 @@ def test_a_correction_far_from_every_example_asks_for_one_more_in_between():
     assert proposal.instead == "GoSlow"
 
 
+def test_of_very_many_examples_mistakes_are_found_without_trying_each_out():
+    many = [((0.1 * i,), "GoSlow" if i < 40 else "GoFast") for i in range(80)]
+    many[20] = (many[20][0], "GoFast")
+    told = [Correction("GoMedium", (2.02,), "GoFast", "GoSlow")]
+    (proposal,) = propose(shown(*many), [METERS], told)
+    assert (proposal.examples, proposal.corrections) == ((21,), (0,))
+    assert proposal.change == "what GoMedium decides is learned without it"
+
+
 def test_each_further_correction_around_an_example_makes_a_mistake_likelier():
     scores = [
         propose(APPROACH, [METERS], [to_slow(d) for d in (1.7, 1.5, 1.9)[:n]])[0].score

@@ -53,7 +53,6 @@ def mistake(
         f"{chance:.0%} likely a mistake; where it is, {instead} is expected with "
         f"{odds[instead]:.0%}"
     )
-    change = _change(case, place, before, after)
     return _removal(case, place, example, instead, answers, chance, evidence, change)
 
 
