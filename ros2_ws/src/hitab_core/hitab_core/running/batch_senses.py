@@ -17,7 +17,7 @@ import numpy as np
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Domain
 from hitab_core.errors import NoValueError
-from hitab_core.running.senses import checked, checks_of, resolved
+from hitab_core.running.senses import ON_CIRCLE, checked, checks_of, resolved
 from hitab_core.use import Use
 
 ReadAll = Callable[[], Floats]
@@ -37,7 +37,7 @@ class _Column:
     """
 
     values: Floats
-    checks: tuple[str, int, bool, bool] = ("", 0, False, False)
+    checks: tuple[str, int, bool] = ("", 0, False)
     read_all: ReadAll | None = None
     use: Use | None = None
     readers: dict[int, Callable[[], float]] = field(default_factory=dict)
@@ -182,10 +182,10 @@ class BatchSenses:
         column.whole = True
         values = column.values
         wrong = values != values
-        _, categories, circular, _ = column.checks
-        if categories:
+        _, categories, _ = column.checks
+        if categories > 0:
             wrong |= ~((values >= 0) & (values < categories) & (values == np.floor(values)))
-        if circular:
+        elif categories == ON_CIRCLE:
             wrong |= np.isinf(values)
         for row in np.flatnonzero(wrong).tolist():
             self._read_one(column, row, partial(float, values[row]))

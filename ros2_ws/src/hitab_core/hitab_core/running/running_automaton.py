@@ -195,6 +195,7 @@ class RunningAutomaton:
             else:
                 slot = self._senses.slot(feature.bound(self.bindings))
             self._slots.append(slot)
+        self._has_own = bool(self._flag_slots or self._timer_slots)
 
     def set_features(self, features: Sequence[Use]) -> None:
         """Use other features; transition functions must follow."""
@@ -275,7 +276,7 @@ class RunningAutomaton:
         child = self._children[active]
         if child is None:
             active = self._active = 0  # Start and flag states are left at once
-        if self._flag_slots or self._timer_slots:
+        if self._has_own:
             self._query_own(child)
         decide = self._decide[active]
         if decide is not None:

@@ -15,6 +15,9 @@ from hitab_core.use import Use
 
 P = ParamSpec("P")
 
+ON_CIRCLE = -1
+"""In place of a number of categories: the feature is toroidal."""
+
 BLIND = "nothing perceived yet; let the world run, or wait for the robot's sensors"
 
 
@@ -62,7 +65,7 @@ class Senses:
         self.missed: dict[Use, str] = {}
         self._missing: dict[int, NoValueError] = {}
         self._blank: Values = []
-        self._readers: list[Callable[[], float] | None] = []
+        self._readers: list[Callable[[], float]] = []
         self._slots: dict[Use, int] = {}
         self._body = body
         self._domain = domain
@@ -80,9 +83,9 @@ class Senses:
 
     def own_slot(self) -> int:
         """Return a new slot that the automaton fills itself."""
-        return self._new(None)
+        return self._new(float)
 
-    def _new(self, reader: Callable[[], float] | None) -> int:
+    def _new(self, reader: Callable[[], float]) -> int:
         self._readers.append(reader)
         self._blank.append(None)
         self.values.append(None)
@@ -97,11 +100,10 @@ class Senses:
         """
         value = self.values[slot]
         if value is None:
-            reader = self._readers[slot]
-            if slot in self._missing:
+            if self._missing and slot in self._missing:
                 raise self._missing[slot].with_traceback(None)
             try:
-                value = 0.0 if reader is None else reader()
+                value = self._readers[slot]()
             except NoValueError as error:
                 self._missing[slot] = error
                 self.missed[self._use_of(slot)] = str(error)
@@ -187,16 +189,13 @@ def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) ->
         return math.nan
 
 
-def checked(
-    read: Callable[[], float], name: str, categories: int, circular: bool, required: bool
-) -> float:
+def checked(read: Callable[[], float], name: str, categories: int, required: bool) -> float:
     """Return a feature's value.
 
     Args:
         read: reads it.
         name: of the feature with its targets, for errors.
-        categories: number of categories; 0 for a feature that is not categorical.
-        circular: whether the feature is toroidal.
+        categories: number of categories; `ON_CIRCLE` for a toroidal feature, 0 for any other.
         required: see `Feature.required`.
 
     Raises:
@@ -217,20 +216,24 @@ def checked(
     if value != value:
         why = f'feature "{name}" has no value (got {repr(read_value)[:50]}); check its sensor'
         raise FeatureValueError(why) if required else NoValueError(why)
-    if categories and not (0 <= value < categories and value == int(value)):
-        raise FeatureValueError(
-            f'feature "{name}" has value {value:g}, not one of its {categories} categories'
-        )
-    if circular and math.isinf(value):
-        raise FeatureValueError(f'feature "{name}" has value {value}, which is not on its circle')
+    if categories:
+        _check_possible(value, name, categories)
     return value
 
 
-def checks_of(use: Use, feature: Feature) -> tuple[str, int, bool, bool]:
+def _check_possible(value: float, name: str, categories: int) -> None:
+    if categories == ON_CIRCLE:
+        if math.isinf(value):
+            raise FeatureValueError(f'feature "{name}" has value {value}, not on its circle')
+    elif not (0 <= value < categories and value == int(value)):
+        raise FeatureValueError(
+            f'feature "{name}" has value {value:g}, not one of its {categories} categories'
+        )
+
+
+def checks_of(use: Use, feature: Feature) -> tuple[str, int, bool]:
     """Return the arguments of `checked` for a feature bound to targets."""
-    return (
-        str(use),
-        len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0,
-        feature.kind is FeatureKind.TOROIDAL,
-        feature.required,
-    )
+    categories = len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0
+    if feature.kind is FeatureKind.TOROIDAL:
+        categories = ON_CIRCLE
+    return str(use), categories, feature.required
