@@ -5,10 +5,12 @@ from .behavior_file import scale_of as scale_of
 from .behavior_library import accept_edit as accept_edit
 from .behavior_schema import SUFFIX as SUFFIX
 from .bundle import Bundle as Bundle
+from .bundle import bundle_digest as bundle_digest
 from .bundle import digest_in as digest_in
 from .bundle import make_bundle as make_bundle
 from .bundle import plan_bundle as plan_bundle
 from .bundle import read_bundle as read_bundle
+from .bundle_file import bundle_file_text as bundle_file_text
 from .bundle_file import bundle_text as bundle_text
 from .bundle_file import parts_of as parts_of
 from .bundle_file import read_bundle_file as read_bundle_file
@@ -17,4 +19,7 @@ from .differences import difference as difference
 from .digests import checksum as checksum
 from .edition import Edition as Edition
 from .edition import Editions as Editions
+from .reissuing import content_of as content_of
+from .reissuing import reissued as reissued
+from .reissuing import same_behavior as same_behavior
 from .yaml_fields import Fields as Fields

@@ -73,7 +73,16 @@ def bundle_text(files: Mapping[str, BehaviorFile], parts: Iterable[str], domain:
         parts: names of the behaviors, each after those that it uses; see `parts_of`.
         domain: name of the domain in which they were trained.
     """
-    texts = {name: files[name].text for name in parts}
+    return bundle_file_text({name: files[name].text for name in parts}, domain)
+
+
+def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
+    """Return the text of a file with some behaviors, given the texts of their files.
+
+    Args:
+        texts: by name, each after those that it uses.
+        domain: name of the domain in which they were trained.
+    """
     content = {
         "format": FORMAT,
         "domain": domain,

@@ -1,0 +1,50 @@
+"""A behavior file gets another provenance, and everything else in it stays."""
+
+from pathlib import Path
+
+import pytest
+
+from hitab_core import BehaviorLibrary, LibraryError, load_domain
+from hitab_core.library import Bundle, bundle_digest, content_of, reissued, same_behavior
+from hitab_core.library.bundle import install
+
+FORMATS = Path(__file__).parents[4] / "tests" / "data" / "formats" / "library"
+SHIPPED = Path(__file__).parents[2] / "keepaway_world" / "libraries" / "keepaway"
+
+
+@pytest.mark.parametrize("folder", [FORMATS, SHIPPED])
+def test_a_file_is_reissued_with_its_comments_and_can_be_read(folder, tmp_path):
+    texts = {
+        name: (folder / f"{name}.hfa.yaml").read_text() for name in ("ApproachBall", "GotoBall")
+    }
+    before = texts["GotoBall"]
+    after = reissued(before, "GotoBall.hfa.yaml", version=7, note="generation 2 restored")
+    assert [line for line in after.splitlines() if line not in before.splitlines()] == [
+        "  version: 7",
+        '  note: "generation 2 restored"',
+        after.splitlines()[-1],
+    ]
+    assert same_behavior(content_of(before, "a"), content_of(after, "b"))
+
+    library = BehaviorLibrary(tmp_path, load_domain("keepaway"))
+    files = ((("ApproachBall", texts["ApproachBall"])), ("GotoBall", after))
+    install(Bundle(files, bundle_digest(files)), library)
+    assert library.file("GotoBall").provenance.version == 7
+    assert library.file("GotoBall").provenance.note == "generation 2 restored"
+
+
+def test_another_layout_is_reissued_without_its_comments():
+    text = (SHIPPED / "ApproachBall.hfa.yaml").read_text()
+    block = text[text.index("\nprovenance:") :]
+    moved = block.strip("\n") + "\n" + text.removesuffix(block)
+    after = reissued(moved, "ApproachBall.hfa.yaml", version=9)
+    assert content_of(after, "a")["provenance"]["version"] == 9
+    assert same_behavior(content_of(moved, "a"), content_of(after, "b"))
+
+
+def test_a_damaged_file_is_not_reissued():
+    text = (SHIPPED / "ApproachBall.hfa.yaml").read_text()
+    with pytest.raises(LibraryError, match=r"A.hfa.yaml: is not a behavior file as it was saved"):
+        reissued(text.replace("4.5", "5.5"), "A.hfa.yaml", version=2)
+    with pytest.raises(LibraryError, match=r"A.hfa.yaml: is not a behavior file"):
+        reissued("[]", "A.hfa.yaml", version=2)
