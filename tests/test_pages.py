@@ -53,6 +53,7 @@ def reader(tmp_path, home, hitab, monkeypatch):
         "docs/tutorial.md",
         pytest.param("docs/commanders.md", marks=pytest.mark.long),
         pytest.param("docs/deleted-behavior.md", marks=pytest.mark.long),
+        pytest.param("docs/second-thoughts.md", marks=pytest.mark.long),
     ],
 )
 def test_the_page_shows_what_its_commands_print(reader, page):
