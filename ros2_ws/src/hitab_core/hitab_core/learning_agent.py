@@ -55,6 +55,7 @@ class LearningAgent:
         *,
         name: str = "agent",
         seed: int = 0,
+        period: float = 0.1,
     ) -> None:
         """Make an agent with the behaviors of a domain and of a library.
 
@@ -64,6 +65,7 @@ class LearningAgent:
                 folder that is deleted with the agent.
             name: of the agent.
             seed: of its random numbers.
+            period: how long a step is, s.
 
         Behaviors that cannot be used are warnings that name the way out.
 
@@ -77,6 +79,7 @@ class LearningAgent:
         for fault in self.agent.faults:
             warnings.warn(fault, stacklevel=2)
         self._cycle = 0
+        self._period = period
         self._size: int | None = None
 
     def train(
@@ -133,6 +136,8 @@ class LearningAgent:
         percept: Sequence[float],
         command: str | None = None,
         heard: Sequence[str] = (),
+        *,
+        ago: float = 0.0,
     ) -> tuple[float, ...]:
         """Perform one timestep.
 
@@ -142,6 +147,7 @@ class LearningAgent:
                 is recorded as an example; after `learn` as a correction, and the demonstrator
                 stays in control until `learn` is called again.
             heard: messages that it hears.
+            ago: how long ago the command was due, s; it is recorded with the percept of then.
 
         Returns:
             The action, in the layout of the domain; empty: none.
@@ -158,7 +164,7 @@ class LearningAgent:
             use = Use.parse(command)
             if agent.mode is not Mode.TRAINING and agent.session is not None:
                 agent.take_over()
-            agent.command(use)
+            agent.command(use, ago=ago)
         elif agent.mode is Mode.IDLE or (agent.mode is Mode.TRAINING and not self.examples):
             raise TrainingError(
                 f"{agent.name} does not know what to do; command a behavior with "
@@ -236,5 +242,5 @@ class LearningAgent:
                 "pass the same values in each step"
             )
         self._cycle += 1
-        self.agent.sense(percept, heard, self._cycle)
+        self.agent.sense(percept, heard, self._cycle, self._cycle * self._period)
         self._size = len(percept)

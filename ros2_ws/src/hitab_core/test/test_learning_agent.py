@@ -132,6 +132,18 @@ def test_an_agent_that_is_taught_nothing_says_how_to_begin():
         LearningAgent(cart()).step([1.0])
 
 
+def test_a_command_can_be_due_some_steps_ago():
+    agent = LearningAgent(plain_domain("cart", ["Left", "Right"], ["X"]), period=0.5).train("It")
+    agent.step([0.0], "Right")
+    for x in (1.0, 2.0, 3.0):
+        agent.step([x])
+    agent.step([4.0], "Left", ago=1.0)
+    assert [(e.features, e.state) for e in agent.examples[::2]] == [
+        ((0.0,), "Start"),
+        ((2.0,), "Right"),
+    ]
+
+
 def test_a_percept_that_is_too_short_names_the_feature():
     domain = plain_domain("pair", ["Go"], ["First", "Second"])
     with pytest.raises(FeatureValueError, match=r'"Second" is value 2 of the percept'):
