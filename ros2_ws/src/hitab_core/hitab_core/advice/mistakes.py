@@ -41,22 +41,25 @@ from hitab_core.transition_function import LearnedTransition
 LIKELY = 0.3
 """Least probability of a mistake that is proposed: overlooking one costs more than asking."""
 
+MANY = 60
+"""Number of examples of a state above which one more or less hardly matters, and trying each out
+takes too long."""
+
+LIKELY_OF_MANY = 0.15
+"""Least probability of a mistake that is proposed where there are many examples."""
+
 CLEARLY = 0.75
 """Least probability of a mistake that is proposed without a correction, or where a wavering
 threshold explains it, too."""
 
-WAVERING = (0.78, 0.88, 1.12, 1.28)
-"""Factors between a value and a threshold that the person may think of as the same: a person's
-thresholds waver by 15%, so two commands at one threshold may be up to 30% apart."""
+WAVERING = (0.85, 0.93, 1.07, 1.15)
+"""Factors by which a person's idea of a threshold varies from command to command."""
 
 HEARSAY = 0.5
 """Weight of what speaks against a default example, against its command."""
 
 EVEN = 0.1
 """If two examples contradict each other and no more than this speaks for one, nobody can tell."""
-
-REFITS = 60
-"""Most examples of a state of which each is tried out; more take too long between two ticks."""
 
 
 def propose(
@@ -118,7 +121,7 @@ def suspects(
         place = case.place(state)
         for row in _suspicious(place, CLEARLY):
             if among is None or place.own[row].number in among:
-                tried = len(place.own) <= REFITS
+                tried = len(place.own) <= MANY
                 found.append(reasons.mistake(case, place, row, tried=tried))
     return sorted(found, key=lambda p: (-p.score, p.examples))
 
@@ -163,10 +166,10 @@ def _proposals(case: Case, state: str) -> list[Proposal]:
     place = case.place(state)
     before = case.learned(place.own)
     wrong = {j: c for j, c in place.corrected.items() if case.decides(before, c) != c.right}
-    tried = len(place.own) <= REFITS
+    tried = len(place.own) <= MANY
     suspicious = [
         row
-        for row in _suspicious(place, LIKELY)
+        for row in _suspicious(place, LIKELY if tried else LIKELY_OF_MANY)
         if not tried or place.around.mistaken[row] >= CLEARLY or not _may_waver(case, place, row)
     ]
     doubted = [place.own[row] for row in suspicious]
