@@ -68,10 +68,21 @@ def test_axe_finds_nothing_wrong_with_any_view(swarm, looking, home):
     person.tick("feature-DirectionTo(ball)")
     person.click("begin")
     person.sees("mode", "Training")
-    for behavior, examples in (("GoFast", 2), ("Stop", 4), ("GoFast", 6)):
+    for behavior, examples in (("GoFast", 2), ("Stop", 4), ("GoFast", 6), ("GoSlow", 8)):
         person.click(f"do-{behavior}")
         person.sees("counts", f"{examples} examples")
+    person.sees("questions")
     check("training")
+    for name in ("features", "caution", "reaction"):
+        person.click(f"{name}-change")
+        person.sees(f"{name}-dialog")
+        check(name)
+        if name != "reaction":
+            close_dialog(person)
+    person.click("reaction-game")
+    person.sees("disc")
+    check("the game")
+    person.click("reaction-cancel")
     person.click("tab-examples")
     person.click("example-1")
     person.sees("marked")

@@ -52,7 +52,7 @@ def training(swarm, person) -> Person:
 
 def told_absent(person: Person) -> None:
     """Wait until the page says that the agent is silent, wherever it shows the agent."""
-    person.sees("absent", "no sign of life")
+    person.sees("absent", "has not responded")
     person.sees(f"agent-{ONE}", "silent")
     person.sees("as-it-was", "known before")
     person.waits_until(
@@ -66,7 +66,7 @@ def told_absent(person: Person) -> None:
         "the field shows it as before",
     )
     off = person.page.locator('[data-test="do-GoSlow"]')
-    assert "no sign of life" in off.get_attribute("title")
+    assert "has not responded" in off.get_attribute("title")
     assert off.get_attribute("aria-disabled") == "true"
 
 
@@ -102,11 +102,11 @@ def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, traini
 @needs_browser
 def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swarm, person):
     with hanging(swarm, "world"):
-        person.sees("world-absent", "no sign of life")
+        person.sees("world-absent", "has not responded")
         person.sees("world-silent")
         assert person.page.locator(".overlay[data-stale]").count() == 1
         person.page.keyboard.press("n")
-        person.sees("message", "The world gives no sign of life")
+        person.sees("message", "The world does not respond")
     person.does_not_see("world-absent")
     cycle = swarm.world.status.cycle
     person.click("step")

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import getpass
 import re
+from typing import Any
 
 import pytest
 from browsing import ONE, TWO, Person, away_from_everybody, needs_browser
 
+from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
 
 
@@ -56,7 +59,7 @@ def test_who_would_lose_examples_is_asked_once(swarm, person):
 
 
 @needs_browser
-def test_the_history_shows_what_undo_takes_back_and_redo_does_again(swarm, person):
+def test_the_history_shows_what_undo_undoes_and_redo_redoes(swarm, person):
     away_from_everybody(swarm, 5.0)
     begin(person, "Past")
     person.click("do-GoFast")
@@ -64,12 +67,14 @@ def test_the_history_shows_what_undo_takes_back_and_redo_does_again(swarm, perso
     person.click("do-Stop")
     person.sees("history", "GoFast → Stop, 2 examples")
     title = person.page.locator('[data-test="undo"]').get_attribute("title")
-    assert title == "Take back: GoFast → Stop, 2 examples (U)"
+    assert title == "Undo: GoFast → Stop, 2 examples; superseded example 2 (U)"
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     undone = person.page.wait_for_selector('[data-test="history"] .undone')
     assert "GoFast → Stop" in undone.inner_text()
-    person.click("redo")
+    person.sees("cost", "2 commands, 2 examples, 2 wasted, 1 undo")
+    person.page.wait_for_selector('[data-test="redo"]:not([aria-disabled])')
+    person.page.keyboard.press("y")
     person.page.wait_for_selector('[data-test="history"] .undone', state="detached")
     person.sees("counts", "4 examples")
 
@@ -149,3 +154,220 @@ def test_what_ends_a_performance_is_not_called_like_a_behavior(swarm, person):
     assert not names & set(banner)
     person.click("idle")
     person.sees("mode", "Idle")
+
+
+# -- for when a command counts ----------------------------------------------------------------
+
+PRESS_LATER = """
+([key, cycles]) => new Promise((done) => {
+  const field = window.studioField, from = field.shown;
+  function look() {
+    if (field.shown < from + cycles) return requestAnimationFrame(look);
+    const shown = field.shown;
+    document.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    done(shown);
+  }
+  look();
+})
+"""
+
+
+@pytest.fixture
+def late(swarm: Any, person: Person) -> tuple[Person, int]:
+    """Somebody who has stopped a running keeper 0.6 s late, and the cycle that was shown then.
+
+    The world runs at half of its speed, so that is 0.3 s of simulated time.
+    """
+    away_from_everybody(swarm, 8.0)
+    # The episode shall not end, however late an agent of a busy machine takes the command.
+    far = {"ball": (-9.0, 9.0), "taker_1": (9.0, -9.0), "taker_2": (8.0, -9.0)}
+    swarm.world.changed(
+        lambda: swarm.world.place({name: {"x": x, "y": y} for name, (x, y) in far.items()})
+    )
+    begin(person, "Late")
+    person.click("reaction-change")
+    person.type("reaction-seconds", "0.6")
+    person.click("reaction-set")
+    person.sees("reaction", "0.6 s earlier")
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    key = person.page.locator('[data-test="do-Stop"] kbd').inner_text().lower()
+    swarm.world.control("pace", pace="realtime", factor=0.5)
+    swarm.world.control("resume")
+    try:
+        shown = person.page.evaluate(PRESS_LATER, [key, 10])
+        person.sees("counts", "4 examples")
+    finally:
+        swarm.world.control("pause")
+        swarm.world.control("pace", pace="realtime", factor=1.0)
+        reaction_time.keep(getpass.getuser(), None)
+    swarm.link.spin_until(lambda: swarm.world.status.mode == "paused", 10.0)
+    return person, shown
+
+
+def stopped(swarm: Any) -> Any:
+    """Return the example of the command to stop."""
+    return next(e for e in swarm.agents.list_examples(ONE).examples if e.next_state == "Stop")
+
+
+@needs_browser
+def test_a_command_counts_for_what_its_person_saw_a_reaction_time_before(swarm, late):
+    person, shown = late
+    go, stop = swarm.agents.list_examples(ONE).examples[::2]
+    assert go.ago == 0.0, "the world was paused: nothing had changed meanwhile"
+    # A cycle is 0.1 s. The page may show a moment between two cycles.
+    assert shown - stop.cycle == pytest.approx(3, abs=1)
+    assert stop.ago >= 0.3 - 1e-9
+    assert stop.state == "GoFast"
+    person.sees("recorded", f"{stop.ago:.2g} s ago")
+
+
+@needs_browser
+def test_a_command_that_came_late_is_put_right_with_one_key_or_in_its_row(swarm, late):
+    person, _ = late
+    before = stopped(swarm)
+    for cycles in (2, 4):
+        person.page.keyboard.press("b")
+        person.waits_until(
+            lambda n=cycles: before.cycle - stopped(swarm).cycle == n, "it was not due earlier"
+        )
+    assert stopped(swarm).ago == pytest.approx(before.ago + 0.4, abs=0.01)
+    person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
+    person.page.keyboard.press("u")
+    person.waits_until(lambda: before.cycle - stopped(swarm).cycle == 2, "undo takes one back")
+    person.click("tab-examples")
+    cell = f"ago-{before.number}"
+    person.type(cell, "1")
+    person.page.keyboard.press("Enter")
+    person.waits_until(lambda: stopped(swarm).ago == pytest.approx(1.0, abs=0.15), "in its row")
+    field, shown = person.page.locator(f'[data-test="{cell}"]'), f"{stopped(swarm).ago:.2g}"
+    person.waits_until(lambda: field.input_value() == shown, "the row shows it")
+    person.type(cell, "9")
+    person.page.keyboard.press("Enter")
+    person.sees("message", "is not kept; give a number from 0 to")
+    assert field.input_value() == shown, "what the agent refuses is not shown as if it were so"
+
+
+@needs_browser
+def test_a_game_measures_the_reaction_time(swarm, person):
+    begin(person, "Game")
+    person.page.evaluate("Math.random = () => 0")  # the discs come as soon as they may
+    keys, user = person.page.keyboard, getpass.getuser()
+    person.click("reaction-change")
+    person.click("reaction-game")
+    person.sees("reaction-board", "1 of 6")
+    keys.press("Space")
+    person.sees("reaction-board", "Too early")
+    for _ in range(6):
+        person.sees("disc")
+        person.page.wait_for_timeout(150)
+        keys.press("Space")
+    person.sees("message", "measured")
+    measured = reaction_time.of(user)
+    assert 0.15 <= measured < reaction_time.LONGEST
+    person.sees("reaction", f"{measured:g} s earlier")
+    person.click("reaction-change")
+    person.click("reaction-game")
+    person.sees("disc")
+    keys.press("Escape")
+    person.does_not_see("reaction-board")
+    person.sees("mode", "Training")
+    assert reaction_time.of(user) == measured
+    reaction_time.keep(user, None)
+
+
+# -- second thoughts --------------------------------------------------------------------------
+
+
+@needs_browser
+def test_features_are_exchanged_after_a_look_at_what_would_be_learned(swarm, person):
+    begin(person, "Exchange")
+    for distance, behavior, examples in ((6.0, "GoFast", 2), (0.8, "Stop", 4)):
+        away_from_everybody(swarm, distance)
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+    person.click("features-change")
+    assert person.page.is_checked('[data-test="feature-DistanceTo(ball)"]')
+    person.tick("feature-BallIsKickable")
+    person.page.uncheck('[data-test="feature-DistanceTo(ball)"]')
+    person.sees("features-effect", "+ GoFast: if BallIsKickable")
+    assert swarm.agents.behavior(ONE).features == ("DistanceTo(ball)",), "nothing was done yet"
+    person.click("features-accept")
+    person.sees("recorded", "BallIsKickable")
+    assert swarm.agents.behavior(ONE).features == ("BallIsKickable",)
+    person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
+    person.page.keyboard.press("u")
+    person.sees("recorded", "DistanceTo(ball)")
+
+
+@needs_browser
+def test_an_example_that_a_command_supersedes_is_struck_through_and_says_why(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Second")
+    for behavior, examples in (("GoFast", 2), ("Stop", 4)):  # in the same situation
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+    person.click("tab-examples")
+    row = person.page.wait_for_selector('[data-test="example-2"].superseded')
+    cell = row.query_selector("td:nth-child(4)")
+    assert "superseded by example 3" in cell.get_attribute("title")
+    assert "line-through" in cell.evaluate("e => getComputedStyle(e).textDecoration")
+    assert person.page.locator(".superseded").count() == 1
+
+
+# -- what the agent asks ----------------------------------------------------------------------
+
+
+@needs_browser
+def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismissed(
+    swarm, person
+):
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Asks")
+    # In GoFast, twice in the same situation, they say different things.
+    for behavior, examples in (("GoFast", 2), ("Stop", 4), ("GoFast", 6), ("GoSlow", 8)):
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+
+    def contradicted() -> bool:
+        return any("which holds" in q.text for q in swarm.agents.questions(ONE).questions)
+
+    person.sees("questions", "which holds?")
+    number = swarm.agents.questions(ONE).questions[0].number
+    proposed = person.page.wait_for_selector(f'[data-test="question-{number}"] button.strong')
+    assert proposed.inner_text().split() == ["GoSlow", "A"]
+    person.page.keyboard.press("a")
+    person.waits_until(lambda: not contradicted(), "it was not answered")
+    assert all(
+        e.next_state != "Stop" or e.kind == "default"
+        for e in swarm.agents.list_examples(ONE).examples
+        if e.state == "GoFast"
+    )
+    person.does_not_see(f"question-{number}")
+    person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
+    person.page.keyboard.press("u")
+    person.sees(f"question-{number}", "which holds?")
+    person.click(f"dismiss-{number}")
+    person.does_not_see(f"question-{number}")
+    person.sees("counts", "8 examples")
+
+
+@needs_browser
+def test_an_unsure_agent_says_why_and_does_what_was_chosen_for_that(swarm, person):
+    begin(person, "Careful")
+    for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4)):
+        away_from_everybody(swarm, distance)
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+    person.click("caution-change")
+    person.page.select_option('[data-test="caution-what"]', "halt")
+    person.type("caution-support", "2")
+    person.click("caution-set")
+    person.sees("caution-change", "halt")
+    try:
+        person.click("toggle")
+        person.sees("mode", "Testing")
+        swarm.world.step(2)
+        person.sees("unsure", "in Stop: it rests on 1 example")
+    finally:
+        swarm.agents.set_caution(ONE, "go_on")

@@ -84,6 +84,7 @@ class SwarmClient(AgentPresence):
         seen: int = 0,
         sequence: int = 0,
         seconds: float = ACKNOWLEDGE_SECONDS,
+        demonstrator: str = "",
     ) -> AgentStatus:
         """Command a behavior and wait until the agent has acknowledged it.
 
@@ -96,6 +97,7 @@ class SwarmClient(AgentPresence):
             sequence: number of the command, such as the time in microseconds. An agent obeys a
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
+            demonstrator: who commands; empty: the client's.
 
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
@@ -106,7 +108,7 @@ class SwarmClient(AgentPresence):
             sequence = self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
         command = Command(
             sequence=sequence,
-            demonstrator=self.demonstrator,
+            demonstrator=demonstrator or self.demonstrator,
             behavior=behavior,
             targets=list(targets),
             ago=ago,

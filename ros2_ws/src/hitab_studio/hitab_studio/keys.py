@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from hitab_core import FLAGS
 
-KEYS = "1234567890qweyiopasghjkzcvbm"
+KEYS = "1234567890qweiopsghjkcvm"
 """Keys of behaviors, in the order in which they are given; other keys have other meanings."""
 
 FLAG_KEYS = dict(zip(FLAGS, "dx", strict=True))

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import START, Example, Use
+from hitab_core import OWN_FEATURES, START, Example, Use
 
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
@@ -53,12 +53,56 @@ class Vocabulary:
         )
 
 
+@dataclass(frozen=True)
+class Cost:
+    """What the training under way has cost its person so far, from `GetReport`.
+
+    Attributes:
+        wall_seconds, simulated_seconds: since it began, without long pauses.
+        commands: that were given.
+        wasted: examples that were recorded, and deleted, undone or superseded.
+        structures: sets of features that were tried.
+        proposals: of the agent that were accepted.
+    """
+
+    wall_seconds: float
+    simulated_seconds: float
+    commands: int
+    examples: int
+    wasted: int
+    undos: int
+    structures: int
+    proposals: int
+
+    @classmethod
+    def of(cls, answer: Any) -> Cost | None:
+        """Read the last training of an answer; None if it counts none."""
+        if not answer.success or not answer.automata or answer.finished[-1]:
+            return None
+        return cls(
+            answer.wall_seconds[-1],
+            answer.simulated_seconds[-1],
+            answer.commands[-1],
+            answer.examples[-1],
+            answer.wasted[-1],
+            answer.undos[-1],
+            answer.structures[-1],
+            answer.proposals[-1],
+        )
+
+
 def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use]]:
-    """Return behaviors or features with each choice of targets, each after its label without."""
+    """Return behaviors or features with each choice of targets, each after its label without.
+
+    A feature of the engine's own has none: ``SecondsSince(Done)`` names a flag.
+    """
     found = []
     for label in labels:
         use = Use.parse(label)
         choices: list[tuple[str, ...]] = [()]
+        if use in OWN_FEATURES:
+            found.append((label, use))
+            continue
         for _ in use.arguments:
             choices = [(*c, a) for c in choices for a in arguments]
         found += [(label, Use(use.name, choice)) for choice in choices]
@@ -90,6 +134,21 @@ def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
     return found
 
 
+def superseding(examples: Sequence[Example]) -> dict[int, list[int]]:
+    """Return, for each superseded example, the numbers of the commands' examples that do it."""
+    found = {}
+    for example in examples:
+        if not example.is_learned:
+            found[example.number] = [
+                e.number
+                for e in examples
+                if not e.is_default
+                and (e.state, e.point) == (example.state, example.point)
+                and e.next_state != e.state
+            ]
+    return found
+
+
 @dataclass(frozen=True)
 class Effect:
     """The effect of a change of examples.
@@ -105,11 +164,16 @@ class Effect:
 
 
 def effect(before: Learned, after: Learned) -> Effect:
-    """Compare what was learned before and after a change of examples."""
+    """Compare what was learned before and after a change of examples, or of their features."""
     old, new = _rules(before), _rules(after)
+    former = {e.number: e for e in before.examples}
     decisions = []
     for example in after.examples:
-        was = most_probable(before.decides(example.state, example.features))
+        # What was decided in its situation, by the features of then.
+        then = example if before.features == after.features else former.get(example.number)
+        if then is None or not example.is_learned:
+            continue
+        was = most_probable(before.decides(then.state, then.features))
         now = most_probable(after.decides(example.state, example.features))
         if was and was != now:
             decisions.append((example, was, now))

@@ -29,7 +29,7 @@ def world(session: Session) -> str:
     if known.world is None:
         return "No world is up."
     if names.WORLD in known.silent:
-        return "The world gives no sign of life."
+        return "The world does not respond."
     return ""
 
 
@@ -54,7 +54,7 @@ def absence(session: Session, name: str) -> str:
     if name in known.gone:
         return "has ended"
     if name in known.silent:
-        return f"has given no sign of life for {quantity(session.seconds_since(name), 'second')}"
+        return f"has not responded for {quantity(session.seconds_since(name), 'second')}"
     if name != names.WORLD and name not in known.statuses:
         return "has not answered yet"
     return ""
@@ -73,6 +73,14 @@ def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
     if not session.watched.history.undone:
         return "There is nothing to redo: nothing was undone, or something else was done since."
+    return agent(session)
+
+
+def retiming(session: Session) -> str:
+    """Return why no command can have been due earlier."""
+    training = session.watched.training
+    if not _examples(session) or (training is not None and not training.examples):
+        return "There is no command yet that could have been due earlier."
     return agent(session)
 
 

@@ -6,8 +6,9 @@ import logging
 import socket
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from urllib.parse import unquote
 
-from fastapi import HTTPException, WebSocket
+from fastapi import HTTPException, Request, WebSocket
 from fastapi.responses import FileResponse
 
 from hitab_client import SwarmError
@@ -17,6 +18,9 @@ from hitab_studio.launching import Startable
 from hitab_studio.recordings import recording
 
 TITLE = "HiTAB studio"
+DEMONSTRATOR = "hitab_demonstrator"
+"""Name of the cookie with the name of the person."""
+
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
     '<rect width="32" height="32" rx="8" fill="#2458c5"/>'
@@ -114,8 +118,9 @@ def serve(
         return FileResponse(path, filename=path.name)
 
     @ui.page("/", title=TITLE, response_timeout=10.0)
-    def index(client: Client) -> None:
-        Page(studio, studio.open(), client)
+    def index(client: Client, request: Request) -> None:
+        demonstrator = unquote(request.cookies.get(DEMONSTRATOR, ""))
+        Page(studio, studio.open(demonstrator), client)
 
     app.on_startup(studio.start)
     app.on_shutdown(studio.stop)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import getpass
 import json
 import logging
 import time
@@ -22,6 +23,7 @@ from hitab_studio.locks import Holder, Locks
 from hitab_studio.lost import Lost
 from hitab_studio.messages import Messages, sentence
 from hitab_studio.present import Present
+from hitab_studio.reactions import Reactions
 from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
 from hitab_studio.store import Store
@@ -36,10 +38,15 @@ NOTHING = Watched()
 
 @dataclass
 class Asked:
-    """A behavior that was commanded and still needs targets, to be clicked in the field."""
+    """A behavior that was commanded and still needs targets, to be clicked in the field.
+
+    Attributes:
+        seen: the world's cycle that the page showed when it was commanded.
+    """
 
     behavior: str
     parameters: tuple[str, ...]
+    seen: int = 0
     targets: tuple[str, ...] = ()
 
 
@@ -65,6 +72,7 @@ class Shared:
         locks: who holds which agent.
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
+        reactions: how late each demonstrator's commands come.
         present: the field as it is now.
         sessions: the pages that are open, by their ids.
         chosen_states: for each agent the automaton that was begun here, and what may be commanded
@@ -77,6 +85,7 @@ class Shared:
         self.launcher = Launcher(startable, self.store.touch)
         self.locks = Locks()
         self.keys = Keys()
+        self.reactions = Reactions()
         self.present = Present(self.store.palette)
         self.sessions: dict[str, Session] = {}
         self.chosen_states: dict[str, tuple[str, tuple[str, ...]]] = {}
@@ -87,6 +96,7 @@ class Session:
 
     Attributes:
         shared: what it shares with the other pages.
+        demonstrator: name of the person, under which the reaction time is kept.
         chosen: names of the things selected in the field.
         agent: the one among them, or in the list, that is viewed and commanded.
         level: the viewed automaton, if not the outermost one.
@@ -100,8 +110,9 @@ class Session:
         sent: the frame that the browser has.
     """
 
-    def __init__(self, shared: Shared, number: int, key: str) -> None:
+    def __init__(self, shared: Shared, number: int, key: str, demonstrator: str = "") -> None:
         self.shared = shared
+        self.demonstrator = demonstrator or getpass.getuser()
         self.id = key
         self.holder = Holder(key, f"demonstrator {number}")
         self.chosen: list[str] = []
@@ -164,7 +175,7 @@ class Session:
 
     def close_dialog(self) -> None:
         """Close the dialog, if one is open."""
-        if self.dialog.get("kind") == "new":
+        if self.dialog.get("kind") in ("new", "features"):
             self.shared.link.probe(self.dialog["agent"], on=False)
         self.dialog = {}
 
@@ -257,7 +268,7 @@ class Session:
         """
         known = self.shared.store.known
         if self.player is None and known.world is not None and not known.world_answers:
-            raise SwarmError("The world gives no sign of life: wait until it answers again.")
+            raise SwarmError("The world does not respond: wait until it answers again.")
         return await self.ask(lambda swarm: job(swarm.world), needs=names.WORLD)
 
     async def ask_agent(self, job: Callable[[Connected, str], T]) -> T:
@@ -270,7 +281,7 @@ class Session:
         if not agent:
             raise SwarmError("Choose an agent first, in the list or in the field.")
         if not self.shared.store.known.answers(agent):
-            raise SwarmError(f"{agent} gives no sign of life: wait until it answers again.")
+            raise SwarmError(f"{agent} does not respond: wait until it answers again.")
         self.shared.locks.claim(agent, self.holder)
         answer = await self.ask(lambda swarm: job(swarm, agent), agent)
         self.shared.link.refresh(agent)

@@ -66,10 +66,14 @@ class Studio:
 
     # -- pages ------------------------------------------------------------------------------
 
-    def open(self) -> Session:
-        """Return the session of a new page."""
+    def open(self, demonstrator: str = "") -> Session:
+        """Return the session of a new page.
+
+        Args:
+            demonstrator: name of its person; "": the user who runs the studio.
+        """
         self._numbers += 1
-        session = Session(self.shared, self._numbers, secrets.token_urlsafe(16))
+        session = Session(self.shared, self._numbers, secrets.token_urlsafe(16), demonstrator)
         self.sessions[session.id] = session
         for other in self.sessions.values():
             other.touch()

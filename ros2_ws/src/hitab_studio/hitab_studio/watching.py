@@ -7,14 +7,22 @@ never changed.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
-from hitab_msgs.msg import AgentStatus, TransitionEvent
-from hitab_msgs.srv import GetBehavior, GetVocabulary, ListExamples, ReadFeatures
+from hitab_msgs.msg import AgentStatus, Question, TransitionEvent
+from hitab_msgs.srv import (
+    GetBehavior,
+    GetReport,
+    GetVocabulary,
+    ListExamples,
+    ListQuestions,
+    ReadFeatures,
+)
 
 from hitab_client import Learned, RosLink, learned_of
 from hitab_core import FLAGS, START, Use
@@ -22,6 +30,7 @@ from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import (
     NOTHING,
+    Cost,
     Effect,
     Vocabulary,
     effect,
@@ -37,8 +46,14 @@ EVENTS = 60
 PROBED_MAX = 200
 """Features with targets whose values are asked for at once."""
 
+CALM_SECONDS = 1.0
+"""After a change of examples until questions are asked for: the agent thinks about them."""
+
 READ_SECONDS = 0.15
 REFRESH_SECONDS = 2.0
+COST_SECONDS = 30.0
+"""Until the cost of a training that goes on is asked for again: the agent reads its journal."""
+
 PATIENCE_SECONDS = 5.0
 
 
@@ -68,6 +83,8 @@ class Watched:
         probed: the present values of all features, while a page asks for them.
         transitions: the last state changes, newest last.
         change: what the last change of examples did, and the number of examples before it.
+        cost: what the training has cost so far.
+        questions: of the agent to its demonstrator that are open.
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
@@ -78,6 +95,8 @@ class Watched:
     probed: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
+    cost: Cost | None = None
+    questions: tuple[Question, ...] = ()
 
 
 class Watch:
@@ -110,13 +129,16 @@ class Watch:
         self._failed = failed
         self._clients: dict[str, Any] = {}
         self._pending: dict[str, tuple[float, Any, Any]] = {}
-        self._next_read = self._next_refresh = 0.0
+        self._next_read = self._next_refresh = self._next_cost = 0.0
         self._library_key: tuple[Any, ...] = ()
         self._open = False
         self._training_key: tuple[Any, ...] = ()
         self._wanted: set[str] = set()
         self._probing = False
         self._history_of: Learned | None = None
+        self._cost_of: Learned | None = None
+        self._questions_of: tuple[Learned | None, int] = (None, 0)
+        self._questions_at = math.inf
         self._transitions = link.subscribe(
             TransitionEvent, names.of_agent(agent, names.TRANSITIONS), self._take_event, qos.EVENTS
         )
@@ -165,7 +187,7 @@ class Watch:
             if status.examples or training:
                 self._ask("training", GetBehavior, "get_behavior", {}, self._take_training)
             elif self.known.training is not None:
-                self._know(training=None, history=History())
+                self._know(training=None, history=History(), cost=None, questions=())
                 self._changed()
         trained = self.known.training
         if (
@@ -174,6 +196,13 @@ class Watch:
             and self._ask("history", ListExamples, "list_examples", {}, self._take_history)
         ):
             self._history_of = trained
+        if (
+            trained is not None
+            and (trained is not self._cost_of or now >= self._next_cost)
+            and self._ask("cost", GetReport, names.GET_REPORT, {}, self._take_cost)
+        ):
+            self._cost_of, self._next_cost = trained, now + COST_SECONDS
+        self._look_for_questions(status, now)
         for name in self._needed(status) - self.known.behaviors.keys():
             self._ask(name, GetBehavior, "get_behavior", {"name": name}, self._take_behavior)
         if now >= self._next_read:
@@ -185,8 +214,23 @@ class Watch:
             fields = {"also": also[:PROBED_MAX]}
             self._ask("features", ReadFeatures, "read_features", fields, self._take_features)
 
+    def _look_for_questions(self, status: AgentStatus, now: float) -> None:
+        trained, (before, count) = self.known.training, self._questions_of
+        if trained is not before or status.questions != count:
+            self._questions_at = now + CALM_SECONDS
+            self._questions_of = (trained, status.questions)
+        if (
+            trained is not None
+            and now >= self._questions_at
+            and self._ask(
+                "questions", ListQuestions, names.LIST_QUESTIONS, {}, self._take_questions
+            )
+        ):
+            self._questions_at = math.inf
+
     def refresh(self) -> None:
-        """Ask for the training again, since examples were edited."""
+        """Ask for the training again, since examples were edited, and what is asked about it."""
+        self._questions_of = (None, 0)
         self._next_refresh = 0.0
         self._training_key = ()
         self._pending.pop("training", None)
@@ -246,6 +290,8 @@ class Watch:
         old = [k for k, (when, _, _) in self._pending.items() if now > when + PATIENCE_SECONDS]
         if "history" in old:
             self._history_of = None
+        if "questions" in old:
+            self._questions_of = (None, 0)
         for key in old:
             _, client, future = self._pending.pop(key)
             client.remove_pending_request(future)
@@ -277,6 +323,14 @@ class Watch:
         if answer.success:
             self._know(history=History(tuple(answer.done), tuple(answer.undone)))
             self._changed()
+
+    def _take_cost(self, answer: Any) -> None:
+        self._know(cost=Cost.of(answer))
+        self._changed()
+
+    def _take_questions(self, answer: Any) -> None:
+        self._know(questions=tuple(answer.questions) if answer.success else ())
+        self._changed()
 
     def _take_behavior(self, answer: Any, asked: str) -> None:
         if answer.success:

@@ -342,6 +342,11 @@ def test_what_is_asked_again_before_its_answer_is_done_once(monkeypatch):
     save, other = {"do": "save", "values": {"name": "A"}}, {"do": "save", "values": {"name": "B"}}
     assert asked_twice(monkeypatch, "save", save, save, other, save) == [save, other]
     assert asked_twice(monkeypatch, "save", save, {**other, "again": True}) == [save]
+    stop = {"do": "command", "behavior": "Stop", "seen": 7}
+    later = {**stop, "seen": 8}
+    assert asked_twice(monkeypatch, "command", stop, later) == [stop], (
+        "the world went on meanwhile"
+    )
 
 
 def test_a_step_is_done_as_often_as_it_is_clicked(monkeypatch):

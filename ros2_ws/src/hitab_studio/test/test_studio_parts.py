@@ -3,6 +3,7 @@
 import asyncio
 import json
 import struct
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.guard import Guard, is_loopback, new_token
-from hitab_studio.learned import effect, is_contradicted
+from hitab_studio.learned import effect, is_contradicted, superseding
 from hitab_studio.locks import Holder, Locks
 from hitab_studio.message_text import definition, type_name
 from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, roster, scene_of
@@ -177,7 +178,7 @@ def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
 # -- what was learned -----------------------------------------------------------------------
 
 
-def test_examples_that_lead_elsewhere_from_the_same_contradict_each_other():
+def test_examples_that_go_to_different_states_from_the_same_disagree():
     examples = [
         example(1, "GoFast", 2.0, "Stop"),
         example(2, "GoFast", 2.0, "GoSlow"),
@@ -195,6 +196,26 @@ def test_the_effect_of_a_correction_is_told_in_rules_and_in_decisions():
     assert any("<= 6" in rule for rule in told.rules_gone)
     assert any("<= 3" in rule for rule in told.rules_new)
     assert [(e.number, was, now) for e, was, now in told.decisions] == [(3, "GoSlow", "GoFast")]
+
+
+def test_the_effect_of_other_features_is_told_in_decisions_on_the_same_examples():
+    before = learned(example(1, "Start", 8.0, "GoFast"), example(2, "Start", 2.0, "GoSlow"))
+    near = [replace(e, features=(0.0,)) for e in before.examples]
+    blind = replace(before, features=("BallIsKickable",), examples=tuple(near))
+    told = effect(before, blind)
+    assert [(e.number, was) for e, was, _ in told.decisions] in ([(1, "GoFast")], [(2, "GoSlow")])
+    assert all("BallIsKickable" not in rule for rule in told.rules_gone)
+
+
+def test_what_supersedes_an_example_is_named():
+    examples = [
+        example(1, "Start", 2.0, "GoFast"),
+        example(2, "GoFast", 2.0, "GoFast", "superseded"),
+        example(3, "GoFast", 2.0, "Stop"),
+        example(4, "Stop", 2.0, "Stop", "default"),
+        example(5, "GoFast", 3.0, "Stop"),
+    ]
+    assert superseding(examples) == {2: [3]}
 
 
 def test_the_path_of_a_decision_is_lit_in_the_tree():

@@ -12,14 +12,14 @@ from hitab_studio.session import Session
 async def undo(session: Session, data: Data) -> None:
     """Undo the last command or edit."""
     await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "undo"))
-    session.tell("taken back")
+    session.tell("undone")
 
 
 @action("redo", repeats=True)
 async def redo(session: Session, data: Data) -> None:
     """Redo what was undone last."""
     await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "redo"))
-    session.tell("done again")
+    session.tell("redone")
 
 
 @action("mark", repeats=True)

@@ -54,7 +54,8 @@ class Wishes:
         if not isinstance(data, Mapping):
             return
         asked = {key: value for key, value in data.items() if key != "again"}
-        if asked.get("do") not in REPEATED and (data.get("again") or asked in self.waiting):
+        pending = any(_same(asked, other) for other in self.waiting)
+        if asked.get("do") not in REPEATED and (data.get("again") or pending):
             return
         self.waiting.append(asked)
         self._queue.put_nowait(asked)
@@ -76,6 +77,11 @@ class Wishes:
             await perform(session, data)
             self.waiting.remove(data)
             done()
+
+
+def _same(one: Data, other: Data) -> bool:
+    """Whether two requests ask the same, whatever the page showed meanwhile."""
+    return {**one, "seen": 0} == {**other, "seen": 0}
 
 
 async def perform(session: Session, data: Data) -> None:

@@ -12,13 +12,14 @@ from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
+from hitab_studio.reactions import due
 from hitab_studio.session import Asked, Session, parameters_of
 
 
 @action("command")
 async def command(session: Session, data: Data) -> None:
     """Command a behavior; if it has parameters, ask for their targets first."""
-    behavior = str(data["behavior"])
+    behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = parameters_of(behavior)
     status = session.status
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
@@ -26,12 +27,12 @@ async def command(session: Session, data: Data) -> None:
     if training is not None:
         open_ = [p for p in open_ if p not in training.parameters]
     if open_:
-        session.asked = Asked(Use.parse(behavior).name, tuple(parameters))
+        session.asked = Asked(Use.parse(behavior).name, tuple(parameters), seen)
         return
     if status is not None and status.mode in ("idle", "performing"):
         await _performed(session, behavior)
     else:
-        await _commanded(session, behavior)
+        await _commanded(session, behavior, seen)
 
 
 async def _performed(session: Session, behavior: str) -> None:
@@ -47,18 +48,22 @@ async def _performed(session: Session, behavior: str) -> None:
         session.tell(f"{agent} performs {behavior}")
 
 
-async def _commanded(session: Session, behavior: str, sequence: int = 0) -> None:
+async def _commanded(session: Session, behavior: str, seen: int, sequence: int = 0) -> None:
     """Command a behavior, and offer to send the command again if it is lost.
 
     Args:
         session: of the page.
         behavior: with its targets.
+        seen: the world's cycle that the page showed when the person pressed the key.
         sequence: number of a lost command that is sent again; 0: a new one.
     """
     session.lost = None
     agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
     # An agent that was restarted meanwhile has to be discovered first.
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
+    demonstrator = session.demonstrator
+    # What is sent again was considered: it counts for what the person sees now.
+    reaction = 0.0 if sequence else session.shared.reactions.of(demonstrator)
 
     def job(swarm: Connected, agent: str) -> None:
         nonlocal sent
@@ -66,7 +71,16 @@ async def _commanded(session: Session, behavior: str, sequence: int = 0) -> None
         if swarm.agents.await_agent(agent).mode == "testing":
             # One keystroke: a command also takes over.
             swarm.agents.set_mode(agent, "training")
-        swarm.agents.command(agent, behavior, sequence=number, seconds=seconds)
+        when = due(swarm.world, reaction, seen)
+        swarm.agents.command(
+            agent,
+            behavior,
+            ago=when.ago,
+            seen=when.seen,
+            sequence=number,
+            seconds=seconds,
+            demonstrator=demonstrator,
+        )
 
     try:
         await session.ask_agent(job)
@@ -86,7 +100,8 @@ async def send_again(session: Session, data: Data) -> None:
     if lost.agent != session.agent:
         session.look_at(lost.agent)
     if lost.sequence:
-        await _commanded(session, lost.behavior, lost.sequence)
+        seen = int(data.get("seen") or 0)
+        await _commanded(session, lost.behavior, seen, lost.sequence)
     else:
         await _performed(session, lost.behavior)
 
@@ -116,7 +131,8 @@ async def give_target(session: Session, target: str) -> None:
     asked.targets = (*asked.targets, target)
     if len(asked.targets) == len(asked.parameters):
         session.asked = None
-        await command(session, {"behavior": str(Use(asked.behavior, asked.targets))})
+        meant = str(Use(asked.behavior, asked.targets))
+        await command(session, {"behavior": meant, "seen": asked.seen})
 
 
 @action("target")

@@ -22,6 +22,7 @@ export function draw(field) {
   const footer = drawGround(field, c);
   if (!now) return;
   const at = (time - now.at) / now.gap;
+  field.shown = field.cycleAt(at);
   const screen = new Float32Array(3 * now.n);
   for (let i = 0; i < now.n; i++) {
     const [x, y, heading] = field.place(i, at);

@@ -2,6 +2,7 @@
 // screen.
 import { MANY, draw } from "./drawing.js";
 import { cancelDrag, listen } from "./pointing.js";
+import { playReactionGame } from "./reaction.js";
 import { openStream } from "./stream.js";
 
 const ROOM = 122; // px; below the field, for two rows of behaviors
@@ -16,6 +17,7 @@ class Field {
     this.context = canvas.getContext("2d");
     this.roster = { names: [], kinds: [], radii: [], size: [20, 20], legend: [] };
     this.now = this.before = null;
+    this.shown = 0; // the cycle that is nearest to what was drawn last
     this.chosen = new Set();
     this.calls = [];
     this.orders = [];
@@ -44,6 +46,8 @@ class Field {
     else if (message.t === "order") this.orders.push({ ...message, until: performance.now() + 2200 });
     else if (message.t === "replay") this.replay = message.on;
     else if (message.t === "chosen") this.chosen = new Set(message.names);
+    else if (message.t === "reaction-game") playReactionGame(message);
+    else if (message.t === "demonstrator") rememberDemonstrator(message.name);
     this.redraw();
   }
 
@@ -163,6 +167,13 @@ class Field {
     this.redraw();
   }
 
+  // The cycle of what is drawn between two moments.
+  cycleAt(at) {
+    const { now, before } = this;
+    const between = before && at < 1 && before.cycle < now.cycle;
+    return between ? Math.round(before.cycle + (now.cycle - before.cycle) * at) : now.cycle;
+  }
+
   place(i, at) {
     const { now, before } = this;
     const [x, y, heading] = now.places.subarray(3 * i, 3 * i + 3);
@@ -239,6 +250,12 @@ class Field {
   cancelDrag() {
     return cancelDrag(this);
   }
+}
+
+// The server reads it when the page is opened again.
+function rememberDemonstrator(name) {
+  const year = 365 * 24 * 3600;
+  document.cookie = `hitab_demonstrator=${encodeURIComponent(name)}; max-age=${year}; SameSite=Strict; path=/`;
 }
 
 function begin() {

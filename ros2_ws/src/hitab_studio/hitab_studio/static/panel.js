@@ -83,7 +83,8 @@ function patchNode(there, wanted) {
     return;
   }
   if (there.isEqualNode(wanted)) return;
-  const mine = document.activeElement === there || there.dataset.kept !== undefined;
+  const typed = there.type !== "number" || there.value !== there.defaultValue;
+  const mine = (document.activeElement === there && typed) || there.dataset.kept !== undefined;
   for (const { name, value } of [...wanted.attributes]) {
     if (there.getAttribute(name) !== value) there.setAttribute(name, value);
   }

@@ -3,6 +3,8 @@
 //   data-do="name"     on a click, with all other data- attributes
 //   data-change="name" when a control changes, with its value
 //   data-submit="name" when a form is sent, with all its values
+//   data-with-form     on a click or a change, also with all values of the form around it
+//   data-seen          with the cycle that the field showed when the key or the button was pressed
 //   data-hotkey="k"    pressing the key clicks the element
 //   data-off="why"     it does nothing at present, and says why
 const told = (what, more = {}) => window.emitEvent("studio", { do: what, ...more });
@@ -10,7 +12,7 @@ window.studioTell = told;
 
 function dataOf(element) {
   const data = { ...element.dataset };
-  for (const name of ["do", "change", "submit", "hotkey", "key", "kept"]) delete data[name];
+  for (const name of ["do", "change", "submit", "hotkey", "key", "kept", "withForm"]) delete data[name];
   return data;
 }
 
@@ -29,6 +31,11 @@ let again = false;
 document.addEventListener("click", (event) => (again = event.detail > 1), true);
 document.addEventListener("keydown", () => (again = false), true);
 
+// A mouse or a finger has pressed before it clicks.
+const shown = () => window.studioField?.shown || 0;
+let seen = 0;
+document.addEventListener("pointerdown", () => (seen = shown()), true);
+
 document.addEventListener("click", (event) => {
   const off = event.target.closest("[data-off]");
   if (off) {
@@ -38,12 +45,15 @@ document.addEventListener("click", (event) => {
   }
   const element = event.target.closest("[data-do]");
   if (!element || element.disabled) return;
+  const control = event.target.closest("input, select");
+  if (control && control !== element && element.contains(control)) return; // of a row that is clickable
   const form = element.closest("form");
   if (element.type !== "submit" || !form) event.preventDefault();
   else return;
   told(element.dataset.do, {
     ...dataOf(element),
     ...(form && element.dataset.withForm !== undefined ? { values: valuesOf(form) } : {}),
+    ...(element.dataset.seen !== undefined ? { seen: event.detail ? seen : shown() } : {}),
     shift: event.shiftKey || undefined,
     again: again || undefined,
   });
@@ -55,7 +65,9 @@ document.addEventListener("change", (event) => {
   const element = event.target.closest("[data-change]");
   if (!element) return;
   const value = element.type === "checkbox" ? element.checked : element.value;
-  told(element.dataset.change, { ...dataOf(element), value });
+  const form = element.dataset.withForm !== undefined && element.closest("form");
+  told(element.dataset.change, { ...dataOf(element), value, ...(form ? { values: valuesOf(form) } : {}) });
+  if (element.type === "number") element.value = element.defaultValue; // until the server agrees
 });
 
 let typing;
@@ -94,8 +106,11 @@ const TEXT = new Set(["INPUT", "SELECT", "TEXTAREA"]);
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") {
     if (window.studioField?.cancelDrag()) return; // that was in front
-    if (TEXT.has(document.activeElement?.tagName)) document.activeElement.blur();
-    told("escape");
+    const active = document.activeElement;
+    const cell = active?.matches("td input");
+    if (cell) active.value = active.defaultValue; // what was typed there is given up
+    if (TEXT.has(active?.tagName)) active.blur();
+    if (!cell) told("escape");
     return;
   }
   if (event.key === "Enter" || event.key === " ") {

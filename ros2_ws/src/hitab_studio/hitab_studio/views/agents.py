@@ -82,7 +82,7 @@ def _absence(session: Session, name: str) -> str:
     known = session.shared.store.known
     if known.answers(name):
         return ""
-    return "silent" if name in known.silent and name not in known.gone else "not there"
+    return "silent" if name in known.silent and name not in known.gone else "not responding"
 
 
 def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, below: int) -> Row:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hitab_client import SwarmError, reaction_time
 from hitab_core import FLAGS, FeatureKind, Use
 from hitab_studio import reasons
+from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.session import Session
+from hitab_studio.views.questions import WHEN_UNSURE
 
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 
@@ -22,6 +25,9 @@ TITLES = {
     "help": "Keys",
     "new": "Train a behavior",
     "discard": "Give up a training",
+    "features": "Learn from other features",
+    "reaction": "Reaction time",
+    "caution": "What it does when it is unsure",
     "save": "Save a behavior",
     "distribute": "Distribute a behavior",
     "round": "Next round",
@@ -64,13 +70,7 @@ def context(session: Session) -> dict[str, Any]:
         arguments = [*vocabulary.targets, *([parameter] if parameter else [])]
         status, world = session.status, session.shared.store.known.world
         found |= {
-            "features": [
-                *(
-                    _feature(session, text, use)
-                    for text, use in uses(vocabulary.features, arguments)
-                ),
-                *(Choice(flag, FLAG_DESCRIPTION.format(flag), "boolean") for flag in FLAGS),
-            ],
+            "features": _features(session, arguments),
             "states": [
                 Choice(str(use), _described(vocabulary.behavior_descriptions, text, use))
                 for text, use in uses(vocabulary.behaviors, arguments)
@@ -81,11 +81,53 @@ def context(session: Session) -> dict[str, Any]:
             "unsaved": status.examples if status is not None else 0,
             "training": session.watched.training,
         }
+    if kind == "features":
+        arguments = [*session.watched.vocabulary.targets, *dialog["parameters"]]
+        found |= {
+            "features": _features(session, arguments),
+            "agent_off": reasons.agent(session),
+            "same": dialog["chosen"] == dialog["used"],
+            "graph": _graph(session),
+        }
+    if kind == "caution":
+        found |= {
+            "when_unsure": WHEN_UNSURE,
+            "now_unsure": session.status.when_unsure if session.status is not None else "",
+            "agent_off": reasons.agent(session),
+        }
+    if kind == "reaction":
+        found |= {"seconds": _reaction(session), "longest": reaction_time.LONGEST}
     if kind == "save":
         training = dialog["training"]
         used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
         found["bindable"] = sorted(used)
     return found
+
+
+def _features(session: Session, arguments: Sequence[str]) -> list[Choice]:
+    """Return the features to choose from, with these targets and parameters."""
+    words = session.watched.vocabulary
+    return [
+        *(_feature(session, text, use) for text, use in uses(words.features, arguments)),
+        *(Choice(flag, FLAG_DESCRIPTION.format(flag), "boolean") for flag in FLAGS),
+    ]
+
+
+def _graph(session: Session) -> Graph | None:
+    """Return the drawing of what would be learned from the chosen features."""
+    preview = session.dialog["preview"]
+    if preview is None or preview.automaton is None:
+        return None
+    return graph(preview.automaton, [*session.watched.behaviors])
+
+
+def _reaction(session: Session) -> str:
+    """Return the reaction time that is kept for the name in the dialog, s; "" if none is."""
+    try:
+        seconds = session.shared.reactions.of(session.dialog["demonstrator"])
+    except SwarmError:
+        return ""
+    return f"{seconds:g}" if seconds else ""
 
 
 def _feature(session: Session, text: str, use: Use) -> Choice:

@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_client import Learned
 from hitab_core import Example
-from hitab_studio.learned import is_contradicted, most_probable
+from hitab_studio.learned import is_contradicted, most_probable, superseding
 from hitab_studio.session import Session, Table
 
 
@@ -18,6 +18,7 @@ class Line:
     Attributes:
         decided: the present decision in its situation, if it differs.
         against: numbers of the examples that contradict it.
+        superseded: why nothing is learned from it; "" if something is.
         known: whether the situation in which it was recorded is known.
         values: of the features that are shown, by name.
     """
@@ -25,6 +26,7 @@ class Line:
     example: Example
     decided: str
     against: tuple[int, ...]
+    superseded: str
     known: bool
     marked: bool
     values: tuple[tuple[str, float], ...]
@@ -68,6 +70,7 @@ def _arguments(behavior: str) -> tuple[str, ...]:
 
 def _lines(session: Session, training: Learned) -> list[Line]:
     against = is_contradicted(training.examples)
+    superseded = superseding(training.examples)
     moments = session.shared.store.known.moments
     columns = _columns(training, session.table)
     lines = []
@@ -77,8 +80,9 @@ def _lines(session: Session, training: Learned) -> list[Line]:
         lines.append(
             Line(
                 example,
-                decided if decided != example.next_state else "",
+                decided if decided != example.next_state and example.is_learned else "",
                 tuple(against.get(example.number, ())),
+                superseded_by(superseded.get(example.number)),
                 moments.of(session.agent, training.name, example.number, example.cycle)
                 is not None,
                 example.number in session.table.marked,
@@ -86,6 +90,15 @@ def _lines(session: Session, training: Learned) -> list[Line]:
             )
         )
     return lines
+
+
+def superseded_by(numbers: list[int] | None) -> str:
+    """Say why nothing is learned from a superseded example; "" for another one."""
+    if numbers is None:
+        return ""
+    examples = "example" if len(numbers) == 1 else "examples"
+    by = f"{examples} {', '.join(map(str, numbers))}" if numbers else "a command"
+    return f"superseded by {by}: this was only assumed, so nothing is learned from it"
 
 
 def _shown(line: Line, table: Table) -> bool:
@@ -108,6 +121,8 @@ def _sort(lines: list[Line], training: Learned, table: Table) -> None:
             return (example.features[features.index(table.sort)], example.number)
         if table.sort == "state":
             return (example.state, example.number)
+        if table.sort == "ago":
+            return (example.ago, example.number)
         if table.sort == "next":
             return (example.next_state, example.number)
         return (example.number,)

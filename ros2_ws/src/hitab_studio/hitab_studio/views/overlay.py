@@ -51,6 +51,8 @@ def context(session: Session) -> dict[str, Any]:
         "lost_off": _lost_off(session),
         "agent_off": reasons.agent(session),
         "undo_off": reasons.undoing(session),
+        "redo_off": reasons.redoing(session),
+        "earlier_off": reasons.retiming(session),
         "test_off": reasons.testing(session),
         "save_off": reasons.saving(session),
         "last_done": history.done[-1] if history.done else "",
@@ -95,7 +97,7 @@ def _stuck(session: Session) -> str:
         if leads_to <= {state}:
             return (
                 f"It is in {state}, and no example leads out of {state}: it stays there. Press "
-                "From Start, or take over (T) and show what comes next."
+                "Restart, or take over (T) and show what comes next."
             )
     if world is not None and world.mode == "paused":
         return "The world is paused: press Space, and it does what it has learned."

@@ -36,6 +36,9 @@ def context(session: Session) -> dict[str, Any]:
         "absent": absent,
         "agent_off": reasons.agent(session),
         "asks": bool(session.agent) and not session.watched.vocabulary.domain,
-        "example_count": len(training.examples) if training is not None else 0,
+        "counts": {
+            "examples": len(training.examples) if training is not None else 0,
+            "teach": len(session.watched.questions) if session.is_training else 0,
+        },
         **shown[2](session),
     }

@@ -6,9 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hitab_client import SwarmError
 from hitab_core import FLAGS, Example, FeatureKind
 from hitab_studio import reasons
+from hitab_studio.learned import superseding
+from hitab_studio.reactions import EARLIER_SECONDS
 from hitab_studio.session import Session
+from hitab_studio.views.questions import questions, when_unsure
 
 SHOWN = 6
 """Edits of the history that are shown on either side of now."""
@@ -44,7 +48,25 @@ def context(session: Session) -> dict[str, Any]:
         + [(text, True) for text in watched.history.undone[:SHOWN]],
         "undo_off": reasons.undoing(session),
         "redo_off": reasons.redoing(session),
+        "earlier_off": reasons.retiming(session),
+        "earlier_seconds": EARLIER_SECONDS,
+        "superseded": superseding(examples),
+        "reaction": _reaction(session),
+        "cost": watched.cost,
+        "questions": questions(session),
+        "when_unsure": when_unsure(session),
     }
+
+
+def _reaction(session: Session) -> str:
+    """Say for when the person's commands count."""
+    try:
+        seconds = session.shared.reactions.of(session.demonstrator)
+    except SwarmError as error:
+        return str(error)
+    if seconds:
+        return f"Your commands count {seconds:g} s earlier."
+    return "Your commands count when you press the key."
 
 
 def _values(session: Session, example: Example) -> list[tuple[str, float, str]]:

@@ -1,0 +1,51 @@
+"""Answering what an agent asks about its examples, and what it does when it is unsure."""
+
+from __future__ import annotations
+
+from hitab_client import SwarmError
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.session import Session
+
+
+@action("answer")
+async def answer(session: Session, data: Data) -> None:
+    """Answer a question; without a choice, as the agent proposes."""
+    number, choice = int(data["number"]), str(data.get("choice", ""))
+    answer = await session.ask_agent(
+        lambda swarm, agent: swarm.agents.answer(agent, number, choice)
+    )
+    session.tell(f"{answer.message}; Undo brings it back")
+
+
+@action("dismiss")
+async def dismiss(session: Session, data: Data) -> None:
+    """Have a question not be asked again."""
+    number = int(data["number"])
+    answer = await session.ask_agent(
+        lambda swarm, agent: swarm.agents.answer(agent, number, dismiss=True)
+    )
+    session.tell(answer.message)
+
+
+@action("caution-dialog")
+async def caution_dialog(session: Session, data: Data) -> None:
+    """Ask what the agent does when it is unsure."""
+    session.dialog = {"kind": "caution", "agent": session.agent}
+
+
+@action("caution")
+async def caution(session: Session, data: Data) -> None:
+    """Say what the agent does when it is unsure."""
+    values = data["values"]
+    try:
+        support, distance = (float(values.get(n) or 0.0) for n in ("support", "distance"))
+    except ValueError:
+        raise SwarmError("Give numbers of examples and of spreads, such as 2 and 3.") from None
+    when_unsure = str(values["when_unsure"])
+    answer = await session.ask_agent(
+        lambda swarm, agent: swarm.agents.set_caution(
+            agent, when_unsure, support=support, distance=distance
+        )
+    )
+    session.close_dialog()
+    session.tell(answer.message)

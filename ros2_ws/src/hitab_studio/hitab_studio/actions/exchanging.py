@@ -1,0 +1,72 @@
+"""Learning from other features of the same examples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from hitab_client import SwarmError
+from hitab_core import START
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.learned import effect
+from hitab_studio.session import Session
+
+
+@action("features-dialog")
+async def features_dialog(session: Session, data: Data) -> None:
+    """Ask which features to learn from."""
+    training = session.watched.training
+    if training is None:
+        raise SwarmError(f"{session.agent or 'no agent'} is not training anything.")
+    session.dialog = {
+        "kind": "features",
+        "agent": session.agent,
+        "name": training.name,
+        "parameters": training.parameters,
+        "used": training.features,
+        "chosen": training.features,
+        "preview": None,
+        "change": None,
+        "problem": "",
+    }
+    session.shared.link.probe(session.agent, on=True)
+
+
+def _chosen(session: Session, values: Iterable[object]) -> tuple[str, ...]:
+    """Return the chosen features: those in use first, in their order."""
+    wanted = [str(value) for value in values]
+    used = session.dialog["used"]
+    kept = [feature for feature in used if feature in wanted]
+    return (*kept, *(feature for feature in wanted if feature not in used))
+
+
+@action("features-preview", repeats=True)
+async def features_preview(session: Session, data: Data) -> None:
+    """Show what would be learned from other features."""
+    dialog = session.dialog
+    if dialog.get("kind") != "features":
+        return
+    chosen = _chosen(session, data["values"].get("features", []))
+    dialog |= {"chosen": chosen, "preview": None, "change": None, "problem": ""}
+    training = session.watched.training
+    if not chosen:
+        dialog["problem"] = "Choose at least one feature for the decisions to depend on."
+    elif training is not None and any(example.state == START for example in training.examples):
+        try:
+            preview = await session.ask_agent(
+                lambda swarm, agent: swarm.agents.behavior(agent, with_features=list(chosen))
+            )
+        except SwarmError as error:
+            dialog["problem"] = str(error)
+        else:
+            dialog |= {"preview": preview, "change": effect(training, preview)}
+
+
+@action("features-accept")
+async def features_accept(session: Session, data: Data) -> None:
+    """Learn from other features from now on."""
+    chosen = _chosen(session, data["values"].get("features", []))
+    await session.ask_agent(
+        lambda swarm, agent: swarm.agents.edit_examples(agent, "features", features=list(chosen))
+    )
+    session.close_dialog()
+    session.tell(f"learned from {', '.join(chosen)} now; Undo brings the former features back")

@@ -1,0 +1,112 @@
+"""For when commands count: the person's reaction time, and commands that were due earlier."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from hitab_client import SwarmError, reaction_time
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.jobs import Connected
+from hitab_studio.reactions import earlier
+from hitab_studio.session import Session
+
+RETIME = "retime"
+LONGEST_NAME = 60
+"""Characters of a demonstrator's name."""
+
+
+@action("reaction-dialog")
+async def reaction_dialog(session: Session, data: Data) -> None:
+    """Show the person's reaction time, to change it."""
+    session.dialog = {"kind": "reaction", "demonstrator": session.demonstrator}
+
+
+@action("reaction-who", repeats=True)
+async def reaction_who(session: Session, data: Data) -> None:
+    """Show the reaction time that is kept for a name."""
+    session.dialog["demonstrator"] = str(data["value"]).strip()[:LONGEST_NAME]
+
+
+def _become(session: Session, values: Mapping[str, Any]) -> None:
+    """Have the page be used by whom its person says."""
+    name = str(values.get("demonstrator", "")).strip()[:LONGEST_NAME]
+    if not name:
+        raise SwarmError("Give a name: the reaction time is kept under it.")
+    if name != session.demonstrator:
+        session.demonstrator = name
+        session.send({"t": "demonstrator", "name": name})
+
+
+@action("reaction-set")
+async def reaction_set(session: Session, data: Data) -> None:
+    """Keep a reaction time."""
+    values = data["values"]
+    text = str(values.get("seconds", "")).strip()
+    try:
+        seconds = reaction_time.check(float(text)) if text else None
+    except ValueError:
+        raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
+    _become(session, values)
+    reaction_time.keep(session.demonstrator, seconds)
+    session.close_dialog()
+    session.tell(_told(seconds or 0.0))
+
+
+@action("reaction-game")
+async def reaction_game(session: Session, data: Data) -> None:
+    """Begin the game that measures the reaction time; the page plays it."""
+    _become(session, data["values"])
+    session.close_dialog()
+    session.send(
+        {
+            "t": "reaction-game",
+            "rounds": reaction_time.ROUNDS,
+            "longest": reaction_time.LONGEST,
+        }
+    )
+
+
+@action("reaction-measured")
+async def reaction_measured(session: Session, data: Data) -> None:
+    """Keep the reaction time that the game has measured."""
+    seconds = reaction_time.check(round(float(data["seconds"]), 2))
+    reaction_time.keep(session.demonstrator, seconds)
+    session.tell(f"measured {seconds:g} s: {_told(seconds)}")
+
+
+def _told(seconds: float) -> str:
+    if seconds:
+        return f"your commands count {seconds:g} s earlier from now on"
+    return "your commands count from now on when you press the key"
+
+
+@action("earlier", repeats=True)
+async def due_earlier(session: Session, data: Data) -> None:
+    """Have the last command be due a little earlier than it is at present."""
+
+    def job(swarm: Connected, agent: str) -> str:
+        examples = swarm.agents.list_examples(agent).examples
+        last = max(examples, key=lambda e: (e.command, -e.number), default=None)
+        if last is None:
+            raise SwarmError("There is no command yet that could have been due earlier.")
+        ago = round(last.ago + earlier(swarm.world), 3)
+        swarm.agents.edit_examples(agent, RETIME, [last.number], ago=ago)
+        now = {e.number: e for e in swarm.agents.list_examples(agent).examples}[last.number]
+        return f"{now.state} → {now.next_state} was due {now.ago:.2g} s earlier"
+
+    session.tell(await session.ask_agent(job))
+
+
+@action(RETIME, repeats=True)
+async def retime(session: Session, data: Data) -> None:
+    """Have a command be due at another time before it was given."""
+    number, text = int(data["number"]), str(data["value"]).strip()
+    try:
+        ago = float(text)
+    except ValueError:
+        raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
+    await session.ask_agent(
+        lambda swarm, agent: swarm.agents.edit_examples(agent, RETIME, [number], ago=ago)
+    )
+    session.tell(f"the command of example {number} was due {ago:g} s earlier")
