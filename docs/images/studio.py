@@ -1,8 +1,9 @@
-"""Takes the pictures of the studio: studio-train.png, -arrange.png, -tablet.png, -learned.png.
+"""Takes the pictures of the studio, studio-*.png.
 
 scripts/python docs/images/studio.py
 
-A person at a real browser trains ApproachBall by clicking, arranges a scenario by dragging, and
+A person at a real browser trains ApproachBall by clicking, has a look at what would be learned
+from another feature, is asked which of two commands holds, arranges a scenario by dragging, and
 looks into what the shipped keepers have learned, while they play.
 """
 
@@ -75,6 +76,26 @@ def train(person: Any, swarm: RunningSwarm) -> None:
     person.page.wait_for_timeout(500)
     person.page.screenshot(path=HERE / "studio-tablet.png")
     person.page.set_viewport_size(SIZE)
+    person.click("features-change")
+    person.page.uncheck('[data-test="feature-DistanceTo(ball)"]')
+    person.tick("feature-DistanceTo(closest_keeper)")
+    person.sees("features-effect", "DistanceTo(closest_keeper)")
+    person.page.locator('[data-test="features-effect"]').scroll_into_view_if_needed()
+    person.page.wait_for_timeout(300)
+    person.page.screenshot(path=HERE / "studio-features.png")
+    person.page.keyboard.press("Escape")
+    person.does_not_see("features-dialog")
+    for behavior, examples in (("GoMedium", 8), ("Stop", 10)):  # here it was to go slowly
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+    person.sees("questions", "which holds?")
+    person.page.wait_for_timeout(5500)
+    person.page.locator('[data-test="questions"]').scroll_into_view_if_needed()
+    person.page.screenshot(path=HERE / "studio-questions.png")
+    for examples in (8, 6):
+        person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
+        person.click("undo")
+        person.sees("counts", f"{examples} examples")
     person.click("tab-examples")
     person.page.wait_for_timeout(300)
     # In the middle of dragging, two things at once.

@@ -1,5 +1,7 @@
 """A command counts for what its person saw when it was due, in the world's time."""
 
+import asyncio
+import json
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,7 +9,9 @@ import pytest
 from hitab_msgs.msg import WorldStatus
 
 from hitab_client import SwarmError, reaction_time
+from hitab_studio.actions import perform
 from hitab_studio.reactions import EARLIER_SECONDS, Due, Reactions, due, earlier
+from hitab_studio.studio import Studio
 
 
 def world(mode: str = "running", pace: str = "realtime", factor: float = 1.0) -> Any:
@@ -41,3 +45,25 @@ def test_what_is_kept_elsewhere_counts_at_once(tmp_path, monkeypatch):
     reaction_time.file().write_text("nonsense")
     with pytest.raises(SwarmError, match="delete it"):
         reactions.of("anna")
+
+
+def test_a_reaction_time_is_kept_for_whom_the_page_is_used_by(tmp_path, monkeypatch):
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+
+    async def run() -> None:
+        session = Studio(lambda: None).open()  # type: ignore[arg-type,return-value]
+        values = {"demonstrator": "Änne", "seconds": "0.4"}
+        await perform(session, {"do": "reaction-set", "values": values})
+        assert reaction_time.kept() == {"Änne": 0.4}
+        assert session.demonstrator == "Änne"
+        told = [json.loads(message) for message in session.outgoing]
+        assert {"t": "demonstrator", "name": "Änne"} in told, "the browser remembers it"
+        for seconds in ("soon", "-1", "nan", "90"):
+            await perform(session, {"do": "reaction-set", "values": values | {"seconds": seconds}})
+            assert session.messages.shown[-1].kind == "bad"
+        await perform(session, {"do": "reaction-measured", "seconds": 0.256})
+        assert reaction_time.kept() == {"Änne": 0.26}
+        await perform(session, {"do": "reaction-set", "values": values | {"seconds": ""}})
+        assert reaction_time.kept() == {}
+
+    asyncio.run(run())
