@@ -1,0 +1,185 @@
+"""Simulated people who train keepers as people do: late, wavering, distracted, and mistaken.
+
+A person has an intention (`intentions`), arranges situations (`practice`), demonstrates each plan
+from the bottom up while the world runs, then lets the keeper try, watches, takes over and corrects
+when it does what was not intended (`trial`), and goes on to the next plan when content or when the
+budget for this one is spent. A person knows what the field and the status show, not how the engine
+learns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+
+from habits import Diary, Habits
+from intentions import Intention, Plan
+from practice import SCENES, Scene, being_open, having_the_ball, playing
+from pupils import Pupil
+from trial import Memory, Trial
+
+from hitab_core import START
+
+SHARES = (20 / 60, 32 / 60, 46 / 60, 1.0)
+"""The part of the budget that may be spent by the end of each plan."""
+
+
+class Person:
+    """One simulated person.
+
+    Args:
+        intention: what the team should do.
+        habits: how the person acts.
+        seed: of everything that the person draws.
+        budget: the most examples to record, default ones and deleted ones counted.
+        says_ago: whether the person's measured reaction time is applied to the commands.
+        quick: which reaction time that is: 0 the shortest, 0.5 the mean, 1 the longest.
+    """
+
+    def __init__(
+        self,
+        intention: Intention,
+        habits: Habits,
+        seed: int,
+        budget: int = 60,
+        *,
+        says_ago: bool = False,
+        quick: float = 0.5,
+    ) -> None:
+        self.intention = intention
+        self.habits = habits
+        self.budget = budget
+        self.diary = Diary()
+        self.random = Random(f"person {seed}")
+        low, high = habits.reaction
+        measured = low + quick * (high - low) + self.random.uniform(-0.02, 0.02)
+        self.ago = measured if says_ago and high > 0.0 else 0.0
+
+    # -- the whole course -------------------------------------------------------------------
+
+    def train(self, pupil: Pupil) -> Diary:
+        """Train all plans of the intention, from the bottom up."""
+        *lower, top = self.intention.plans
+        courses = []
+        for plan, share in zip(lower, SHARES, strict=False):
+            course = Course(self, pupil, plan, int(share * self.budget))
+            courses.append(course)
+            pupil.perform("")
+            pupil.begin(plan)
+            if not course.practise(SCENES[plan.name], guided=2) or not course.save():
+                return self._ended(pupil, plan)
+        if not self._train_team(pupil, top):
+            return self._ended(pupil, top)
+        for course in courses:  # what is left of the budget goes to what is not good yet
+            plan, course.allowance = course.plan, self.budget
+            if plan.name in self.diary.content or course.exhausted:
+                continue
+            pupil.perform("")
+            pupil.begin(plan, resume=True)
+            course.practise(SCENES[plan.name], guided=1)
+            course.save()
+        return self.diary
+
+    def _ended(self, pupil: Pupil, plan: Plan) -> Diary:
+        self.diary.failure = f"{plan.name} has no example for {START}"
+        return self.diary
+
+    def _train_team(self, pupil: Pupil, plan: Plan) -> bool:
+        """Bootstrap the top-level plan; return whether there is anything to perform.
+
+        First the mates stand idle, then they perform what has been trained so far.
+        """
+        pupil.perform("")
+        pupil.begin(plan)
+        course = Course(self, pupil, plan, self.budget)
+        for scene in (having_the_ball, being_open):
+            course.demonstrate(scene, seconds=0.6)
+        for stage in (having_the_ball, being_open):
+            if not course.hand_out(plan):
+                return False
+            course.practise(stage, guided=1, content=1, trials=4)
+        if not course.hand_out(plan):
+            return False
+        course.practise(playing, guided=0, content=2, trials=6)
+        return course.save()
+
+
+class Course:
+    """Training one plan: trials until the person is content."""
+
+    def __init__(self, person: Person, pupil: Pupil, plan: Plan, allowance: int) -> None:
+        self.person, self.pupil, self.plan, self.allowance = person, pupil, plan, allowance
+        self.memory = Memory()
+        self.turn = 0
+
+    # -- trials -----------------------------------------------------------------------------
+
+    def practise(
+        self,
+        scenes: Callable[[Random, int], Scene],
+        *,
+        guided: int,
+        content: int | None = None,
+        trials: int | None = None,
+    ) -> bool:
+        """Demonstrate a few times, then let the keeper try until content or out of budget.
+
+        Returns:
+            Whether there is anything to save.
+        """
+        wanted = self.person.habits.content if content is None else content
+        clean = 0
+        for trial in range(self.person.habits.trials if trials is None else trials):
+            if self.exhausted:
+                break
+            hand = trial < guided or bool(self.memory.early)
+            again, self.memory.again = self.memory.again, None
+            scene = again or self._next(scenes)
+            first = again is not None
+            good = self._trial().play(scene, guided=hand or first, first=first)
+            clean = clean + 1 if good and not hand else 0
+            if clean >= wanted:
+                self.person.diary.content.append(self.plan.name)
+                break
+        return self.memory.begins
+
+    def _next(self, scenes: Callable[[Random, int], Scene]) -> Scene:
+        self.turn += 1
+        return scenes(self.person.random, self.turn - 1)
+
+    def _trial(self) -> Trial:
+        person = self.person
+        return Trial(
+            self.pupil,
+            self.plan,
+            person.habits,
+            person.random,
+            person.diary,
+            self.memory,
+            self.allowance,
+            person.ago,
+        )
+
+    def demonstrate(self, scenes: Callable[[Random, int], Scene], seconds: float) -> None:
+        """Play a situation for a short while under guidance."""
+        self._trial().play(self._next(scenes), guided=True, seconds=seconds)
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether no more can be recorded for this plan."""
+        return self.pupil.given + 2 > self.allowance
+
+    def hand_out(self, plan: Plan) -> bool:
+        """Save what there is, have all mates perform it, and go on training it."""
+        if not self.save():
+            return False
+        self.pupil.perform(plan.name)
+        self.pupil.begin(plan, resume=True)
+        return True
+
+    def save(self) -> bool:
+        """Save what there is; return whether there was anything."""
+        if not self.memory.begins:
+            return False
+        self.pupil.save(keep_unused=True)
+        return True

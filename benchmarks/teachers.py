@@ -1,0 +1,295 @@
+"""Measures how many of a hundred simulated people train a team that does what they intended.
+
+Each person has an intention (`intentions.py`), reacts late, wavers, looks away and presses wrong
+keys (`simulated_people.py`, `trial.py`), and trains three keepers with at most 60 examples while
+the world runs (`practice.py`, `pupils.py`). A person succeeds whose team holds the ball for 14.6 s
+on average, the paper's figure, and for 80 % of what the intention itself holds it.
+docs/teachers.md describes the method.
+
+    scripts/python benchmarks/teachers.py --people 100 --json teachers.json
+    scripts/python benchmarks/teachers.py --people 20 --causes
+    scripts/python benchmarks/teachers.py --people 20 --wrong 0.1 --without reaction --diagnose
+"""
+
+from __future__ import annotations
+
+import json as js
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from pathlib import Path
+from statistics import fmean, stdev
+from typing import Annotated, Any
+
+import typer
+from agreement import decisions, objections
+from habits import Habits
+from intentions import INTENTIONS, Intention
+from pupils import InProcessPupil
+from simulated_people import Person
+
+from hitab_core import Automaton, HitabError, Repertoire
+from hitab_world.inprocess import perform, play
+from keepaway_world.domain import DOMAIN
+from keepaway_world.world import KeepawayWorld
+
+PAPER_S = 14.6
+"""Mean hold time of the paper's trained keepers, s."""
+
+SHARE = 0.8
+"""The part of the intention's own hold time that the team has to reach."""
+
+OWN_TIMES = 2
+"""An intention plays itself in so many times the episodes of a team, which are other ones."""
+
+HOPELESS = (20, 0.4)
+"""A team that after so many episodes holds for less than this part of what it needs has failed."""
+
+OBJECTION = 0.1
+"""A kind of decision counts as learned otherwise if more than this part of it was not intended."""
+
+AIDS = ("reaction", "supersede", "events")
+"""Aids of the engine: commands are recorded for when they were due; they outrank default examples.
+``events``, a proposal: they were due when what they respond to came about."""
+
+NOTHING = Habits(reaction=(0.0, 0.0), waver=0.0, inattention=0.0, wrong=0.0)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is measured.
+
+    Attributes:
+        habits: of all people.
+        aids: of the engine that people use.
+        episodes: that each team plays.
+        seed: of the people; teams play with another one.
+        budget: the most examples.
+        diagnose: whether to compare what was learned with what was intended.
+    """
+
+    habits: Habits
+    aids: frozenset[str] = frozenset(AIDS)
+    episodes: int = 200
+    seed: int = 2026
+    budget: int = 60
+    diagnose: bool = False
+
+
+def hold_times(
+    automata: Mapping[str, Automaton], top: str, episodes: int, seed: int, needed: float = 0.0
+) -> list[float]:
+    """Return the lengths of some episodes, s; fewer if the team is hopeless."""
+    world = KeepawayWorld(seed=seed)
+    players = perform(world, Repertoire(DOMAIN, automata), top)
+    count, part = HOPELESS
+    first = min(count, episodes)
+    times = [p.seconds for p in play(world, players, first, first=0)]
+    if fmean(times) < part * needed:
+        return times
+    return times + [p.seconds for p in play(world, players, episodes - first, first=first)]
+
+
+@cache
+def own_hold_time(name: str, episodes: int, seed: int) -> float:
+    """Return for how long an intention holds the ball when it plays itself, s."""
+    intention = INTENTIONS[name]
+    top = intention.plans[-1].name
+    return fmean(hold_times(intention.automata(), top, OWN_TIMES * episodes, seed + 1_000_001))
+
+
+def intention_of(number: int) -> Intention:
+    """Return the intention of a person."""
+    return list(INTENTIONS.values())[number % len(INTENTIONS)]
+
+
+def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
+    """Have one person train a team, and the team play; return the figures."""
+    intention = intention_of(number)
+    own = own_hold_time(intention.name, setting.episodes, setting.seed)
+    needed = max(PAPER_S, SHARE * own)
+    seed = setting.seed * 1000 + number
+    person = Person(
+        intention, setting.habits, seed, setting.budget, says_ago="reaction" in setting.aids
+    )
+    pupil = InProcessPupil(
+        seed, events="events" in setting.aids, supersede="supersede" in setting.aids
+    )
+    figures: dict[str, Any] = {"person": number, "intention": intention.name, "own_s": own}
+    try:
+        diary = person.train(pupil)
+        known = pupil.repertoire
+    except HitabError as error:  # a person would stop at an error, and have no team
+        return figures | _no_team(str(error), pupil.given)
+    finally:
+        pupil.close()
+    if diary.failure:
+        return figures | diary.figures() | _no_team(diary.failure, pupil.given)
+    trained = {plan.name: known.automata[plan.name] for plan in intention.plans}
+    top = intention.plans[-1].name
+    times = hold_times(trained, top, setting.episodes, setting.seed + 7, needed)
+    hold = fmean(times)
+    figures |= {
+        **diary.figures(),
+        "given": pupil.given,
+        "hold_s": hold,
+        "se": stdev(times) / len(times) ** 0.5,
+        "success": hold >= needed,
+    }
+    if setting.diagnose:
+        records = decisions(intention.name, setting.seed)
+        figures["objections"] = {
+            f"{plan.name}: {kind}": share
+            for plan in intention.plans
+            for kind, share in objections(plan, trained[plan.name], records[plan.name]).items()
+        }
+    return figures
+
+
+def _no_team(failure: str, given: int) -> dict[str, Any]:
+    return {"failure": failure, "given": given, "hold_s": 0.0, "se": 0.0, "success": False}
+
+
+def measure(
+    people: Sequence[int], setting: Setting, jobs: int, title: str
+) -> list[dict[str, Any]]:
+    """Measure some people; Ctrl-C returns those that are done."""
+    done: list[dict[str, Any]] = []
+    began = time.monotonic()
+
+    def note(figures: dict[str, Any]) -> None:
+        done.append(figures)
+        good = sum(f["success"] for f in done)
+        print(
+            f"\r  {title}: {len(done)}/{len(people)} people, {good} succeeded, "
+            f"{time.monotonic() - began:.0f} s   ",
+            end="",
+            flush=True,
+        )
+
+    try:
+        if jobs > 1:
+            with ProcessPoolExecutor(jobs) as pool:
+                for future in as_completed(
+                    [pool.submit(train_and_play, n, setting) for n in people]
+                ):
+                    note(future.result())
+        else:
+            for number in people:
+                note(train_and_play(number, setting))
+    except KeyboardInterrupt:
+        print("\n  interrupted; these are the figures so far", end="")
+    print()
+    return sorted(done, key=lambda f: f["person"])
+
+
+def row(title: str, people: Sequence[Mapping[str, Any]]) -> str:
+    """Return one line of a table."""
+    if not people:
+        return f"{title:28} nobody"
+    counts: Counter[str] = Counter()
+    for p in people:
+        counts.update(p.get("counts", {}))
+    ratio = [p["hold_s"] / p["own_s"] for p in people]
+    spread = stdev(ratio) / len(ratio) ** 0.5 if len(ratio) > 1 else 0.0
+    return (
+        f"{title:28} {sum(p['success'] for p in people):3}/{len(people):<3} "
+        f"hold {fmean(p['hold_s'] for p in people):5.1f} s  "
+        f"of own {fmean(ratio):.2f} ± {spread:.2f}  "
+        f"examples {fmean(p['given'] for p in people):4.1f}  "
+        f"commands {counts['commands'] / len(people):4.1f}"
+    )
+
+
+CAUSES: Mapping[str, Callable[[Habits], Habits]] = {
+    "nothing": lambda h: NOTHING,
+    "reaction": lambda h: replace(NOTHING, reaction=h.reaction),
+    "wavering": lambda h: replace(NOTHING, waver=h.waver),
+    "inattention": lambda h: replace(NOTHING, inattention=h.inattention),
+    "wrong commands": lambda h: replace(NOTHING, wrong=h.wrong or 0.1),
+    "all but wrong commands": lambda h: replace(h, wrong=0.0),
+    "all": lambda h: replace(h, wrong=h.wrong or 0.1),
+}
+
+
+def span(text: str) -> tuple[float, float]:
+    """Parse a span of seconds such as ``0.2-0.4``."""
+    low, _, high = text.partition("-")
+    try:
+        span = float(low), float(high or low)
+    except ValueError:
+        raise typer.BadParameter(f'"{text}" is not a span of seconds such as 0.2-0.4') from None
+    if not 0.0 <= span[0] <= span[1] <= 2.0:
+        raise typer.BadParameter(f"{text}: give two times from 0 to 2 s, the shorter one first")
+    return span
+
+
+def diagnosis(people: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return lines on the decisions that were learned otherwise than intended, the worst first."""
+    failed: Counter[str] = Counter()
+    good: Counter[str] = Counter()
+    for figures in people:
+        kinds = [k for k, share in figures.get("objections", {}).items() if share > OBJECTION]
+        (good if figures["success"] else failed).update(kinds)
+    lines = [f"    {'decision learned otherwise':44} failed  succeeded"]
+    for kind in sorted(failed + good, key=lambda kind: -(failed + good)[kind])[:16]:
+        lines.append(f"    {kind:44} {failed[kind]:6} {good[kind]:10}")
+    return lines
+
+
+def settings(habits: Habits, causes: bool, only: Sequence[str]) -> dict[str, Habits]:
+    """Return the habits to measure, by title."""
+    if unknown := sorted({*only} - {*CAUSES}):
+        raise typer.BadParameter(f'there is no cause "{unknown[0]}" (has: {", ".join(CAUSES)})')
+    if not causes and not only:
+        return {"as asked": habits}
+    return {title: make(habits) for title, make in CAUSES.items() if not only or title in only}
+
+
+def main(
+    people: Annotated[int, typer.Option(help="How many people.", min=1)] = 100,
+    first: Annotated[int, typer.Option(help="Number of the first person.", min=0)] = 0,
+    reaction: Annotated[str, typer.Option(help="Shortest and longest time, s.")] = "0.2-0.4",
+    waver: Annotated[float, typer.Option(help="By how much edges waver.", min=0, max=1)] = 0.15,
+    inattention: Annotated[
+        float, typer.Option(help="Fraction of decisions that come late or never.", min=0, max=1)
+    ] = 0.1,
+    wrong: Annotated[float, typer.Option(help="Fraction of wrong commands.", min=0, max=1)] = 0.0,
+    without: Annotated[
+        list[str] | None, typer.Option(help=f"Aids to switch off: {', '.join(AIDS)}.")
+    ] = None,
+    causes: Annotated[bool, typer.Option(help="Measure each cause by itself.")] = False,
+    only: Annotated[list[str] | None, typer.Option(help="Only these causes.")] = None,
+    diagnose: Annotated[bool, typer.Option(help="Say what was learned otherwise.")] = False,
+    episodes: Annotated[int, typer.Option(help="Episodes of each team.", min=2)] = 200,
+    budget: Annotated[int, typer.Option(help="The most examples.", min=1)] = 60,
+    seed: Annotated[int, typer.Option(help="Seed of people and games.")] = 2026,
+    jobs: Annotated[int, typer.Option(help="Processes.", min=1)] = 1,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+) -> None:
+    """Have simulated people train keepers, and measure how many succeed."""
+    off = {*(without or ())}
+    if unknown := sorted(off - {*AIDS}):
+        raise typer.BadParameter(f'there is no aid "{unknown[0]}" (has: {", ".join(AIDS)})')
+    habits = Habits(reaction=span(reaction), waver=waver, inattention=inattention, wrong=wrong)
+    setting = Setting(habits, frozenset(AIDS) - off, episodes, seed, budget, diagnose)
+    measured: dict[str, list[dict[str, Any]]] = {}
+    for title, some in settings(habits, causes, only or ()).items():
+        found = measure(range(first, first + people), replace(setting, habits=some), jobs, title)
+        measured[title] = found
+        if json:
+            content = {**asdict(setting), "aids": sorted(setting.aids), "people": measured}
+            Path(json).write_text(js.dumps(content, indent=1) + "\n", encoding="utf-8")
+        if len(found) < people:
+            break  # interrupted
+    for title, found in measured.items():
+        print(row(title, found))
+        if diagnose:
+            print("\n".join(diagnosis(found)))
+
+
+if __name__ == "__main__":
+    typer.run(main)

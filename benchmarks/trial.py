@@ -1,0 +1,360 @@
+"""One trial: a simulated person and a keeper play one situation.
+
+The person is in control and commands what is due (`Trial.guide`), or lets the keeper do what it
+has learned, and watches (`Trial.watch`). What is decided reaches the keys after the reaction time,
+or later, or not at all; now and then it is the wrong key (`Trial.press`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from random import Random
+
+from habits import Diary, Habits
+from intentions import DONE, OFF, YELLED, Plan, Seen
+from practice import Scene
+from pupils import WHETHER, Pupil, Sight
+
+from hitab_core import FLAGS, START
+
+DOUBT = (0.8, 1.0, 1.25)
+"""A watching person objects only to what is wrong even for edges moved by these factors."""
+
+Kind = tuple[str, str, tuple[tuple[str, bool], ...]]
+
+MOMENTARY = (DONE, YELLED)
+"""What is there for one cycle only, and is remembered by who sees it."""
+
+
+@dataclass(frozen=True)
+class _Press:
+    """A command that is on its way from eye to finger.
+
+    Attributes:
+        state: that is meant.
+        at: the cycle in which the finger arrives.
+        due: the cycle in which it was due.
+        seen: what the person saw then.
+    """
+
+    state: str
+    at: int
+    due: int
+    seen: Seen
+
+
+@dataclass
+class Memory:
+    """What a person remembers of the training of one plan.
+
+    Attributes:
+        shown: the decisions that the keeper has been shown.
+        early: where the keeper left a state too early, by state.
+        again: a situation in which the keeper began with the wrong state.
+    """
+
+    shown: set[Kind] = field(default_factory=set)
+    early: dict[str, Seen] = field(default_factory=dict)
+    again: Scene | None = None
+
+    @property
+    def begins(self) -> bool:
+        """Whether the keeper has been shown what to begin with."""
+        return any(state == START for state, *_ in self.shown)
+
+
+class Trial:
+    """A situation being played.
+
+    Args:
+        pupil: plays it.
+        plan: what is intended.
+        habits: of the person.
+        random: of the person.
+        diary: of the person.
+        memory: of the training of this plan.
+        allowance: the most examples that may have been recorded, all plans together.
+        ago: how long before they arrive the person's commands were due, as far as known, s.
+    """
+
+    def __init__(
+        self,
+        pupil: Pupil,
+        plan: Plan,
+        habits: Habits,
+        random: Random,
+        diary: Diary,
+        memory: Memory,
+        allowance: int,
+        ago: float,
+    ) -> None:
+        self.pupil, self.plan, self.habits = pupil, plan, habits
+        self.random, self.diary, self.memory = random, diary, memory
+        self.allowance, self.ago = allowance, ago
+        self.now = self.blind = self.objections = 0
+        self.pending: _Press | None = None
+        self.expected: tuple[int, str, Kind] | None = None
+        self.missed: tuple[str, str] | None = None
+        self.slip: tuple[int, str] | None = None
+        self.late: int | None = None
+        self.hand_back: int | None = None
+        self.take_at: int | None = None
+        self.guided = self.guiding = self.finished = False
+        self.fresh()
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether no more can be recorded."""
+        return self.pupil.given + 2 > self.allowance
+
+    def play(
+        self, scene: Scene, *, guided: bool, first: bool = False, seconds: float | None = None
+    ) -> bool:
+        """Play one situation; return whether the keeper did nothing that was not intended.
+
+        Args:
+            scene: to play.
+            guided: begin in control.
+            first: show what to begin with, even if that state has been begun with before.
+            seconds: to play; None: as long as the scene says.
+        """
+        self.diary.counts["trials"] += 1
+        seen = self.last = self.pupil.place(scene.start)
+        self.scene = scene
+        self.guided = guided
+        twist = scene.twist
+        twist_in = -1
+        begin = self.wish(START, seen.values)
+        self.guiding = first or (
+            guided and self.kind(START, begin, seen.values) not in self.memory.shown
+        )
+        if self.guiding:
+            self.pupil.take_over()
+            self.press(_Press(begin, 0, 0, seen.values), paused=True)
+        elif self.memory.begins:
+            self.pupil.test(restart=True)
+        else:
+            return False
+        over = False
+        for _ in range(round((seconds or scene.seconds) / self.pupil.cycle_seconds)):
+            before, seen = seen, self.pupil.step()
+            self.now += 1
+            self.diary.seconds += self.pupil.cycle_seconds
+            if seen.ended:
+                break
+            self.attend(before, seen)
+            over = scene.over(seen.state, seen.values) and not twist
+            if scene.broken(seen.state, seen.values) and self.pending is None:
+                break
+            if self.finished or (over and self.pending is None):
+                break
+            if twist and twist_in < 0 and scene.turn(seen.state, seen.values):
+                twist_in = self.now + 4
+            if twist and self.now == twist_in:
+                seen = self.pupil.place(twist, new_episode=False)
+                twist = ()
+                self.arranged(seen)
+        self.repair(force=True)
+        return self.objections == 0 and (over or self.finished or not scene.ends)
+
+    def arranged(self, seen: Sight) -> None:
+        """Command at leisure after arranging the field, if guiding."""
+        self.pending = None
+        if self.guiding and seen.state not in (START, *FLAGS):
+            self.fresh()
+            wished = self.wish(seen.state, seen.values)
+            if wished != seen.state and not self.exhausted:
+                self.press(_Press(wished, self.now, self.now, seen.values), paused=True)
+
+    # -- deciding ---------------------------------------------------------------------------
+
+    def fresh(self) -> None:
+        """Begin a decision: its edges waver anew."""
+        w = self.habits.waver
+        self.edges = {
+            name: edge * self.random.uniform(1.0 - w, 1.0 + w)
+            for name, edge in self.plan.edges.items()
+        }
+
+    def wish(self, state: str, seen: Seen, factor: float = 1.0) -> str:
+        """Return the state that the person would be in next."""
+        edges = {name: edge * factor for name, edge in self.edges.items()}
+        return self.plan.rule(state, seen, edges)
+
+    def kind(self, state: str, wished: str, seen: Seen) -> Kind:
+        """Return what makes a decision another one in a person's eyes: on which side, whether."""
+        sides = tuple((f, seen[f] > 0.0) for f in self.plan.features if f == OFF or f in WHETHER)
+        return state, wished, sides
+
+    def fits(self, state: str, seen: Seen) -> set[str]:
+        """Return the next states to which the person would not object."""
+        return {self.wish(state, seen, factor) for factor in DOUBT}
+
+    def attend(self, before: Sight, seen: Sight) -> None:
+        """Watch one cycle and act on it."""
+        self.last = seen
+        self.repair()
+        if self.pending is not None:
+            if self.now >= self.pending.at:
+                press, self.pending = self.pending, None
+                self.press(press)
+            return
+        if self.now < self.blind or seen.state in FLAGS:
+            return
+        if self.guiding:
+            self.guide(seen)
+        else:
+            self.watch(before, seen)
+
+    def guide(self, seen: Sight) -> None:
+        """Command what is due."""
+        state = seen.state
+        wished = self.wish(state, seen.values)
+        if wished == state:
+            self.missed = None
+            self.confirm(seen)
+            if self.hand_back is not None and self.now >= self.hand_back and not self.guided:
+                self.pupil.test()
+                self.guiding, self.hand_back, self.expected = False, None, None
+        elif (
+            self.kind(state, wished, seen.values) in self.memory.shown
+            and state not in self.memory.early
+        ):
+            self.pupil.test()  # it has been shown this; see whether it can do it
+            self.guiding = False
+            self.hand_back = self.expected = None
+        elif self.missed != (state, wished):
+            self.decide(state, wished)
+
+    def confirm(self, seen: Sight) -> None:
+        """Say once more that a state is right, where the keeper had left it too early."""
+        there = self.memory.early.get(seen.state)
+        if there is None:
+            return
+        if all(abs(seen.values[f] - there[f]) <= 0.15 * abs(there[f]) for f in self.plan.features):
+            del self.memory.early[seen.state]
+            self.decide(seen.state, seen.state)
+
+    def watch(self, before: Sight, seen: Sight) -> None:
+        """Look whether the keeper does what was intended."""
+        state = seen.state
+        if before.state != state:
+            self.expected = None
+            if before.state in FLAGS:
+                return
+            if state not in self.fits(before.state, seen.values) | self.fits(
+                before.state, before.values
+            ):
+                self.objections += 1
+                if before.state == START:  # only a new beginning can show what to begin with
+                    self.memory.again, self.finished = self.scene, True
+                    return
+                self.memory.early[before.state] = seen.values
+                wished = self.wish(state, seen.values)
+                if (
+                    wished != state
+                    and self.kind(state, wished, seen.values) not in self.memory.shown
+                ):
+                    self.decide(state, wished)
+                else:
+                    self.finished = True  # there is nothing to be learned from here on
+                return
+            self.fresh()
+            if self.guided:
+                self.take_at = self.now + self.cycles(self.habits.reaction)
+        if self.guided and self.take_at is not None and self.now >= self.take_at:
+            self.pupil.take_over()
+            self.guiding, self.take_at = True, None
+            return
+        if self.expected is None:
+            if state not in self.fits(state, seen.values):
+                wait = round(self.habits.patience / self.pupil.cycle_seconds)
+                wished = self.wish(state, seen.values)
+                kind = self.kind(state, wished, seen.values)
+                self.expected = (self.now + wait, wished, kind)
+            return
+        until, wished, kind = self.expected
+        if self.now < until:
+            return
+        self.expected = None
+        again = self.wish(state, seen.values)
+        self.memory.shown.discard(kind)  # show it again, at the right moment
+        momentary = any(f in MOMENTARY for f in self.plan.features)
+        if again == state and not (momentary and wished != state):
+            return
+        self.objections += 1
+        self.decide(state, again if again != state else wished)
+
+    def decide(self, state: str, wished: str) -> None:
+        """Decide to command; the finger follows after the reaction time, unless distracted."""
+        if self.exhausted:
+            return
+        due = self.now if self.late is None else self.late
+        if self.late is None and self.random.random() < self.habits.inattention:
+            if self.random.random() < 0.5:
+                self.blind = self.now + self.cycles(self.habits.away)
+                self.late = self.now
+                self.diary.counts["late"] += 1
+            else:
+                self.missed = (state, wished)
+                self.blind = self.now + self.cycles(self.habits.away)
+                self.diary.counts["not given"] += 1
+            return
+        press = _Press(wished, self.now + self.cycles(self.habits.reaction), due, self.last.values)
+        if press.at == self.now:
+            self.pending = None
+            self.press(press)
+        else:
+            self.pending = press
+
+    def cycles(self, times: tuple[float, float]) -> int:
+        """Draw a time and return it in cycles."""
+        return round(self.random.uniform(*times) / self.pupil.cycle_seconds)
+
+    # -- acting -----------------------------------------------------------------------------
+
+    def press(self, press: _Press, *, paused: bool = False) -> None:
+        """Command; now and then another behavior than meant."""
+        if not self.guiding:
+            self.pupil.take_over()
+            self.guiding = True
+            self.diary.counts["corrections"] += 1
+        state, meant = press.state, press.state
+        wrong = self.random.random() < self.habits.wrong
+        if wrong:
+            state = self.random.choice([s for s in self.plan.states if s != meant])
+        waited = (self.now - press.due) * self.pupil.cycle_seconds
+        late = self.late is not None
+        ago = 0.0 if paused else self.ago
+        if late and ago:
+            ago = min(waited * self.random.uniform(0.75, 1.25), 2.0)
+        taught = self.pupil.command(state, ago)
+        self.diary.counts["commands"] += 1
+        shown = self.kind(taught[0].state, state, press.seen)
+        if not wrong:
+            self.memory.shown.add(shown)
+        self.finished = state in FLAGS
+        self.missed = self.late = None
+        self.hand_back = self.now + 5
+        self.fresh()
+        if wrong:
+            self.diary.counts["wrong"] += 1
+            self.slip = (self.now + self.cycles(self.habits.notices), meant)
+            self.blind = self.slip[0]
+        elif late and not ago and self.random.random() < self.habits.repairs:
+            self.pupil.delete([example.number for example in taught])
+            self.memory.shown.discard(shown)
+            self.diary.counts["taken back"] += 1
+
+    def repair(self, *, force: bool = False) -> None:
+        """Put a wrong command right once it is noticed."""
+        if self.slip is None or (self.now < self.slip[0] and not force):
+            return
+        _, meant = self.slip
+        self.slip = None
+        if self.random.random() < self.habits.repairs:
+            self.pupil.undo()
+            self.diary.counts["taken back"] += 1
+        elif not force and not self.exhausted:
+            at = self.now + self.cycles(self.habits.reaction)
+            self.pending = _Press(meant, at, self.now, self.last.values)
