@@ -218,8 +218,8 @@ def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> No
     screen.print(played)
     library = shlex.quote(str(out / "library"))
     screen.print(
-        f"\nAll of this took {figures['wall_s']:.0f} s. The commands came from a script; the paper's "
-        f"demonstrators took {sum(row.minutes for row in paper.TABLE_1.values())} minutes.\n"
+        f"\nAll of this took {figures['wall_s']:.0f} s. The commands came from a script; the "
+        f"paper's demonstrators took {sum(row.minutes for row in paper.TABLE_1.values())} minutes.\n"
         f"In {out}: field.png, automata.png, episode_lengths.png, figures.json, library/",
         soft_wrap=True,
     )
