@@ -101,7 +101,9 @@ class Swarm:
         basic = chaos_domain.TRAINED[MEANT[self.orders[-1]]]
 
         def begun() -> bool:
-            return self.obeys() and all(lives[-1][-1] == basic for lives in self.begun().values())
+            return self.obeys() and all(
+                lives[-1][-1:] == [basic] for lives in self.begun().values()
+            )
 
         assert self.running.link.spin_until(begun, SECONDS, 0.05), (
             f"ordered {self.orders[-1]}, but {self.state()}"

@@ -8,11 +8,19 @@ from typing import Any
 import pytest
 from browsing import Person, needs_browser, studio
 
+from hitab_client import domain_ids
 from hitab_client.run_folder import running_swarms
 
 
 @pytest.fixture
-def someone(chrome: Any, home: Path, tmp_path: Path) -> Any:
+def someone(chrome: Any, home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    # In a domain of their own: the page would show whatever swarm somebody has started by hand.
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield from _someone(chrome, tmp_path)
+
+
+def _someone(chrome: Any, tmp_path: Path) -> Any:
     with studio(tmp_path / "log") as address:
         page = chrome.new_page(viewport={"width": 1280, "height": 720})
         person = Person(page, address)

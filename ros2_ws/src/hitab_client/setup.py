@@ -13,7 +13,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "lazy_loader", "psutil", "rich", "typer"],
+    install_requires=["setuptools", "lazy_loader", "psutil", "PyYAML", "rich", "typer"],
     zip_safe=False,
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",

@@ -58,7 +58,8 @@ def examples_list(
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.list_examples(agent, automaton)
     if json != "-":
-        columns = ("number", "in", *answer.features, "go to", "kind", "command", "cycle", "s ago")
+        late = any(e.ago for e in answer.examples)
+        columns = ("number", "in", *answer.features, "go to", "kind", "command", "cycle")
         rows = [
             (
                 str(e.number),
@@ -68,10 +69,11 @@ def examples_list(
                 e.kind,
                 str(e.command),
                 str(e.cycle),
-                f"{e.ago:.2g}" if e.ago else "",
+                *([f"{e.ago:.2g}" if e.ago else ""] if late else []),
             )
             for e in answer.examples
         ]
+        columns = (*columns, "s ago") if late else columns
         title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
         console.out().print(console.table(columns, rows, title))
     console.write_json(

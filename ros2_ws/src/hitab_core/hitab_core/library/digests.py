@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -50,10 +51,16 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
         {
             "domain": content["domain"]["name"],
             **{key: content[key] for key in ("parameters", "states", "features", "classifier")},
-            "examples": sorted(examples, key=json.dumps),
+            "examples": sorted(examples, key=_place),
             "trees": dict(trees),
         }
     )
+
+
+def _place(example: list[Any]) -> list[Any]:
+    """Return what an example is sorted by; a missing value comes first."""
+    state, values, *rest = example
+    return [state, [-math.inf if value is None else value for value in values], *rest]
 
 
 def digest_of(digests: Mapping[str, str]) -> str:

@@ -217,9 +217,10 @@ def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> No
     played.add_row("missed deadlines", str(evaluation["missed_deadlines"]), "")
     screen.print(played)
     library = shlex.quote(str(out / "library"))
+    minutes = sum(row.minutes for row in paper.TABLE_1.values())
     screen.print(
         f"\nAll of this took {figures['wall_s']:.0f} s. The commands came from a script; the "
-        f"paper's demonstrators took {sum(row.minutes for row in paper.TABLE_1.values())} minutes.\n"
+        f"paper's demonstrators took {minutes} minutes.\n"
         f"In {out}: field.png, automata.png, episode_lengths.png, figures.json, library/",
         soft_wrap=True,
     )
