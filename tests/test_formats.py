@@ -112,9 +112,9 @@ def test_a_swarm_description_of_a_newer_format_is_refused_before_anything_else_i
 
 def test_lessons_and_kinds_of_a_newer_format_are_refused(tmp_path):
     lesson, kind = tmp_path / "lesson.yaml", tmp_path / "commander.yaml"
-    lesson.write_text("lesson: New\nformat: 2\n")
+    lesson.write_text("lesson: New\nformat: 3\n")
     kind.write_text("commander: New\nformat: 2\n")
-    with pytest.raises(LessonError, match=r"lesson.yaml:2.*has format version 2"):
+    with pytest.raises(LessonError, match=r"lesson.yaml:2.*has format version 3"):
         read_lesson(lesson)
     with pytest.raises(VocabularyError, match=r"commander.yaml:2.*has format version 2"):
         read_kind(kind)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -36,6 +36,8 @@ class WorldView:
         paths: the active states of each agent.
         said: the agents that have said something since the step began.
         ended: the outcomes of the episodes that have ended since the step began.
+        readings: returns what an agent perceives, given its name and a feature; NaN: no value.
+        has_world: whether there is a world that shows its true state.
     """
 
     things: Sequence[Thing]
@@ -43,6 +45,8 @@ class WorldView:
     paths: Mapping[str, Sequence[str]] | None = None
     said: frozenset[str] = frozenset()
     ended: tuple[str, ...] = ()
+    readings: Callable[[str, str], float] | None = None
+    has_world: bool = True
 
     def thing(self, name: str, seen_from: str = "") -> Thing:
         """Return a thing by name, or ``closest KIND`` as seen from another thing.
@@ -50,6 +54,11 @@ class WorldView:
         Raises:
             LessonError: if there is no such thing.
         """
+        if not self.has_world:
+            raise LessonError(
+                f'nobody knows where "{name}" is, since there is no world; ask for what an agent '
+                'perceives, such as {feature: "DistanceTo(ball)", below: 2}'
+            )
         if name.startswith(CLOSEST):
             kind = name[len(CLOSEST) :]
             near = [t for t in self.things if t.kind == kind and t.name != seen_from]
@@ -74,6 +83,16 @@ class WorldView:
         a, b = self.thing(one), self.thing(other, one)
         off = math.atan2(b.y - a.y, b.x - a.x) - a.heading
         return abs(math.degrees(math.atan2(math.sin(off), math.cos(off))))
+
+    def reading(self, agent: str, feature: str) -> float:
+        """Return the value of a feature that an agent perceives; NaN: it has none.
+
+        Raises:
+            LessonError: if nobody can ask the agents.
+        """
+        if self.readings is None:
+            raise LessonError(f"nobody can ask {agent} what it perceives")
+        return self.readings(agent, feature)
 
     def speed(self, name: str) -> float:
         """Return the speed of a thing, m/s."""

@@ -5,7 +5,15 @@ from dataclasses import dataclass
 import pytest
 
 from hitab_client.errors import LessonError
-from hitab_client.lessons.conditions import Active, Combination, Comparison, Ended, Passed, Said
+from hitab_client.lessons.conditions import (
+    Active,
+    Combination,
+    Comparison,
+    Ended,
+    Passed,
+    Perceived,
+    Said,
+)
 from hitab_client.world_view import WorldView, speakers
 
 
@@ -31,6 +39,7 @@ VIEW = WorldView(
     paths={"keeper_1": ["GotoBall", "ApproachBall(ball)"]},
     said=frozenset({"taker_1"}),
     ended=("taken",),
+    readings=lambda agent, feature: {"DistanceTo(ball)": 5.0}.get(feature, float("nan")),
 )
 
 
@@ -54,6 +63,9 @@ def comparison(what: str, *things: str, below=None, above=None) -> Comparison:
         (Active("ApproachBall(ball)", "keeper_1"), True),
         (Active("Pass", "keeper_1"), False),
         (Active("GotoBall", "keeper_2"), False),
+        (Perceived("DistanceTo(ball)", "keeper_1", 5.1, None), True),
+        (Perceived("DistanceTo(ball)", "keeper_1", 5.1, 5.0), False),
+        (Perceived("Unseen", "keeper_1", 5.0, None), False),
         (Said("taker_1"), True),
         (Said("keeper_1"), False),
         (Ended("taken"), True),
@@ -89,3 +101,21 @@ def test_a_thing_that_is_not_there_is_told_with_what_was_meant():
 
 def test_speakers_are_those_who_say_something():
     assert speakers(VIEW.things) == {"taker_1"}
+
+
+def test_without_a_world_only_what_agents_say_can_be_asked_for():
+    nowhere = WorldView((), 1.0, {"robot": ["GoFast"]}, has_world=False)
+    assert Active("GoFast", "robot").holds(nowhere)
+    with pytest.raises(LessonError, match='nobody knows where "robot" is'):
+        nowhere.distance("robot", "ball")
+    with pytest.raises(LessonError, match="nobody can ask robot"):
+        nowhere.reading("robot", "DistanceTo(ball)")
+
+
+def test_what_is_perceived_is_told_with_its_value():
+    near = Perceived("DistanceTo(ball)", "keeper_1", 2.0, None)
+    assert near.describe() == "DistanceTo(ball) of keeper_1 below 2"
+    assert near.describe(VIEW) == "DistanceTo(ball) of keeper_1 below 2 (is 5.00)"
+    assert (
+        Perceived("Unseen", "a", None, 1.0).describe(VIEW) == "Unseen of a above 1 (has no value)"
+    )

@@ -3,6 +3,7 @@
     {distance: [keeper_1, ball], below: 4}          m; `above` likewise
     {bearing: [keeper_1, ball], above: 10}          degrees off keeper_1's heading
     {speed: ball, below: 0.5}                       m/s
+    {feature: "DistanceTo(ball)", below: 4}         as the agent perceives it, in its unit
     {active: GotoBall, agent: keeper_1}             keeper_1's active states contain GotoBall
     {said: keeper_2}                                keeper_2 has yelled
     {ended: taken}                                  an episode has ended this way, or in `any` way
@@ -59,6 +60,35 @@ class Comparison:
         limits += [f"above {self.above:g}"] if self.above is not None else []
         seen = f" (is {self.value(view):.2f})" if view is not None else ""
         return f"{self.what} of {' and '.join(self.things)} {' and '.join(limits)}{seen}"
+
+
+@dataclass(frozen=True)
+class Perceived:
+    """A feature of an agent above or below a limit."""
+
+    feature: str
+    agent: str
+    below: float | None
+    above: float | None
+
+    def holds(self, view: WorldView) -> bool:
+        """Whether the value lies within the limits; no value does not."""
+        value = view.reading(self.agent, self.feature)
+        return (
+            value == value
+            and (self.below is None or value < self.below)
+            and (self.above is None or value > self.above)
+        )
+
+    def describe(self, view: WorldView | None = None) -> str:
+        """Return text such as ``DistanceTo(ball) of keeper_1 below 4 (is 5.20)``."""
+        limits = [f"below {self.below:g}"] if self.below is not None else []
+        limits += [f"above {self.above:g}"] if self.above is not None else []
+        seen = ""
+        if view is not None:
+            value = view.reading(self.agent, self.feature)
+            seen = f" (is {value:.2f})" if value == value else " (has no value)"
+        return f"{self.feature} of {self.agent} {' and '.join(limits)}{seen}"
 
 
 @dataclass(frozen=True)
@@ -173,6 +203,14 @@ def _comparison(fields: Fields, key: str, agent: str) -> Condition:
     return Comparison(key, tuple(things), below, above)
 
 
+def _perceived(fields: Fields, key: str, agent: str) -> Condition:
+    below, above = fields.number("below", None), fields.number("above", None)
+    if below is None and above is None:
+        fields.complain(f"`{key}:` needs `below:` or `above:`", key)
+    feature = fields.text(key) or ""
+    return Perceived(feature, fields.text("agent", agent), below, above)
+
+
 def _active(fields: Fields, key: str, agent: str) -> Condition:
     return Active(fields.text(key) or "", fields.text("agent", agent))
 
@@ -204,6 +242,7 @@ _KINDS: dict[str, Callable[[Fields, str, str], Condition]] = {
     "distance": _comparison,
     "bearing": _comparison,
     "speed": _comparison,
+    "feature": _perceived,
     "active": _active,
     "said": _said,
     "ended": _ended,

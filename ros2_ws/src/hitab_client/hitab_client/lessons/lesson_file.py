@@ -32,8 +32,8 @@ from hitab_core import HitabError, Use, has
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 
-FORMAT = 1
-"""The newest format version that is read."""
+FORMAT = 2
+"""The newest format version that is read; 2 has the condition `feature`."""
 
 
 def read_lesson(path: Path) -> Lesson:
@@ -89,8 +89,13 @@ def _say(fields: Fields, line: int, agent: str) -> Step:
 
 
 def _place(fields: Fields, line: int, agent: str) -> Step:
+    things = placed_things(fields.inner("place"))
+    return Place(line, agent, things, fields.flag("new_episode", False))
+
+
+def placed_things(group: Fields) -> dict[str, dict[str, float]]:
+    """Read where things are put: x, y, heading (in the file in degrees), vx, vy by name."""
     things: dict[str, dict[str, float]] = {}
-    group = fields.inner("place")
     for name in group.names():
         thing = group.inner(name)
         place = {key: thing.number(key, None) for key in ("x", "y", "heading", "vx", "vy")}
@@ -99,7 +104,7 @@ def _place(fields: Fields, line: int, agent: str) -> Step:
         if "heading" in known:
             known["heading"] = math.radians(known["heading"])
         things[name] = known
-    return Place(line, agent, things, fields.flag("new_episode", False))
+    return things
 
 
 def _begin(fields: Fields, line: int, agent: str) -> Step:

@@ -11,12 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from hitab_msgs.msg import AgentStatus, WorldState
+from hitab_msgs.msg import AgentStatus
 from hitab_msgs.srv import Control, EditExamples
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
-from hitab_client.lessons.conditions import Condition
 from hitab_client.lessons.lesson import (
     Begin,
     Check,
@@ -35,11 +34,10 @@ from hitab_client.lessons.lesson import (
     Undo,
     Until,
 )
-from hitab_client.path_tracker import PathTracker
+from hitab_client.lessons.watching import WorldWatch
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
-from hitab_client.world_view import WorldView, speakers
 from hitab_core import HitabError, quantity
 
 
@@ -87,6 +85,7 @@ class LessonPlayer:
     Attributes:
         report: the cost and outcome so far.
         begun: what the lesson has begun to train and not saved yet, by agent.
+        watch: steps the world and sees what the lesson's conditions ask for.
     """
 
     def __init__(
@@ -103,13 +102,8 @@ class LessonPlayer:
         self.world = world
         self.report = LessonReport(lesson.name, lesson.budget)
         self.begun: dict[str, str] = {}
-        self._factor = factor
+        self.watch = WorldWatch(swarm, world, factor=factor)
         self._discard = discard
-        self._begun_at = 0.0
-        self._said: frozenset[str] = frozenset()
-        self._ended: tuple[str, ...] = ()
-        self._entered: dict[str, list[str]] = {}
-        self._due = 0.0
 
     def play(self, progress: Progress | None = None) -> LessonReport:
         """Play all steps, then restore the world's pace and mode.
@@ -124,16 +118,14 @@ class LessonPlayer:
         began = time.monotonic()
         with as_it_was(self.world):
             self.world.control(Control.Request.PACE, pace="lockstep")
-            start = self._seconds(
-                self.world.changed(lambda: self.world.control(Control.Request.PAUSE))
-            )
-            agents = self.swarm.agents()
-            with PathTracker(self.swarm.link, agents, prefix=self.swarm.prefix) as self._tracker:
+            self.world.changed(lambda: self.world.control(Control.Request.PAUSE))
+            start = self.watch.now()
+            with self.watch:
                 for index, step in enumerate(self.lesson.steps):
                     if progress is not None:
                         progress(index, len(self.lesson.steps), _told(step))
                     self._play(step)
-            self.report.simulated_s = round(self._seconds(self._state()) - start, 3)
+            self.report.simulated_s = round(self.watch.now() - start, 3)
         self.report.wall_s = round(time.monotonic() - began, 3)
         self._check_budget()
         return self.report
@@ -154,61 +146,12 @@ class LessonPlayer:
         return told
 
     def _play(self, step: Step) -> None:
-        self._said, self._ended, self._entered = frozenset(), (), {}
-        self._begun_at = self._seconds(self._state())
+        self.watch.begin()
         try:
             _PLAYERS[type(step)](self, step)
         except HitabError as error:
             place = f"{self.lesson.file}:{step.line}: step `{step.kind}`: "
             raise LessonError(f"{place}{error}") from None
-
-    # -- the world --------------------------------------------------------------------------
-
-    def _state(self) -> WorldState:
-        assert self.world.state is not None
-        return self.world.state
-
-    @staticmethod
-    def _seconds(state: WorldState) -> float:
-        return float(state.stamp.sec + state.stamp.nanosec * 1e-9)
-
-    def _step_world(self) -> WorldState:
-        """Run one cycle, no faster than ``factor`` allows."""
-        earlier = self.world.state
-        self._tracker.take()
-        state = self.world.step()
-        self._entered = self._tracker.take()
-        self._said |= speakers(state.entities)
-        if earlier is not None and state.note and state.note not in (earlier.note, "reset"):
-            self._ended += (state.note,)
-        if self._factor and earlier is not None:
-            now = time.monotonic()
-            self._due = max(self._due, now - 0.5)
-            self._due += max(0.0, self._seconds(state) - self._seconds(earlier)) / self._factor
-            self.swarm.link.spin_until(lambda: False, self._due - now)
-        return state
-
-    def _view(self) -> WorldView:
-        state = self._state()
-        # The status may lag behind by some cycles; the states entered in this one do not.
-        paths = {
-            name: [*status.active_path, *self._entered.get(name, ())]
-            for name, status in self.swarm.statuses.items()
-        }
-        return WorldView(
-            state.entities,
-            self._seconds(state) - self._begun_at,
-            paths,
-            self._said,
-            self._ended,
-        )
-
-    def _await(self, condition: Condition, within: float) -> bool:
-        while not condition.holds(self._view()):
-            if self._view().seconds >= within:
-                return False
-            self._step_world()
-        return True
 
     # -- the steps --------------------------------------------------------------------------
 
@@ -238,27 +181,28 @@ class LessonPlayer:
         self.swarm.command(step.agent, step.use.name, step.use.arguments)
         self.report.commands += 1
 
+    def _told_now(self, step: Until) -> str:
+        return step.condition.describe(self.watch.view())
+
     def _until(self, step: Until) -> None:
-        if not self._await(step.condition, step.within):
-            raise LessonError(
-                f"{step.condition.describe(self._view())} did not come within {step.within:g} s"
-            )
+        if not self.watch.until(step.condition, step.within):
+            raise LessonError(f"{self._told_now(step)} did not come within {step.within:g} s")
 
     def _check(self, step: Check) -> None:
-        if not self._await(step.condition, step.within):
+        if not self.watch.until(step.condition, step.within):
             raise LessonError(
-                f"what was learned fails this check: {step.condition.describe(self._view())} was "
-                f"expected within {step.within:g} s; teach more examples before this"
+                f"what was learned fails this check: {self._told_now(step)} was expected within "
+                f"{step.within:g} s; teach more examples before this"
             )
         self.report.checks.append(
-            f"{step.condition.describe()} after {self._view().seconds:.1f} s"
+            f"{step.condition.describe()} after {self.watch.view().seconds:.1f} s"
         )
 
     def _never(self, step: Never) -> None:
-        if self._await(step.condition, step.within):
+        if self.watch.until(step.condition, step.within):
             raise LessonError(
-                f"{step.condition.describe(self._view())} came after "
-                f"{self._view().seconds:.1f} s but should not"
+                f"{self._told_now(step)} came after "
+                f"{self.watch.view().seconds:.1f} s but should not"
             )
         self.report.checks.append(f"never {step.condition.describe()} in {step.within:g} s")
 
