@@ -18,6 +18,7 @@ from typer.core import TyperGroup
 
 from hitab_bringup.dds_noise import noise_left_out
 from hitab_bringup.verbs import (
+    bootstrap,
     commanding,
     doctor,
     examples,
@@ -103,6 +104,7 @@ def make_app() -> typer.Typer:
         training,
         examples,
         questions,
+        bootstrap,
         reaction,
         report,
     ):

@@ -50,7 +50,7 @@ def content_of(text: str, file: str) -> dict[str, Any]:
     Raises:
         LibraryError: if they differ, or it is no behavior file.
     """
-    content = read_yaml(text, file).value
+    content: dict[str, Any] = read_yaml(text, file).value
     whole = isinstance(content, dict) and isinstance(content.get("provenance"), dict)
     if not whole or content.get("checksum") != checksum(content):
         raise LibraryError(

@@ -1,0 +1,223 @@
+"""The situation in which a training goes on: named by a person, brought about by itself.
+
+    format: 1
+    snapshot: corner              # of the world, by name
+    place:                        # or where things are put; headings in degrees, as in lessons
+      keeper_1: {x: 8, y: 8, heading: 180}
+      ball: {x: -6, y: 6, vx: 0, vy: 0}
+    new_episode: true             # with `place`: begin a new episode from there
+    wait: {said: keeper_2}        # then let the agents act until this holds, as in lessons
+    within: 20                    # at most so long, s; without it, for any time
+
+Every key is optional. Where nothing can be placed, as with robots, only `wait` is possible.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from hitab_msgs.msg import AgentStatus
+from hitab_msgs.srv import Snapshot
+
+from hitab_client.errors import LessonError, SwarmError
+from hitab_client.interruptions import not_interrupted
+from hitab_client.lessons.conditions import Condition, parse_condition
+from hitab_client.lessons.lesson_file import placed_things
+from hitab_client.lessons.watching import Watch, WorldWatch
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
+from hitab_core import has, some
+from hitab_core.library import Fields
+from hitab_core.library.yaml_places import Complaints, open_yaml, read_yaml
+
+FORMAT = 1
+"""The newest format version of a file that is read."""
+
+Seen = Callable[[str], None]
+"""Called with what is awaited, with its present value."""
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What the world is like when a training goes on; empty: as it was.
+
+    Attributes:
+        snapshot: of the world, which is restored.
+        place: where things are put, as in the file.
+        new_episode: whether a new episode begins there.
+        wait: the condition that is awaited then, as in the file; None: none.
+        within: seconds until waiting is given up; None: never.
+        things: `place` in the world's units.
+        condition: `wait`, ready to be asked.
+    """
+
+    snapshot: str = ""
+    place: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    new_episode: bool = False
+    wait: Mapping[str, Any] | None = None
+    within: float | None = None
+    things: Mapping[str, Mapping[str, float]] = field(default_factory=dict, compare=False)
+    condition: Condition | None = field(default=None, compare=False)
+
+    def __bool__(self) -> bool:
+        return bool(self.snapshot or self.place or self.wait)
+
+    @property
+    def places(self) -> bool:
+        """Whether it puts a world into a state."""
+        return bool(self.snapshot or self.place)
+
+    def record(self) -> dict[str, Any]:
+        """Return it as plain data, as in a file; without what says nothing."""
+        parts = {
+            "snapshot": self.snapshot,
+            "place": {name: dict(place) for name, place in self.place.items()},
+            "new_episode": self.new_episode,
+            "wait": self.wait,
+            "within": self.within,
+        }
+        return {key: value for key, value in parts.items() if value}
+
+    def __str__(self) -> str:
+        parts = [f"snapshot {self.snapshot}"] if self.snapshot else []
+        parts += [f"{some(list(self.place), most=3)} placed"] if self.place else []
+        parts += [f"when {self.condition.describe()}"] if self.condition else []
+        return ", ".join(parts)
+
+    @classmethod
+    def parse(cls, fields: Fields, agent: str) -> Configuration:
+        """Read one; ``agent`` is meant where a condition names none."""
+        inner = fields.inner("place")
+        raw = fields.raw("place", {})
+        things = placed_things(inner)
+        wait = fields.raw("wait", None)
+        condition = parse_condition(fields.inner("wait"), agent) if wait is not None else None
+        read = cls(
+            snapshot=fields.text("snapshot", ""),
+            place=raw if isinstance(raw, dict) else {},
+            new_episode=fields.flag("new_episode", False),
+            wait=wait,
+            within=fields.number("within", None, above=0.0),
+            things=things,
+            condition=condition,
+        )
+        if read.snapshot and read.place:
+            fields.complain("give `snapshot:` or `place:`, not both")
+        fields.done()
+        return read
+
+    # -- bringing it about ------------------------------------------------------------------
+
+    def check(self, world: WorldClient | None, agent: str) -> None:
+        """Raise if it cannot be brought about; nothing has changed then.
+
+        Raises:
+            SwarmError: naming what there is instead.
+        """
+        if not self.places:
+            return
+        if world is None:
+            raise SwarmError(
+                "there is no world into which anything could be placed; have the training go on "
+                f"when the situation comes about, as in `hitab bootstrap next {agent} --wait "
+                "\"{feature: 'DistanceTo(ball)', below: 2}\"`"
+            )
+        if self.snapshot:
+            names = list(world.snapshot(Snapshot.Request.LIST).names)
+            if self.snapshot not in names:
+                raise SwarmError(
+                    f'the world has no snapshot "{self.snapshot}" {has(names, self.snapshot)}; '
+                    f"save it first, with `hitab world snapshot save {self.snapshot}`"
+                )
+
+    def put(self, world: WorldClient) -> None:
+        """Put a paused world into the state.
+
+        Raises:
+            SwarmError: if it refuses.
+        """
+        if self.snapshot:
+            world.changed(lambda: world.snapshot(Snapshot.Request.RESTORE, self.snapshot))
+        elif self.place:
+            world.changed(lambda: world.place(self.things, new_episode=self.new_episode))
+
+    def await_(
+        self, swarm: SwarmClient, world: WorldClient | None, agent: str, factor: float, seen: Seen
+    ) -> None:
+        """Have an agent act as it has learned until the situation comes about, then take over.
+
+        However this ends, the agent is in training mode then: the demonstrator is in control.
+
+        Args:
+            swarm: the agents.
+            world: theirs, paused; None: they have none.
+            agent: that is trained.
+            factor: multiple of real time, for people who look on; 0: as fast as possible.
+            seen: called with what is awaited.
+
+        Raises:
+            SwarmError: if it does not come about in time, or nobody can tell whether it has.
+        """
+        condition = self.condition
+        if condition is None:
+            return
+        watch: AbstractContextManager[Watch] = (
+            Watch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
+        )
+        within = self.within if self.within is not None else float("inf")
+        try:
+            swarm.set_mode(agent, AgentStatus.TESTING, restart=True)
+            with watch as watching:
+                came = watching.until(
+                    condition, within, lambda view: seen(condition.describe(view))
+                )
+                last = condition.describe(watching.view())
+        except LessonError as error:
+            raise SwarmError(f"what is awaited cannot come about: {error}") from None
+        finally:
+            with not_interrupted():
+                swarm.set_mode(agent, AgentStatus.TRAINING)
+        if not came:
+            raise SwarmError(
+                f"{last} did not come about within {within:g} s; {agent} is in training mode, "
+                f"where it is now. Bring the situation about by hand, or have it run on with "
+                f"`hitab test {agent}`"
+            )
+
+
+def read_configuration(path: Path, agent: str) -> Configuration:
+    """Read one from a file.
+
+    Raises:
+        SwarmError: naming everything that is wrong, by file and line.
+    """
+    return _read(Complaints(open_yaml(path, error=SwarmError), SwarmError), agent)
+
+
+def with_condition(configuration: Configuration, text: str, agent: str) -> Configuration:
+    """Return a configuration that then awaits a condition, given as in a lesson.
+
+    Args:
+        configuration: to add it to.
+        text: such as ``{said: keeper_2}``.
+        agent: meant where the condition names none.
+
+    Raises:
+        SwarmError: naming what is wrong with it.
+    """
+    flow = text if text.lstrip().startswith("{") else f"{{{text}}}"
+    document = read_yaml(f"wait: {flow}", "--wait", error=SwarmError)
+    read = _read(Complaints(document, SwarmError), agent)
+    return replace(configuration, wait=read.wait, condition=read.condition)
+
+
+def _read(complaints: Complaints, agent: str) -> Configuration:
+    top = Fields(complaints)
+    top.check_format(FORMAT)
+    read = Configuration.parse(top, agent)
+    complaints.raise_any()
+    return read

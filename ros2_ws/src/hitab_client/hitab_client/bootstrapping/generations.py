@@ -1,0 +1,328 @@
+"""The generations of behavior bootstrapping, as kept on disk.
+
+    <run folder>/generations/keeper_1/
+      Keepaway.yaml                     all generations of Keepaway: where they come from, scores
+      Keepaway/0001.bundle.yaml         the behavior and all that it is made of, word for word
+
+A generation's behaviors are written first and the list last, atomically, so that the list names
+nothing that is not there. `hitab library import` reads a bundle as well.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from hitab_client.bootstrapping.configuration import Configuration
+from hitab_client.bootstrapping.evaluating import LENGTH, Figure, Score
+from hitab_client.errors import SwarmError
+from hitab_core import FolderInUseError, has
+from hitab_core.library import Fields, bundle_file_text, content_of, read_bundle_file
+from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
+from hitab_core.library.yaml_places import Complaints, open_yaml
+
+FORMAT = 1
+"""The format version that is written, and the newest that is read."""
+
+FOLDER = "generations"
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One stage of a behavior: saved, given to the team, evaluated.
+
+    Attributes:
+        number: from 1.
+        parent: number of the generation whose examples it continues; 0: none.
+        version: of the behavior in the library of the trained agent.
+        digest: checksum of the behavior's file.
+        at: when, ISO 8601.
+        by: who.
+        examples: that it was learned from, default ones included.
+        arguments: what its parameters were bound to.
+        note: free text.
+        team: those who have taken it in.
+        missing: those who have not, with the reasons.
+        score: of its evaluation.
+        unscored: why there is no score; empty if there is one.
+        restart: how the training went on.
+        restored: the versions of the library in which it was brought back.
+    """
+
+    number: int
+    parent: int
+    version: int
+    digest: str
+    at: str
+    by: str
+    examples: int
+    arguments: tuple[str, ...] = ()
+    note: str = ""
+    team: tuple[str, ...] = ()
+    missing: Mapping[str, str] = field(default_factory=dict)
+    score: Score | None = None
+    unscored: str = ""
+    restart: Configuration = field(default_factory=Configuration)
+    restored: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Generations:
+    """All generations of one behavior of one agent.
+
+    Attributes:
+        folder: of the agent's generations.
+        agent: that is trained.
+        behavior: that is trained.
+        current: number of the generation with which the training goes on; 0: none yet.
+        all: the generations, by ascending number.
+    """
+
+    folder: Path
+    agent: str
+    behavior: str
+    current: int = 0
+    all: tuple[Generation, ...] = ()
+
+    # -- looking ----------------------------------------------------------------------------
+
+    def get(self, number: int) -> Generation:
+        """Return a generation.
+
+        Raises:
+            SwarmError: if there is none of this number; naming those that there are.
+        """
+        for generation in self.all:
+            if generation.number == number:
+                return generation
+        if not self.all:
+            raise SwarmError(
+                f"{self.behavior} of {self.agent} has no generations yet; "
+                f"`hitab bootstrap next {self.agent}` makes the first of what is in training"
+            )
+        numbers = [str(generation.number) for generation in self.all]
+        raise SwarmError(
+            f"{self.behavior} of {self.agent} has no generation {number} "
+            f"{has(numbers, str(number))}; see `hitab bootstrap list {self.agent} {self.behavior}`"
+        )
+
+    def best(self, figure: str = LENGTH, *, least: bool = False) -> Generation | None:
+        """Return the generation with the best score, among those that can be compared.
+
+        Those can be compared that were evaluated with as many episodes and the same seed as the
+        one evaluated last.
+        """
+        scored = [g for g in self.all if g.score is not None and figure in g.score.figures]
+        if not scored:
+            return None
+        last = scored[-1].score
+        assert last is not None
+        alike = {
+            g.score.figures[figure].mean: g
+            for g in reversed(scored)
+            if g.score is not None
+            and (g.score.episodes, g.score.seed) == (last.episodes, last.seed)
+        }
+        return alike[min(alike) if least else max(alike)]
+
+    def texts(self, number: int) -> Mapping[str, str]:
+        """Return the files of a generation's behaviors by name, each after those that it uses.
+
+        Raises:
+            SwarmError: if somebody has removed them.
+            LibraryError: if they are damaged.
+        """
+        path = self._bundle(number)
+        if not path.exists():
+            raise SwarmError(
+                f"the behaviors of generation {number} of {self.behavior} are not kept "
+                f"({path}); bring its version back from the library with `hitab library restore "
+                f"{self.behavior} {self.get(number).version} --agent {self.agent}`"
+            )
+        return read_bundle_file(path).texts
+
+    # -- keeping ----------------------------------------------------------------------------
+
+    def with_(self, generation: Generation, *, current: int | None = None) -> Generations:
+        """Return them with one more, or with a changed one."""
+        others = [g for g in self.all if g.number != generation.number]
+        ordered = tuple(sorted((*others, generation), key=lambda g: g.number))
+        return replace(self, all=ordered, current=self.current if current is None else current)
+
+    def keep(self) -> Generations:
+        """Write the list.
+
+        Raises:
+            LibraryError: if it cannot be written.
+        """
+        content = {
+            "format": FORMAT,
+            "agent": self.agent,
+            "behavior": self.behavior,
+            "current": self.current,
+            "generations": [record_of(generation) for generation in self.all],
+        }
+        text = f"# See `hitab bootstrap list {self.agent} {self.behavior}`.\n"
+        text += yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+        path = file_of(self.folder, self.behavior)
+        with file_errors(path, "write"):
+            write_durably(path, text.encode())
+        return self
+
+    def keep_texts(self, number: int, texts: Mapping[str, str]) -> None:
+        """Write a generation's behaviors.
+
+        Raises:
+            LibraryError: if they cannot be written.
+        """
+        domain = content_of(texts[self.behavior], self.behavior)["domain"]["name"]
+        path = self._bundle(number)
+        with file_errors(path, "write"):
+            write_durably(path, bundle_file_text(texts, domain).encode())
+
+    def _bundle(self, number: int) -> Path:
+        return self.folder / self.behavior / f"{number:04}.bundle.yaml"
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes everything out: the strict reader refuses anchors and aliases."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Return true: what occurs twice is written twice."""
+        return True
+
+
+def folder_of(run_folder: Path, agent: str) -> Path:
+    """Return the folder of an agent's generations."""
+    return run_folder / FOLDER / agent
+
+
+def file_of(folder: Path, behavior: str) -> Path:
+    """Return the file that lists the generations of a behavior."""
+    return folder / f"{behavior}.yaml"
+
+
+def behaviors_in(folder: Path) -> list[str]:
+    """Return the behaviors that have generations."""
+    return sorted(path.stem for path in folder.glob("*.yaml"))
+
+
+def read_generations(folder: Path, agent: str, behavior: str) -> Generations:
+    """Return the generations of a behavior; none if there is no file.
+
+    Raises:
+        SwarmError: naming all that is wrong with the file, by line.
+    """
+    path = file_of(folder, behavior)
+    if not path.exists():
+        return Generations(folder, agent, behavior)
+    top = Fields(Complaints(open_yaml(path, error=SwarmError), SwarmError))
+    top.check_format(FORMAT)
+    top.integer("format")
+    top.text("agent", among=[agent])
+    top.text("behavior", among=[behavior])
+    current = top.integer("current", least=0)
+    found = tuple(_generation(fields, agent) for fields in top.each("generations"))
+    top.done()
+    numbers = [generation.number for generation in found]
+    if len(set(numbers)) < len(numbers) or current not in (0, *numbers):
+        top.complain("each generation needs a number of its own, and `current:` one of them")
+    top.complaints.raise_any()
+    return Generations(folder, agent, behavior, current, found)
+
+
+@contextlib.contextmanager
+def held(run_folder: Path) -> Iterator[None]:
+    """Have a swarm's generations alone: two steps at once would spoil each other.
+
+    Raises:
+        SwarmError: if somebody else has them.
+    """
+    folder = run_folder / FOLDER
+    with file_errors(folder, "make", error=SwarmError):
+        make_folder(folder)
+    with contextlib.ExitStack() as stack:
+        try:
+            stack.enter_context(locked(folder, alone=True, patience=0.0))
+        except FolderInUseError:
+            raise SwarmError(
+                f"another `hitab bootstrap` is at work in this swarm (it holds {folder}); wait "
+                "until it has ended, or end it with Ctrl-C"
+            ) from None
+        yield
+
+
+def time_now() -> str:
+    """Return the current time as ISO 8601, in UTC, to the second."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def record_of(generation: Generation) -> dict[str, Any]:
+    """Return a generation as plain data."""
+    record = asdict(replace(generation, score=None, restart=Configuration()))
+    record["arguments"], record["team"] = list(generation.arguments), list(generation.team)
+    record["restored"] = list(generation.restored)
+    record["restart"] = generation.restart.record()
+    score = generation.score
+    if score is not None:
+        record["score"] = {
+            "episodes": score.episodes,
+            "seed": score.seed,
+            "figures": {name: asdict(figure) for name, figure in score.figures.items()},
+            "ended": dict(score.ended),
+            "reproducible": score.reproducible,
+        }
+    return record
+
+
+def _generation(fields: Fields, agent: str) -> Generation:
+    missing = fields.inner("missing")
+    restored = fields.raw("restored")
+    if not isinstance(restored, list) or not all(isinstance(n, int) for n in restored):
+        fields.complain("`restored:` must be a list of versions, such as [3, 5]", "restored")
+        restored = []
+    read = Generation(
+        number=fields.integer("number", least=1),
+        parent=fields.integer("parent", least=0),
+        version=fields.integer("version", least=0),
+        digest=fields.text("digest"),
+        at=fields.text("at"),
+        by=fields.text("by"),
+        examples=fields.integer("examples", least=0),
+        arguments=fields.texts("arguments"),
+        note=fields.text("note"),
+        team=fields.texts("team"),
+        missing={name: missing.text(name) for name in missing.names()},
+        score=None if fields.raw("score") is None else _score(fields.inner("score")),
+        unscored=fields.text("unscored"),
+        restart=Configuration.parse(fields.inner("restart"), agent),
+        restored=tuple(restored),
+    )
+    fields.done()
+    return read
+
+
+def _score(fields: Fields) -> Score:
+    figures, ended = fields.inner("figures"), fields.inner("ended")
+    read = Score(
+        episodes=fields.integer("episodes", least=1),
+        seed=fields.integer("seed", least=0),
+        figures={name: _figure(figures.inner(name)) for name in figures.names()},
+        ended={how: ended.integer(how, least=0) for how in ended.names()},
+        reproducible=fields.flag("reproducible"),
+    )
+    fields.done()
+    return read
+
+
+def _figure(fields: Fields) -> Figure:
+    error = fields.raw("error")
+    read = Figure(fields.number("mean"), None if error is None else fields.number("error"))
+    fields.done()
+    return read

@@ -1,0 +1,402 @@
+"""Behavior bootstrapping, a generation at a time.
+
+If the right behavior depends on the team mates, these have to act while one is trained. So what is
+being trained is saved and given to the team, which performs it, and the training goes on among
+them. Each such stage is a generation: it is kept with its score, and one can go back to it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from hitab_msgs.msg import WorldStatus
+from hitab_msgs.srv import Control
+
+from hitab_client.acknowledgements import QUIET_SECONDS, DistributionReport
+from hitab_client.bootstrapping.configuration import Configuration
+from hitab_client.bootstrapping.evaluating import LENGTH, SHORT, Evaluation, Score, evaluated
+from hitab_client.bootstrapping.generations import (
+    Generation,
+    Generations,
+    folder_of,
+    held,
+    read_generations,
+    time_now,
+)
+from hitab_client.bootstrapping.kept_copies import KeptCopies
+from hitab_client.bootstrapping.trainees import mates_of, parent_of, refuse_unsaved, training_of
+from hitab_client.errors import SwarmError
+from hitab_client.interruptions import not_interrupted
+from hitab_client.learned import Learned
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_as_it_was import as_it_was
+from hitab_client.world_client import WorldClient
+from hitab_core import HitabError, quantity, some
+from hitab_core.library import content_of, reissued, same_behavior
+
+Progress = Callable[[int, int, str], None]
+"""Called with the amount done, the total (0: unknown) and the current activity."""
+
+
+class Bootstrapping:
+    """Makes generations with a swarm, and goes back to them.
+
+    Args:
+        swarm: the agents.
+        world: theirs; None: they have none.
+        run_folder: that keeps the generations.
+        patience: how long to wait for the next answer of a team mate, s.
+        say: called with each thing that is done.
+        progress: called while it goes on.
+
+    Attributes:
+        left: what remains to be done if it is interrupted now; empty: nothing has changed.
+    """
+
+    def __init__(
+        self,
+        swarm: SwarmClient,
+        world: WorldClient | None,
+        run_folder: Path,
+        *,
+        patience: float = QUIET_SECONDS,
+        say: Callable[[str], None] = lambda text: None,
+        progress: Progress = lambda done, total, doing: None,
+    ) -> None:
+        self._swarm = swarm
+        self._world = world
+        self._run_folder = run_folder
+        self._patience = patience
+        self._say = say
+        self._progress = progress
+        self._copies = KeptCopies(swarm)
+        self.left = ""
+
+    # -- the steps --------------------------------------------------------------------------
+
+    def next(
+        self,
+        agent: str,
+        *,
+        to: Sequence[str] = (),
+        note: str = "",
+        evaluation: Evaluation = SHORT,
+        configuration: Configuration | None = None,
+    ) -> Generation:
+        """Make the next generation of what an agent is being trained, and train on.
+
+        It is saved and kept, given to the team mates, who perform it, and evaluated. Then the
+        training goes on with the same examples, in the configuration that is named.
+
+        Args:
+            agent: that is trained.
+            to: its team mates; by default all others of its domain.
+            note: to keep.
+            evaluation: how to evaluate it.
+            configuration: in which the training goes on; None: that of the last generation.
+
+        Raises:
+            SwarmError: naming what is wrong. Unless it says otherwise nothing has changed.
+        """
+        with held(self._run_folder):
+            training = training_of(self._swarm, agent)
+            known = self._known(agent, training.name)
+            chosen = self._configuration(known, configuration, agent)
+            mates = mates_of(self._swarm, agent, to)
+            parent = parent_of(known, training)
+            with self._paused() as before:
+                with contextlib.ExitStack() as stack:
+                    with not_interrupted():
+                        saved = self._swarm.save(agent, keep_unused=True)
+                        stack.enter_context(self._training_goes_on(agent, training))
+                        made = Generation(
+                            number=max((g.number for g in known.all), default=0) + 1,
+                            parent=parent,
+                            version=self._swarm.behavior(agent, training.name).version,
+                            digest=saved.digest,
+                            at=time_now(),
+                            by=self._swarm.demonstrator,
+                            examples=len(training.examples),
+                            arguments=training.arguments,
+                            note=note,
+                            unscored="it was interrupted",
+                            restart=chosen,
+                        )
+                        known = known.with_(made, current=made.number)
+                        known.keep_texts(made.number, self._copies.present(agent, training.name))
+                        known.keep()
+                        self._say(
+                            f"generation {made.number} of {training.name}: saved as version "
+                            f"{made.version} with {quantity(made.examples, 'example')}"
+                        )
+                    known = self._give(known, made.number, mates, evaluation)
+                self._restart(known, chosen, before)
+            return known.get(made.number)
+
+    def back(
+        self,
+        agent: str,
+        behavior: str,
+        number: int,
+        *,
+        to: Sequence[str] = (),
+        discard: bool = False,
+        evaluation: Evaluation = SHORT,
+        configuration: Configuration | None = None,
+    ) -> Generation:
+        """Go back to a generation: agent and team have it, and the training goes on from it.
+
+        It becomes the next version in the libraries. A generation without a score is evaluated.
+
+        Args:
+            agent: that is trained.
+            behavior: that is trained.
+            number: of the generation.
+            to: the team mates; by default all others of the agent's domain.
+            discard: give up examples that are in no generation.
+            evaluation: how to evaluate it, if it has no score yet.
+            configuration: in which the training goes on; None: that of the generation.
+
+        Raises:
+            SwarmError: naming what is wrong. Unless it says otherwise nothing has changed.
+        """
+        with held(self._run_folder):
+            self._swarm.await_agent(agent)
+            known = self._known(agent, behavior)
+            meant = known.get(number)
+            known.texts(number)  # which may be damaged
+            chosen = configuration if configuration is not None else meant.restart
+            chosen.check(self._world, agent)
+            mates = mates_of(self._swarm, agent, to)
+            if not discard:
+                refuse_unsaved(self._swarm, agent)
+            with self._paused() as before:
+                with not_interrupted():
+                    version = self._bring_back(known, number)
+                    versions = (*meant.restored, version) if version else meant.restored
+                    known = known.with_(replace(meant, restored=versions), current=number).keep()
+                resumed = self._as_saved(agent, behavior, meant)
+                with self._training_goes_on(agent, resumed, replaces=True):
+                    known = self._give(known, number, mates, evaluation)
+                self._restart(known, chosen, before)
+            return known.get(number)
+
+    # -- what is there ----------------------------------------------------------------------
+
+    def _known(self, agent: str, behavior: str) -> Generations:
+        return read_generations(folder_of(self._run_folder, agent), agent, behavior)
+
+    def _configuration(
+        self, known: Generations, named: Configuration | None, agent: str
+    ) -> Configuration:
+        chosen = named
+        if chosen is None:
+            chosen = known.get(known.current).restart if known.current else Configuration()
+        chosen.check(self._world, agent)
+        return chosen
+
+    # -- doing it ---------------------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def _paused(self) -> Iterator[WorldStatus | None]:
+        """Have the world stand still, as fast as the agents when it goes on; then as before."""
+        if self._world is None:
+            yield None
+            return
+        world = self._world
+        with as_it_was(world) as before:
+            world.control(Control.Request.PACE, pace="lockstep")
+            world.state_at(0)
+            world.changed(lambda: world.control(Control.Request.PAUSE))
+            yield before
+
+    @contextlib.contextmanager
+    def _training_goes_on(
+        self, agent: str, training: Learned, *, replaces: bool = False
+    ) -> Iterator[None]:
+        """Resume a training that was saved, whatever happens meanwhile.
+
+        Args:
+            agent: that is trained.
+            training: what to resume.
+            replaces: whether it takes the place of one that is under way.
+        """
+        try:
+            yield
+        except BaseException as error:
+            with not_interrupted():
+                try:
+                    self._resume(agent, training, replaces)
+                except SwarmError as another:
+                    if isinstance(error, HitabError):
+                        raise SwarmError(f"{error}\n{another}") from None
+                    self.left += f"; {another}"
+            raise
+        with not_interrupted():
+            self._resume(agent, training, replaces)
+
+    def _resume(self, agent: str, training: Learned, replaces: bool) -> None:
+        # Which behaviors were chosen for it is known only if one of them was not commanded.
+        seen = {e.next_state for e in training.examples} | {e.state for e in training.examples}
+        states = training.states if set(training.states) - seen else ()
+        try:
+            answer = self._swarm.begin(
+                agent,
+                training.name,
+                features=list(training.features),
+                states=list(states),
+                parameters=list(training.parameters) if training.arguments else [],
+                arguments=list(training.arguments),
+                resume=training.name,
+                classifier=training.classifier,
+                discard=replaces,
+            )
+        except SwarmError as error:
+            raise SwarmError(
+                f"the training could not go on by itself; resume it with `hitab train {agent} "
+                f"{training.name} --resume`: {error}"
+            ) from None
+        self._say(f"{agent}: {answer.message.partition('; ')[0]}")
+
+    def _as_saved(self, agent: str, behavior: str, meant: Generation) -> Learned:
+        saved = self._swarm.behavior(agent, behavior)
+        return replace(saved, arguments=meant.arguments, states=())
+
+    def _give(
+        self, known: Generations, number: int, mates: Sequence[str], evaluation: Evaluation
+    ) -> Generations:
+        """Give a generation to the team mates, have all perform it, and evaluate it."""
+        made = known.get(number)
+        agent, behavior = known.agent, known.behavior
+        rest = f"`hitab bootstrap back {agent} {behavior} {number}` does the rest"
+        self.left = f"generation {number} is kept, but not given to all of the team; {rest}"
+        report = self._distributed(agent, made, behavior, mates)
+        missing = {name: f"refuses: {why}" for name, why in report.refused.items()}
+        missing |= dict.fromkeys(report.silent, "does not answer")
+        made = replace(made, team=tuple(report.accepted), missing=missing)
+        if missing:
+            made = replace(made, unscored="it is not performed by all of the team")
+            known.with_(made).keep()
+            raise SwarmError(
+                "\n".join(f"{name} {why}" for name, why in missing.items())
+                + f"\ngeneration {number} of {behavior} is kept, but without a score, since "
+                f"{some(sorted(missing))} of the team lack it; once that is mended, `hitab "
+                f"bootstrap back {agent} {behavior} {number}` gives it to them and goes on"
+            )
+        known = known.with_(made).keep()
+        self.left = f"generation {number} is kept and the team has it, but it has no score; {rest}"
+        self._swarm.perform(agent, behavior, made.arguments)
+        if mates:
+            self._say(f"{some(mates, most=3)} perform{'s' * (len(mates) == 1)} it")
+        return self._scored(known, made, evaluation)
+
+    def _distributed(
+        self, agent: str, made: Generation, behavior: str, mates: Sequence[str]
+    ) -> DistributionReport:
+        if not mates:
+            return DistributionReport(0, "")
+        return self._swarm.distribute(
+            agent,
+            behavior,
+            arguments=made.arguments,
+            receivers=mates,
+            start=True,
+            seconds=self._patience,
+            progress=lambda done, total: self._progress(done, total, "distributing"),
+        )
+
+    def _scored(self, known: Generations, made: Generation, evaluation: Evaluation) -> Generations:
+        if made.score is not None:
+            return known
+        if self._world is None:
+            why, score = "there is no world to play in", None
+        elif not evaluation.episodes:
+            why, score = "no episodes were asked for", None
+        else:
+            why, score = "", self._evaluated(self._world, evaluation)
+        if score is None:
+            self._say(f"generation {made.number} has no score: {why}")
+        else:
+            self._say(
+                f"generation {made.number}: {score.figures[LENGTH]} s an episode "
+                f"({quantity(score.episodes, 'episode')}, seed {score.seed})"
+            )
+        return known.with_(replace(made, score=score, unscored=why)).keep()
+
+    def _evaluated(self, world: WorldClient, evaluation: Evaluation) -> Score:
+        total = evaluation.episodes
+
+        def progress(done: int) -> None:
+            self._progress(done, total, "evaluating")
+
+        return evaluated(world, evaluation, self._say, progress)
+
+    def _bring_back(self, known: Generations, number: int) -> int:
+        """Give a generation back to the trained agent; return its new version, 0: it has it."""
+        agent, behavior, texts = known.agent, known.behavior, known.texts(number)
+        present: Mapping[str, str] = {}
+        versions = [version for g in known.all for version in (g.version, *g.restored)]
+        try:
+            versions += self._swarm.behavior(agent, behavior).versions
+        except SwarmError as error:
+            self._say(f"it is brought back whole, since {error}")  # deleted or damaged
+        else:
+            present = self._copies.present(agent, behavior)
+        contents = {name: content_of(text, name) for name, text in present.items()}
+        changed = [
+            name
+            for name, text in texts.items()
+            if name not in contents or not same_behavior(contents[name], content_of(text, name))
+        ]
+        if not changed:
+            self._say(f"{agent} has generation {number} of {behavior} already")
+            return 0
+        files = {name: text if name in changed else present[name] for name, text in texts.items()}
+        version = 0
+        if behavior in changed:
+            before = contents[behavior]["provenance"]["version"] if present else 0
+            version = max((*versions, before)) + 1
+            files[behavior] = reissued(
+                texts[behavior],
+                behavior,
+                version=version,
+                created=time_now(),
+                author=self._swarm.demonstrator,
+                earlier=contents[behavior]["checksum"] if present else "",
+                note=f"generation {number} restored",
+            )
+        self._copies.send(agent, behavior, files)
+        parts = [name for name in changed if name != behavior]
+        self._say(
+            f"{agent} has generation {number} of {behavior} again"
+            + (f", as version {version}" if version else "")
+            + (f"; with {', '.join(parts)} as at that time" if parts else "")
+        )
+        return version
+
+    def _restart(
+        self, known: Generations, chosen: Configuration, before: WorldStatus | None
+    ) -> None:
+        """Put the world into the configuration, or wait for it; then the demonstrator decides."""
+        agent = known.agent
+        self.left = (
+            f"generation {known.current} is complete and {agent} is in training mode; only the "
+            "situation in which the training was to go on has not come about"
+        )
+        if self._world is not None and chosen.places:
+            chosen.put(self._world)
+            self._say(f"the training goes on from: {replace(chosen, wait=None, condition=None)}")
+        if chosen.condition is not None:
+            self._say(f"waiting until {chosen.condition.describe()} ...")
+            in_real_time = before is not None and before.pace == WorldStatus.REALTIME
+            factor = before.factor if before is not None and in_real_time else 0.0
+            chosen.await_(
+                self._swarm,
+                self._world,
+                agent,
+                factor,
+                lambda seen: self._progress(0, 0, f"waiting: {seen}"),
+            )

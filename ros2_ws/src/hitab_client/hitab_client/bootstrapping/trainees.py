@@ -1,0 +1,102 @@
+"""The agent that is trained, and its team mates: what must hold before a generation is made."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hitab_msgs.msg import AgentStatus
+
+from hitab_client.bootstrapping.generations import Generations
+from hitab_client.errors import SwarmError
+from hitab_client.learned import Learned
+from hitab_client.swarm_client import SwarmClient
+from hitab_core import START, HitabError, quantity
+from hitab_core.library import content_of
+
+
+def training_of(swarm: SwarmClient, agent: str) -> Learned:
+    """Return what is being trained.
+
+    Raises:
+        SwarmError: if nothing is, or nothing could be performed of it.
+    """
+    swarm.await_agent(agent)
+    if not _is_training(swarm, agent):
+        raise SwarmError(
+            f"{agent} is not training anything, so there is no next generation; begin with "
+            f"`hitab train {agent} NAME -f FEATURE`, or train a saved behavior further with "
+            f"`hitab train {agent} NAME --resume`"
+        )
+    training = swarm.behavior(agent)
+    if not any(example.state == START for example in training.examples):
+        raise SwarmError(
+            f'no example of "{training.name}" leaves Start, so that {agent} and its team '
+            f"mates would do nothing; command its first behavior from the beginning, with "
+            f"`hitab demonstrate {agent} BEHAVIOR`"
+        )
+    return training
+
+
+def _is_training(swarm: SwarmClient, agent: str) -> bool:
+    """Whether there is a training under way, whatever the agent does at present."""
+    try:
+        swarm.list_examples(agent)
+    except SwarmError:
+        return False
+    return True
+
+
+def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
+    """Raise if a training has examples that no saved behavior has."""
+    if not _is_training(swarm, agent):
+        return
+    training = swarm.behavior(agent)
+    try:
+        saved = _marks(swarm.behavior(agent, training.name))
+    except SwarmError:
+        saved = set()
+    differing = _marks(training) ^ saved
+    if differing:
+        raise SwarmError(
+            f'the training of "{training.name}" on {agent} has '
+            f"{quantity(len(differing), 'example')} changed since it was saved; keep "
+            f"them with `hitab bootstrap next {agent}`, or give them up with --discard"
+        )
+
+
+def mates_of(swarm: SwarmClient, agent: str, to: Sequence[str]) -> list[str]:
+    """Return the team mates, all of whom are there and free."""
+    there = swarm.await_agents()
+    for mate in to or swarm.expected:
+        swarm.await_agent(mate)
+    domain = swarm.statuses[agent].domain
+    mates = [
+        mate
+        for mate in (to or there)
+        if mate != agent and (to or swarm.statuses[mate].domain == domain)
+    ]
+    for mate in mates:
+        if swarm.statuses[mate].mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
+            raise SwarmError(
+                f"{mate} is in training itself; save that (`hitab save {mate}`) or discard it "
+                f"(`hitab discard {mate}`) first, or name the others with --to"
+            )
+    return list(dict.fromkeys(mates))
+
+
+def parent_of(known: Generations, training: Learned) -> int:
+    """Return the generation whose examples the training continues; 0: none."""
+    if not known.current:
+        return 0
+    try:
+        text = known.texts(known.current)[known.behavior]
+        content = content_of(text, known.behavior)
+    except HitabError:
+        return known.current  # nothing speaks against it
+    kept = {(e["command"], e["cycle"], e["state"], e["next_state"]) for e in content["examples"]}
+    return known.current if kept & _marks(training) else 0
+
+
+def _marks(learned: Learned) -> set[tuple[int, int, str, str]]:
+    """Return what identifies the examples of a training, whatever features it uses."""
+    return {(e.command, e.cycle, e.state, e.next_state) for e in learned.examples}
