@@ -8,8 +8,8 @@ perhaps one more example. To tell them apart,
 - each example of the state is judged by its neighbors (`hitab_core.advice.neighbors`), among which
   corrections count fully, since the person has just confirmed them; so one correction right beside
   an example, or several around it, make it a mistake, and one far off does not;
-- a command that comes a little early or late is no mistake: an example that would be right if a
-  value were somewhat different must be contradicted more clearly;
+- a command that comes a little early or late is no mistake: where there are few examples, one that
+  would be right if a value were somewhat different must be contradicted more clearly;
 - a command counts as a whole: what contradicts its default example, in the next state, speaks
   against the command as well, if less;
 - the function is learned again without the example, which shows what removing it changes.
@@ -41,12 +41,14 @@ from hitab_core.transition_function import LearnedTransition
 LIKELY = 0.3
 """Least probability of a mistake that is proposed: overlooking one costs more than asking."""
 
-MANY = 60
-"""Number of examples of a state above which one more or less hardly matters, and trying each out
-takes too long."""
+MANY = 20
+"""Number of examples of a state above which one more or less hardly matters."""
 
 LIKELY_OF_MANY = 0.15
 """Least probability of a mistake that is proposed where there are many examples."""
+
+TRIED = 60
+"""Most examples of a state that are tried out one by one; more take too long."""
 
 CLEARLY = 0.75
 """Least probability of a mistake that is proposed without a correction, or where a wavering
@@ -121,7 +123,7 @@ def suspects(
         place = case.place(state)
         for row in _suspicious(place, CLEARLY):
             if among is None or place.own[row].number in among:
-                tried = len(place.own) <= MANY
+                tried = len(place.own) <= TRIED
                 found.append(reasons.mistake(case, place, row, tried=tried))
     return sorted(found, key=lambda p: (-p.score, p.examples))
 
@@ -166,12 +168,15 @@ def _proposals(case: Case, state: str) -> list[Proposal]:
     place = case.place(state)
     before = case.learned(place.own)
     wrong = {j: c for j, c in place.corrected.items() if case.decides(before, c) != c.right}
-    tried = len(place.own) <= MANY
-    suspicious = [
-        row
-        for row in _suspicious(place, LIKELY if tried else LIKELY_OF_MANY)
-        if not tried or place.around.mistaken[row] >= CLEARLY or not _may_waver(case, place, row)
-    ]
+    tried = len(place.own) <= TRIED
+    if len(place.own) > MANY:
+        suspicious = _suspicious(place, LIKELY_OF_MANY)
+    else:
+        suspicious = [
+            row
+            for row in _suspicious(place, LIKELY)
+            if place.around.mistaken[row] >= CLEARLY or not _may_waver(case, place, row)
+        ]
     doubted = [place.own[row] for row in suspicious]
     together = case.learned([e for e in place.own if e not in doubted])
     found, answered = [], set()
