@@ -228,6 +228,10 @@ class CaptainTask(Task):
         captain = without_defaults(team.captain[self.behavior], self.domain)
         return self._team(captain, team.commands, len(captain.examples))
 
+    def without_commander(self) -> Team:
+        """Return the keepers, who were not taught here, each for itself."""
+        return Team(self._keepers)
+
     def with_policy(self, policy: Policy, commands: int) -> Team:
         """Return a captain that follows a policy."""
         return self._team(policy.automaton(self.behavior, self.words), commands, policy.examples)
