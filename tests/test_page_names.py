@@ -23,6 +23,11 @@ PYTHON = {
     for path in (ROOT / folder).rglob("*.py")
 }
 OF_SCRIPTS = {"--check", "--quiet", "--long", "--upgrade"}
+OF_BENCHMARKS = {
+    option
+    for path in (ROOT / "benchmarks").glob("*.py")
+    for option in re.findall(r'"(--[a-z][a-z-]*)"', path.read_text())
+}
 
 
 def prose(page: str) -> str:
@@ -82,7 +87,7 @@ def test_every_file_that_is_named_is_there(page):
 
 @pytest.mark.parametrize("page", TEXTS)
 def test_every_option_that_is_named_is_one(page):
-    known = ALL_OPTIONS | OF_OTHERS | OF_SCRIPTS
+    known = ALL_OPTIONS | OF_OTHERS | OF_SCRIPTS | OF_BENCHMARKS
     named = {o for text in quoted(page) for o in re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)}
     assert named - known == set()
 
