@@ -216,14 +216,15 @@ def main(
         typer.Option("--task", help="Task to play; repeat for several. All by default."),
     ] = None,
     episodes: Annotated[
-        int, typer.Option(help="Episodes of each row; 0: as many as the task needs.", min=0)
+        int,
+        typer.Option("--episodes", help="Episodes of each row; 0: the task's own number.", min=0),
     ] = 0,
     seed: Annotated[int, typer.Option(help="Seed of the episodes.")] = 2026,
     quick: Annotated[
         bool, typer.Option("--quick", help="Two short episodes: whether it works, no figures.")
     ] = False,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
-    read: Annotated[str, typer.Option(help="Play nothing; read this JSON file.")] = "",
+    read: Annotated[str, typer.Option("--read", help="Play nothing; read this JSON file.")] = "",
 ) -> None:
     """Compare ways to learn from the same commands."""
     if read:
