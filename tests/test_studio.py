@@ -239,7 +239,7 @@ def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_chan
     for behavior in ("GoFast", "Stop", "GoFast", "GoSlow"):
         person.click(f"do-{behavior}")
     person.click("tab-examples")
-    person.sees("contradictions", "contradict each other")
+    person.sees("contradictions", "2 examples disagree")
     person.click("delete-3")
     person.does_not_see("example-3")
     assert "always: GoSlow" in person.text("effect")
