@@ -82,8 +82,8 @@ def test_a_command_is_taken_with_the_state_that_was_active_then(cart: Driven) ->
     assert [(e[1], e[2], e[3]) for e in cart.examples() if e[4] == "demonstrated"] == [
         ("Start", 6.0, "Right"),
         ("Right", 8.0, "Left"),
-        ("Right", 8.0, "Right"),
-    ]
+        ("Left", 8.0, "Right"),
+    ], "and no command was due before the one that was given before it"
 
 
 def test_after_an_undo_the_state_of_that_time_is_as_if_nothing_had_been_commanded(

@@ -64,6 +64,7 @@ class Perceived:
         self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._column = {use: i for i, use in enumerate(self.readable)}
         self._uses: list[Use | None] = []
+        self._entered: Moment | None = None
         self._context = context
 
     @property
@@ -98,7 +99,7 @@ class Perceived:
             jumped: whether the situation does not follow from the last one.
         """
         if jumped:
-            self.moments.begin()
+            self.begin()
         latest, state = self.moments.latest, state_of(running.active)
         since = latest.since if latest is not None and latest.state == state else time
         raised = running.child.raised if running.child is not None else ()
@@ -117,11 +118,23 @@ class Perceived:
             return tuple(readings)
 
         self.moments.enter(label, due, as_entered)
+        entered = replace(due, state=label, since=due.time, raised=frozenset())
+        self._entered = replace(entered, readings=as_entered(entered))
+
+    def reenter(self, left: str, state: str) -> None:
+        """Have a state be active instead of the one that was entered last, which was undone."""
+        self.moments.reenter(left, state)
+        self._entered = None
+
+    def begin(self) -> None:
+        """Forget what was, since it has nothing to do with what follows."""
+        self.moments.begin()
+        self._entered = None
 
     def restart(self) -> None:
         """Forget what was before the last percept, which begins an episode, in Start."""
         latest = self.moments.latest
-        self.moments.begin()
+        self.begin()
         if latest is not None:
             self.moments.add(replace(latest, state=START, since=latest.time, raised=frozenset()))
 
@@ -148,7 +161,10 @@ class Perceived:
         latest = self.moments.latest
         if ago or seen:
             due = self.moments.due(ago, seen)
-            if due is not latest:
+            entered = self._entered
+            if entered is not None and due.time <= entered.time:
+                due = entered  # no command was due before the one that the person gave before it
+            if latest is not None and due.time < latest.time:
                 return due
         # The present one, with the values that the next decision would use.
         values = running.peek_features()

@@ -140,7 +140,7 @@ class TrainingSession:
         """Stop, since the agent performs something else; come back with `restart`."""
         self.running.stop()
         self._left = True
-        self.perception.moments.begin()
+        self.perception.begin()
 
     def perceived(self, cycle: int, time: float, *, jumped: bool = False) -> None:
         """Keep what the agent perceives now, before it acts on that.
@@ -477,7 +477,7 @@ class TrainingSession:
         self.running.raised.discard(str(edit.left))
         self.running.go_to(edit.entered)
         if edit.direction is Direction.UNDO:
-            self.perception.moments.reenter(str(edit.left), edit.entered)
+            self.perception.reenter(str(edit.left), edit.entered)
 
     def automaton(self, done: str = "tested") -> Automaton:
         """Return what has been learned so far, untrimmed.
