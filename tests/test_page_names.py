@@ -27,6 +27,10 @@ OF_BENCHMARKS = {
     option
     for path in (ROOT / "benchmarks").glob("*.py")
     for option in re.findall(r'"(--[a-z][a-z-]*)"', path.read_text())
+} | {
+    f"--{name.replace('_', '-')}"  # typer derives it from the parameter
+    for path in (ROOT / "benchmarks").glob("*.py")
+    for name in re.findall(r"^ +(\w+): Annotated\[", path.read_text(), re.MULTILINE)
 }
 
 
