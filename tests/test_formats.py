@@ -9,6 +9,7 @@ from mcap.writer import Writer
 
 from hitab_bringup import parse_swarm, read_swarm
 from hitab_client import DescriptionError, LessonError, SwarmError
+from hitab_client.bootstrapping import read_generations
 from hitab_client.lessons import read_lesson
 from hitab_commander import read_kind
 from hitab_core import Agent, BehaviorLibrary, VocabularyError, load_domain
@@ -67,6 +68,20 @@ def test_a_journal_from_before_is_resumed(tmp_path):
         ("GoFast", "Stop", False),
         ("Stop", "Stop", True),
     ]
+
+
+def test_generations_from_before_are_read(tmp_path):
+    shutil.copy(FORMATS / "generations.yaml", tmp_path / "Keepaway.yaml")
+    known = read_generations(tmp_path, "keeper_1", "Keepaway")
+
+    assert known.current == 3
+    assert [(g.number, g.parent, g.restored) for g in known.all] == [
+        (1, 0, ()),
+        (2, 1, (4,)),
+        (3, 2, (5,)),
+    ]
+    assert str(known.best().score.figures["seconds"]) == "27.89 ± 4.14"
+    assert known.get(2).restart.condition.describe() == "keeper_2 has yelled"
 
 
 def test_a_snapshot_of_a_world_from_before_is_restored():

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
@@ -99,7 +99,7 @@ def next_(
     from hitab_client.bootstrapping import Evaluation
 
     chosen = _configuration(agent, snapshot, place, wait, within, as_it_is)
-    with connection(swarm) as swarm_up, _steps(swarm_up) as steps:
+    with connection(swarm) as swarm_up, _steps(swarm_up, json) as steps:
         made = steps.next(
             agent,
             to=to or (),
@@ -143,7 +143,7 @@ def back(
     from hitab_client.bootstrapping import Evaluation
 
     chosen = _configuration(agent, snapshot, place, wait, within, as_it_is)
-    with connection(swarm) as swarm_up, _steps(swarm_up) as steps:
+    with connection(swarm) as swarm_up, _steps(swarm_up, json) as steps:
         made = steps.back(
             agent,
             behavior,
@@ -256,23 +256,55 @@ def _configuration(
 
 
 @contextmanager
-def _steps(swarm_up: Connection) -> Iterator[Bootstrapping]:
+def _steps(swarm_up: Connection, json: str | None) -> Iterator[Bootstrapping]:
     """Yield what does the steps; say what an interruption leaves to be done."""
     from hitab_client.bootstrapping import Bootstrapping
 
-    with console.progress("bootstrapping") as advance:
+    with _Showing(console.note if json == "-" else console.say) as showing:
         steps = Bootstrapping(
             swarm_up.agents,
             _world(swarm_up),
             _kept_in(swarm_up.folder),
-            say=console.note,
-            progress=advance,
+            say=showing.say,
+            progress=showing.progress,
         )
         try:
             yield steps
         except (KeyboardInterrupt, SystemExit):
+            showing.close()
             console.note(steps.left or "nothing has changed")
             raise
+
+
+class _Showing:
+    """Prints what is done, and between two such lines a progress bar; a context manager."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._bar = ExitStack()
+        self._advance: console.Advance | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the bar, if there is one."""
+        self._bar.close()
+        self._advance = None
+
+    def say(self, text: str) -> None:
+        """Print a line."""
+        self.close()
+        self._say(text)
+
+    def progress(self, done: int, total: int, doing: str) -> None:
+        """Show the progress."""
+        if self._advance is None:
+            self._advance = self._bar.enter_context(console.progress("bootstrapping"))
+        self._advance(done, total, doing)
 
 
 def _world(swarm_up: Connection) -> Any:

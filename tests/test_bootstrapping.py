@@ -1,0 +1,249 @@
+"""Behavior bootstrapping with real nodes: generations, scores, back, and what may go wrong."""
+
+import json
+import os
+import shutil
+import signal
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from hitab_bringup.libraries import libraries_of
+from hitab_bringup.verbs import bootstrap
+from hitab_client import SwarmError
+from hitab_client.bootstrapping import Bootstrapping, Configuration, Evaluation, with_condition
+from hitab_client.bootstrapping.generations import held
+from hitab_client.run_processes import process_states
+
+ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
+QUICK = Evaluation(episodes=2, seed=5)
+NONE = Evaluation(episodes=0)
+
+
+@pytest.fixture
+def team(keepers):
+    """The swarm, with a keeper that trains Run, whose first example is a command to go fast."""
+    agents = keepers.agents
+    shutil.rmtree(keepers.folder.path / "generations", ignore_errors=True)
+    for mate in (TWO, THREE):
+        agents.perform(mate, "")
+    keepers.world.step()  # so that no example is from the same cycle as one before
+    agents.begin(ONE, "Run", features=["DistanceTo(ball)", "BallIsKickable"], discard=True)
+    agents.command(ONE, "GoFast")
+    return keepers
+
+
+def steps(team, **fields) -> Bootstrapping:
+    folder = team.folder.path
+    return Bootstrapping(team.agents, fields.pop("world", team.world), folder, **fields)
+
+
+def places(team) -> dict[str, tuple[float, float]]:
+    return {e.name: (e.x, e.y) for e in team.world.state_at(0).entities}
+
+
+def digests(team) -> set[str]:
+    return {status.library_digest for status in team.agents.statuses.values()}
+
+
+def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(team):
+    before = places(team)
+    made = steps(team).next(ONE, note="run", evaluation=QUICK)
+
+    assert made.score is not None
+    assert (made.score.episodes, made.score.seed, made.examples) == (2, 5, 2)
+    assert made.score.figures["seconds"].mean > 0.0
+    assert made.score.figures["passes"].mean == 0.0
+    assert made.team == (TWO, THREE)
+    statuses = team.agents.statuses
+    assert [statuses[n].mode for n in (ONE, TWO, THREE)] == ["training", *2 * ["performing"]]
+    assert statuses[TWO].behavior == statuses[THREE].behavior == "Run"
+    assert len(digests(team)) == 1
+    training = team.agents.behavior(ONE)
+    assert len(training.examples) == 2
+    assert training.features == ("DistanceTo(ball)", "BallIsKickable"), "kept, though unused"
+    status = team.world.wait()
+    assert (status.mode, status.episodes_left) == ("paused", 0)
+    assert places(team) == before, "the evaluation leaves the field as it was arranged"
+
+    team.agents.command(ONE, "Stop")
+    child = steps(team).next(ONE, evaluation=QUICK)
+    assert (child.number, child.parent) == (made.number + 1, made.number)
+    assert child.version == made.version + 1
+    again = steps(team).next(ONE, evaluation=QUICK)
+    assert again.score == child.score, "the same seed gives the same score"
+
+
+def test_a_training_begun_anew_has_no_parent(team):
+    assert steps(team).next(ONE, evaluation=NONE).parent == 0
+
+
+def test_one_goes_back_to_a_generation_with_the_team(team):
+    work = steps(team)
+    first = work.next(ONE, evaluation=NONE)
+    rules = digests(team)
+    team.agents.command(ONE, "Stop")
+    last = work.next(ONE, evaluation=NONE)
+    assert digests(team) != rules
+    team.agents.command(ONE, "GoSlow")
+    with pytest.raises(SwarmError, match=r"2 examples changed since it was saved.*--discard"):
+        work.back(ONE, "Run", first.number)
+
+    there = work.back(ONE, "Run", first.number, discard=True, evaluation=QUICK)
+    assert there.score is not None, "it had no score yet"
+    assert there.restored == (last.version + 1,)
+    saved = team.agents.behavior(ONE, "Run")
+    assert saved.version == last.version + 1
+    assert f"generation {first.number} restored" in saved.note
+    assert digests(team) == rules
+    assert len(team.agents.behavior(ONE).examples) == 2
+    assert {team.agents.statuses[n].behavior for n in (TWO, THREE)} == {"Run"}
+
+    assert work.back(ONE, "Run", first.number).restored == there.restored, "it is there already"
+    team.agents.command(ONE, "GoMedium")
+    assert work.next(ONE, evaluation=NONE).parent == first.number
+    with pytest.raises(SwarmError, match=r"has no generation 99 \(has: 1, 2"):
+        work.back(ONE, "Run", 99)
+
+
+def test_the_world_goes_on_in_the_configuration_that_was_named(team):
+    world = team.world
+    corner = {ONE: {"x": -5.0, "y": 2.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}}
+    world.changed(lambda: world.place(corner))
+    world.snapshot("save", "corner")
+    world.changed(lambda: world.place({ONE: {"x": 0.0, "y": 0.0}}))
+    there = with_condition(Configuration(snapshot="corner"), "seconds: 0.3", ONE)
+    said = []
+    steps(team, say=said.append).next(ONE, evaluation=NONE, configuration=there)
+    x, _ = places(team)[ONE]
+    assert -5.0 < x < 0.0, "it has run from there for a moment, as it has learned"
+    assert world.wait().mode == "paused"
+    assert team.agents.statuses[ONE].mode == "training"
+    assert "waiting until 0.3 s have passed ..." in said
+
+    steps(team).next(ONE, evaluation=NONE)
+    assert places(team)[ONE][0] == x, "named once, it holds for the next generations"
+    steps(team).next(ONE, evaluation=NONE, configuration=Configuration())
+    assert places(team)[ONE][0] == x
+    with pytest.raises(SwarmError, match=r'no snapshot "cornr" .*Did you mean "corner"'):
+        steps(team).next(ONE, configuration=Configuration(snapshot="cornr"))
+
+
+def test_robots_without_a_world_are_waited_for(team):
+    work = steps(team, world=None)
+    here = with_condition(
+        Configuration(), "all: [{seconds: 0.2}, {feature: DistanceTo(ball), above: 0}]", ONE
+    )
+    made = work.next(ONE, configuration=here)
+    assert (made.score, made.unscored) == (None, "there is no world to play in")
+    assert team.agents.statuses[ONE].mode == "training"
+
+    never = with_condition(Configuration(within=0.3), "feature: DistanceTo(ball), below: 0", ONE)
+    with pytest.raises(
+        SwarmError, match=r"DistanceTo\(ball\) of keeper_1 below 0 \(is .* did not"
+    ):
+        work.next(ONE, configuration=never)
+    assert team.agents.statuses[ONE].mode == "training"
+    unseen = with_condition(Configuration(), "distance: [keeper_1, ball], below: 3", ONE)
+    with pytest.raises(SwarmError, match=r"nobody knows where .* is, since there is no world"):
+        work.next(ONE, configuration=unseen)
+    with pytest.raises(SwarmError, match="there is no world into which anything could be placed"):
+        work.next(ONE, configuration=Configuration(snapshot="corner"))
+
+
+def test_ctrl_c_leaves_everything_sound(team):
+    def interrupted_at(doing: str):
+        def progress(done: int, total: int, what: str) -> None:
+            if what.startswith(doing):
+                raise KeyboardInterrupt
+
+        return steps(team, progress=progress)
+
+    work = interrupted_at("evaluating")
+    with pytest.raises(KeyboardInterrupt):
+        work.next(ONE, evaluation=Evaluation(episodes=1000))
+    assert "has no score; `hitab bootstrap back keeper_1 Run" in work.left
+    assert team.agents.statuses[ONE].mode == "training"
+    cycle = team.world.step().cycle
+    assert team.world.step().cycle == cycle + 1, "the world stands still"
+    assert team.world.wait().episodes_left == 0
+
+    work = interrupted_at("waiting")
+    waiting = with_condition(Configuration(), "said: keeper_2", ONE)
+    with pytest.raises(KeyboardInterrupt):
+        work.next(ONE, evaluation=NONE, configuration=waiting)
+    assert "is complete and keeper_1 is in training mode" in work.left
+    assert team.agents.statuses[ONE].mode == "training"
+    assert len(team.agents.behavior(ONE).examples) == 2
+
+
+def test_nothing_changes_if_there_is_nothing_to_give(team):
+    agents, work = team.agents, steps(team)
+    before = agents.behavior(ONE, "Run").version
+    agents.edit_examples(ONE, "undo")
+    with pytest.raises(SwarmError, match='no example of "Run" leaves Start'):
+        work.next(ONE)
+    agents.discard(ONE)
+    with pytest.raises(SwarmError, match="keeper_1 is not training anything"):
+        work.next(ONE)
+    with pytest.raises(SwarmError, match=r'no agent "keeper_9".*Did you mean'):
+        work.next("keeper_9")
+    assert agents.behavior(ONE, "Run").version == before
+
+
+def test_two_steps_at_once_and_mates_in_training_are_refused(team):
+    with (
+        held(team.folder.path),
+        pytest.raises(SwarmError, match="another `hitab bootstrap` is at work in this swarm"),
+    ):
+        steps(team).next(ONE)
+    team.agents.begin(TWO, "Other", features=["BallIsKickable"])
+    with pytest.raises(SwarmError, match="keeper_2 is in training itself; save that"):
+        steps(team).next(ONE)
+    assert steps(team).next(ONE, to=[THREE], evaluation=NONE).team == (THREE,)
+    team.agents.discard(TWO)
+
+
+def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
+    folder = libraries_of(team.folder.path)[TWO]
+    aside = folder.with_name("aside")
+    folder.rename(aside)
+    folder.write_text("not a folder")
+    pids = {state["name"]: state["pid"] for state in process_states(team.record)}
+    work = steps(team, patience=1.0)
+    os.kill(pids[THREE], signal.SIGSTOP)
+    try:
+        with pytest.raises(SwarmError) as wrong:
+            work.next(ONE, evaluation=QUICK)
+    finally:
+        os.kill(pids[THREE], signal.SIGCONT)
+        folder.unlink()
+        aside.rename(folder)
+    assert "keeper_2 refuses: " in str(wrong.value)
+    assert "keeper_3 does not answer" in str(wrong.value)
+    assert "gives it to them and goes on" in str(wrong.value)
+    assert team.agents.statuses[ONE].mode == "training"
+
+    number = int(str(wrong.value).split("generation ")[1].split()[0])
+    made = steps(team).back(ONE, "Run", number, evaluation=QUICK)
+    assert made.team == (TWO, THREE)
+    assert made.score is not None
+    assert not made.missing
+
+
+def test_the_command_makes_and_lists_generations(team, hitab, tmp_path: Path):
+    made = hitab("bootstrap", "next", ONE, "--episodes", "1", "--note", "by hand", "--as-it-is")
+    assert made.returncode == 0, made.stderr
+    assert "keeper_1 is in training mode, with generation " in made.stdout
+    assert "s an episode (1 episode, seed 1)" in made.stdout
+
+    listed = hitab("bootstrap", "list", ONE, "--json", str(tmp_path / "list.json"))
+    assert listed.returncode == 0, listed.stderr
+    assert "* the best by seconds" in listed.stdout
+    (run,) = json.loads((tmp_path / "list.json").read_text())
+    assert run["best"] == run["current"] == run["generations"][-1]["number"]
+    assert run["generations"][-1]["note"] == "by hand"
+
+    wrong = CliRunner().invoke(bootstrap.app, ["list", ONE, "Rum"])
+    assert 'Did you mean "Run"' in str(wrong.exception)
