@@ -52,6 +52,7 @@ def reader(tmp_path, home, hitab, monkeypatch):
         "README.md",
         "docs/tutorial.md",
         pytest.param("docs/commanders.md", marks=pytest.mark.long),
+        pytest.param("docs/bootstrapping.md", marks=pytest.mark.long),
         pytest.param("docs/deleted-behavior.md", marks=pytest.mark.long),
         pytest.param("docs/second-thoughts.md", marks=pytest.mark.long),
     ],

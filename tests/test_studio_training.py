@@ -317,6 +317,9 @@ def test_an_example_that_a_command_supersedes_is_struck_through_and_says_why(swa
 
 # -- what the agent asks ----------------------------------------------------------------------
 
+# A keeper sees distances in steps of about a tenth.
+FAR = tuple((distance, "GoFast") for distance in (9.0, 8.2, 7.4, 6.0, 5.5, 5.0, 4.5))
+
 
 @needs_browser
 def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismissed(
@@ -350,6 +353,39 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     person.click(f"dismiss-{number}")
     person.does_not_see(f"question-{number}")
     person.sees("counts", "8 examples")
+
+
+@needs_browser
+def test_a_mistake_is_proposed_to_be_removed_and_an_ambiguity_is_asked_about(swarm, person):
+    begin(person, "Chase")
+    commands = (*FAR, (6.7, "Stop"), (7.4, "GoFast"), (1.0, "Stop"), (8.2, "GoFast"))
+    for distance, behavior in commands:
+        away_from_everybody(swarm, distance)
+        swarm.agents.command(ONE, behavior)
+    wrong = next(e for e in swarm.agents.list_examples(ONE).examples if e.next_state == "Stop")
+    person.sees("questions", f"Was example {wrong.number} a mistake?")
+    person.page.click('[data-test="questions"] button.strong:has-text("remove")')
+    person.waits_until(
+        lambda: wrong.number not in [e.number for e in swarm.agents.list_examples(ONE).examples],
+        "it was not removed",
+    )
+    swarm.agents.discard(ONE)
+    person.sees("mode", "Idle")
+
+    begin(person, "Unclear", "BallIsKickable", "DistanceTo(closest_taker)")
+    away_from_everybody(swarm, 0.8)  # kickable, and no taker is near: that is seen, but not shown
+    away_from_everybody(swarm, 6.0)
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    away_from_everybody(swarm, 0.8)
+    swarm.world.changed(lambda: swarm.world.place({"taker_1": {"x": 6.0, "y": 0.0}}))
+    person.click("do-Stop")
+    person.sees("counts", "4 examples")
+    person.sees("questions", "BallIsKickable")
+    before = person.text("questions")
+    assert "DistanceTo(closest_taker)" in before, "both explanations are told"
+    person.page.keyboard.press("a")
+    person.sees("counts", "5 examples")
 
 
 @needs_browser
