@@ -17,7 +17,7 @@ from hitab_msgs.srv import Control
 
 from hitab_client.acknowledgements import QUIET_SECONDS, DistributionReport
 from hitab_client.bootstrapping.configuration import Configuration
-from hitab_client.bootstrapping.evaluating import LENGTH, SHORT, Evaluation, Score, evaluated
+from hitab_client.bootstrapping.evaluating import LENGTH, SHORT, Evaluation, evaluated
 from hitab_client.bootstrapping.generations import (
     Generation,
     Generations,
@@ -316,7 +316,16 @@ class Bootstrapping:
         elif not evaluation.episodes:
             why, score = "no episodes were asked for", None
         else:
-            why, score = "", self._evaluated(self._world, evaluation)
+            total = evaluation.episodes
+            why, score = (
+                "",
+                evaluated(
+                    self._world,
+                    evaluation,
+                    self._say,
+                    lambda done: self._progress(done, total, "evaluating"),
+                ),
+            )
         if score is None:
             self._say(f"generation {made.number} has no score: {why}")
         else:
@@ -325,14 +334,6 @@ class Bootstrapping:
                 f"({quantity(score.episodes, 'episode')}, seed {score.seed})"
             )
         return known.with_(replace(made, score=score, unscored=why)).keep()
-
-    def _evaluated(self, world: WorldClient, evaluation: Evaluation) -> Score:
-        total = evaluation.episodes
-
-        def progress(done: int) -> None:
-            self._progress(done, total, "evaluating")
-
-        return evaluated(world, evaluation, self._say, progress)
 
     def _bring_back(self, known: Generations, number: int) -> int:
         """Give a generation back to the trained agent; return its new version, 0: it has it."""
