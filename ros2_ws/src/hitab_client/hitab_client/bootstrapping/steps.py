@@ -192,9 +192,8 @@ class Bootstrapping:
     def _configuration(
         self, known: Generations, named: Configuration | None, agent: str
     ) -> Configuration:
-        chosen = named
-        if chosen is None:
-            chosen = known.get(known.current).restart if known.current else Configuration()
+        last = known.get(known.current).restart if known.current else Configuration()
+        chosen = last if named is None else named
         chosen.check(self._world, agent)
         return chosen
 
@@ -326,13 +325,11 @@ class Bootstrapping:
                     lambda done: self._progress(done, total, "evaluating"),
                 ),
             )
-        if score is None:
-            self._say(f"generation {made.number} has no score: {why}")
-        else:
-            self._say(
-                f"generation {made.number}: {score.figures[LENGTH]} s an episode "
-                f"({quantity(score.episodes, 'episode')}, seed {score.seed})"
-            )
+        told = f"generation {made.number} has no score: {why}"
+        if score is not None:
+            played = f"{quantity(score.episodes, 'episode')}, seed {score.seed}"
+            told = f"generation {made.number}: {score.figures[LENGTH]} s an episode ({played})"
+        self._say(told)
         return known.with_(replace(made, score=score, unscored=why)).keep()
 
     def _bring_back(self, known: Generations, number: int) -> int:
