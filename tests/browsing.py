@@ -70,6 +70,23 @@ def away_from_everybody(swarm: Any, distance: float) -> None:
     swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": ball, **others}))
 
 
+def begin(person: Person, name: str, *features: str) -> None:
+    """Begin a training of the first keeper, with these features or one.
+
+    Args:
+        person: at the page.
+        name: of the automaton.
+        features: for its decisions to depend on.
+    """
+    person.click(f"agent-{ONE}")
+    person.click("new")
+    person.type("new-name", name)
+    for feature in features or ("DistanceTo(ball)",):
+        person.tick(f"feature-{feature}")
+    person.click("begin")
+    person.sees("mode", "Training")
+
+
 def entity(swarm: Any, name: str) -> Any:
     """Return a thing as the world shows it now."""
     swarm.link.spin(0.02)

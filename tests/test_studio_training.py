@@ -8,7 +8,7 @@ import re
 from typing import Any
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, needs_browser
+from browsing import ONE, TWO, Person, away_from_everybody, begin, needs_browser
 
 from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
@@ -19,16 +19,6 @@ def nothing_is_trained(swarm):
     """Give up what another test has left."""
     with contextlib.suppress(SwarmError):  # nothing was left
         swarm.agents.discard(ONE)
-
-
-def begin(person: Person, name: str, *features: str) -> None:
-    person.click(f"agent-{ONE}")
-    person.click("new")
-    person.type("new-name", name)
-    for feature in features or ("DistanceTo(ball)",):
-        person.tick(f"feature-{feature}")
-    person.click("begin")
-    person.sees("mode", "Training")
 
 
 @needs_browser
@@ -313,97 +303,3 @@ def test_an_example_that_a_command_supersedes_is_struck_through_and_says_why(swa
     assert "superseded by example 3" in cell.get_attribute("title")
     assert "line-through" in cell.evaluate("e => getComputedStyle(e).textDecoration")
     assert person.page.locator(".superseded").count() == 1
-
-
-# -- what the agent asks ----------------------------------------------------------------------
-
-# A keeper sees distances in steps of about a tenth.
-FAR = tuple((distance, "GoFast") for distance in (9.0, 8.2, 7.4, 6.0, 5.5, 5.0, 4.5))
-
-
-@needs_browser
-def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismissed(
-    swarm, person
-):
-    away_from_everybody(swarm, 5.0)
-    begin(person, "Asks")
-    # In GoFast, twice in the same situation, they say different things.
-    for behavior, examples in (("GoFast", 2), ("Stop", 4), ("GoFast", 6), ("GoSlow", 8)):
-        person.click(f"do-{behavior}")
-        person.sees("counts", f"{examples} examples")
-
-    def contradicted() -> bool:
-        return any("which holds" in q.text for q in swarm.agents.questions(ONE).questions)
-
-    person.sees("questions", "which holds?")
-    number = swarm.agents.questions(ONE).questions[0].number
-    proposed = person.page.wait_for_selector(f'[data-test="question-{number}"] button.strong')
-    assert proposed.inner_text().split() == ["GoSlow", "A"]
-    person.page.keyboard.press("a")
-    person.waits_until(lambda: not contradicted(), "it was not answered")
-    assert all(
-        e.next_state != "Stop" or e.kind == "default"
-        for e in swarm.agents.list_examples(ONE).examples
-        if e.state == "GoFast"
-    )
-    person.does_not_see(f"question-{number}")
-    person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
-    person.page.keyboard.press("u")
-    person.sees(f"question-{number}", "which holds?")
-    person.click(f"dismiss-{number}")
-    person.does_not_see(f"question-{number}")
-    person.sees("counts", "8 examples")
-
-
-@needs_browser
-def test_a_mistake_is_proposed_to_be_removed_and_an_ambiguity_is_asked_about(swarm, person):
-    begin(person, "Chase")
-    commands = (*FAR, (6.7, "Stop"), (7.4, "GoFast"), (1.0, "Stop"), (8.2, "GoFast"))
-    for distance, behavior in commands:
-        away_from_everybody(swarm, distance)
-        swarm.agents.command(ONE, behavior)
-    wrong = next(e for e in swarm.agents.list_examples(ONE).examples if e.next_state == "Stop")
-    person.sees("questions", f"Was example {wrong.number} a mistake?")
-    person.page.click('[data-test="questions"] button.strong:has-text("remove")')
-    person.waits_until(
-        lambda: wrong.number not in [e.number for e in swarm.agents.list_examples(ONE).examples],
-        "it was not removed",
-    )
-    swarm.agents.discard(ONE)
-    person.sees("mode", "Idle")
-
-    begin(person, "Unclear", "BallIsKickable", "DistanceTo(closest_taker)")
-    away_from_everybody(swarm, 0.8)  # kickable, and no taker is near: that is seen, but not shown
-    away_from_everybody(swarm, 6.0)
-    person.click("do-GoFast")
-    person.sees("counts", "2 examples")
-    away_from_everybody(swarm, 0.8)
-    swarm.world.changed(lambda: swarm.world.place({"taker_1": {"x": 6.0, "y": 0.0}}))
-    person.click("do-Stop")
-    person.sees("counts", "4 examples")
-    person.sees("questions", "BallIsKickable")
-    before = person.text("questions")
-    assert "DistanceTo(closest_taker)" in before, "both explanations are told"
-    person.page.keyboard.press("a")
-    person.sees("counts", "5 examples")
-
-
-@needs_browser
-def test_an_unsure_agent_says_why_and_does_what_was_chosen_for_that(swarm, person):
-    begin(person, "Careful")
-    for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4)):
-        away_from_everybody(swarm, distance)
-        person.click(f"do-{behavior}")
-        person.sees("counts", f"{examples} examples")
-    person.click("caution-change")
-    person.page.select_option('[data-test="caution-what"]', "halt")
-    person.type("caution-support", "2")
-    person.click("caution-set")
-    person.sees("caution-change", "halt")
-    try:
-        person.click("toggle")
-        person.sees("mode", "Testing")
-        swarm.world.step(2)
-        person.sees("unsure", "in Stop: it rests on 1 example")
-    finally:
-        swarm.agents.set_caution(ONE, "go_on")

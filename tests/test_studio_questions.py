@@ -1,0 +1,125 @@
+"""An agent asks on the page about its examples, and says there when it is unsure."""
+
+from __future__ import annotations
+
+import contextlib
+
+import pytest
+from browsing import ONE, away_from_everybody, begin, needs_browser
+
+from hitab_client.errors import SwarmError
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_trained(swarm):
+    """Give up what another test has left."""
+    with contextlib.suppress(SwarmError):  # nothing was left
+        swarm.agents.discard(ONE)
+
+
+@needs_browser
+def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismissed(
+    swarm, person
+):
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Asks")
+    # In GoFast, twice in the same situation, they say different things.
+    for behavior, examples in (("GoFast", 2), ("Stop", 4), ("GoFast", 6), ("GoSlow", 8)):
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+
+    def contradicted() -> bool:
+        return any("which holds" in q.text for q in swarm.agents.questions(ONE).questions)
+
+    person.sees("questions", "which holds?")
+    number = swarm.agents.questions(ONE).questions[0].number
+    proposed = person.page.wait_for_selector(f'[data-test="question-{number}"] button.strong')
+    assert proposed.inner_text().split() == ["GoSlow", "A"]
+    person.page.keyboard.press("a")
+    person.waits_until(lambda: not contradicted(), "it was not answered")
+    assert all(
+        e.next_state != "Stop" or e.kind == "default"
+        for e in swarm.agents.list_examples(ONE).examples
+        if e.state == "GoFast"
+    )
+    person.does_not_see(f"question-{number}")
+    person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
+    person.page.keyboard.press("u")
+    person.sees(f"question-{number}", "which holds?")
+    person.click(f"dismiss-{number}")
+    person.does_not_see(f"question-{number}")
+    person.sees("counts", "8 examples")
+
+
+@needs_browser
+def test_who_corrects_is_offered_to_remove_the_mistake_that_caused_it(swarm, person):
+    begin(person, "Chase")
+    wrong = (6.7, "Stop")
+    for distance, behavior in (
+        *((9.0, "GoFast"), (7.4, "GoFast"), (6.0, "GoFast"), wrong),
+        *((8.2, "GoFast"), (1.0, "Stop")),
+    ):
+        away_from_everybody(swarm, distance)
+        swarm.agents.command(ONE, behavior)
+    number = next(
+        e.number for e in swarm.agents.list_examples(ONE).examples if e.next_state == "Stop"
+    )
+    away_from_everybody(swarm, 9.0)
+    swarm.agents.set_mode(ONE, "testing", restart=True)
+    swarm.world.step(1)
+    away_from_everybody(swarm, wrong[0])
+    swarm.world.step(1)
+    person.sees("mode", "Testing")
+    person.page.wait_for_selector('[data-test="do-Stop"].active')  # it stops, far from the ball
+    person.click("do-GoFast")
+    person.sees("questions", "a mistake?")
+    person.page.keyboard.press("a")
+    person.waits_until(
+        lambda: number not in [e.number for e in swarm.agents.list_examples(ONE).examples],
+        "it was not removed",
+    )
+
+
+@needs_browser
+def test_an_ambiguity_is_told_with_both_explanations_and_answered(swarm, person):
+    begin(person, "Unclear", "BallIsKickable", "DistanceTo(closest_taker)")
+    # Kickable, and no taker near: there it keeps standing, but shall it come to stand there?
+    for distance, taker, behavior, examples in (
+        (6.0, 4.0, "GoFast", 2),
+        (0.8, 5.0, "Stop", 4),
+        (0.8, 9.0, "Stop", 5),
+    ):
+        away_from_everybody(swarm, distance)
+        swarm.world.changed(
+            lambda x=taker: swarm.world.place({"taker_1": {"x": x, "y": 9.0 * (x > 8)}})
+        )
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+    person.sees("questions", "because BallIsKickable")
+    assert "because DistanceTo(closest_taker) > 6 m" in person.text("questions")
+    person.page.click('[data-test="questions"] button:has-text("GoFast")')
+    person.sees("counts", "6 examples")
+    person.does_not_see("questions")
+    function = swarm.agents.behavior(ONE).tree("GoFast")
+    assert "DistanceTo(closest_taker)" in str(function.rules(swarm.agents.behavior(ONE).features))
+
+
+@needs_browser
+def test_an_unsure_agent_says_why_and_does_what_was_chosen_for_that(swarm, person):
+    begin(person, "Careful")
+    for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4)):
+        away_from_everybody(swarm, distance)
+        person.click(f"do-{behavior}")
+        person.sees("counts", f"{examples} examples")
+    person.click("caution-change")
+    person.page.select_option('[data-test="caution-what"]', "halt")
+    person.type("caution-support", "2")
+    person.click("caution-set")
+    person.sees("caution-change", "halt")
+    try:
+        person.click("toggle")
+        person.sees("mode", "Testing")
+        swarm.world.step(2)
+        person.sees("unsure", "in Stop: it rests on 1 example")
+    finally:
+        swarm.agents.set_caution(ONE, "go_on")
