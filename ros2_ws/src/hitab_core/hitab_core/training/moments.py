@@ -45,16 +45,12 @@ class Moment:
         time: simulated time, s.
         state: label of the state that was active, or, once a command was due before, would have
             been active had it come in time.
-        since: when that state was entered, s.
-        raised: flags that the behavior of that state had raised.
         readings: see `readable`.
     """
 
     cycle: int
     time: float
     state: str
-    since: float
-    raised: frozenset[str]
     readings: tuple[float, ...]
 
     def to_record(self) -> dict[str, Any]:
@@ -63,8 +59,6 @@ class Moment:
             "cycle": self.cycle,
             "time": self.time,
             "state": self.state,
-            "since": self.since,
-            "raised": sorted(self.raised),
             "readings": value_records(self.readings),
         }
 
@@ -75,8 +69,6 @@ class Moment:
             int(record["cycle"]),
             float(record["time"]),
             str(record["state"]),
-            float(record["since"]),
-            frozenset(record["raised"]),
             values_of(record["readings"]),
         )
 
@@ -169,22 +161,18 @@ class Moments:
         """Return the moments from a time on, s."""
         return [moment for moment in self._kept if moment.time >= time]
 
-    def enter(
-        self, state: str, due: Moment, as_entered: Callable[[Moment], tuple[float, ...]]
-    ) -> None:
+    def enter(self, due: Moment, as_entered: Callable[[Moment], Moment]) -> None:
         """Have a state be active since a moment, as if its command had come in time.
 
         Args:
-            state: its label.
             due: the moment.
-            as_entered: returns the readings of a later moment, were the state active there.
+            as_entered: returns a later moment as it were with the state active.
         """
         kept = self._kept
         for place in range(len(kept) - 1, -1, -1):
             if kept[place].time <= due.time:
                 break
-            entered = replace(kept[place], state=state, since=due.time, raised=frozenset())
-            kept[place] = replace(entered, readings=as_entered(entered))
+            kept[place] = as_entered(kept[place])
 
     def reenter(self, left: str, state: str) -> None:
         """Have a state be active instead of the one that was entered last."""

@@ -1,21 +1,24 @@
 """What the agent perceived during a training: lately, and around each command.
 
 A command is recorded with the situation that it was meant for (`hitab_core.training.moments`), and
-the moments around it are kept so that it can be retimed later.
+the moments around it are kept so that it can be retimed later. If it corrects the automaton, so is
+the decision that it corrects.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from hitab_core.advice.proposals import Correction
 from hitab_core.automaton import FLAGS, OWN_FEATURES, SECONDS_IN_STATE, START
+from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
-from hitab_core.running.running_automaton import RunContext, RunningAutomaton
-from hitab_core.running.senses import value_or_nan
+from hitab_core.running.running_automaton import RunningAutomaton
+from hitab_core.running.senses import Senses, value_or_nan
 from hitab_core.training.moments import (
     STEP_SECONDS,
     Moment,
@@ -44,7 +47,7 @@ class Perceived:
 
     def __init__(
         self,
-        context: RunContext,
+        domain: Domain,
         parameters: Sequence[str],
         chosen: Sequence[Use],
         names: Sequence[Use] = (),
@@ -52,20 +55,20 @@ class Perceived:
         """Keep nothing yet.
 
         Args:
-            context: of the agent.
+            domain: of the agent.
             parameters: of the automaton in training.
             chosen: its features.
             names: of the readings; empty: all that can be read. What cannot be read any more is
                 NaN.
         """
-        found = tuple(names) or readable(context.repertoire.domain, parameters)
+        found = tuple(names) or readable(domain, parameters)
         self.readable = (*found, *(use for use in chosen if use not in found))
         self.moments = Moments()
         self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._column = {use: i for i, use in enumerate(self.readable)}
         self._uses: list[Use | None] = []
         self._entered: Moment | None = None
-        self._context = context
+        self._corrected: dict[int, tuple[Moment, str, str]] = {}
 
     @property
     def time(self) -> float:
@@ -73,14 +76,14 @@ class Perceived:
         latest = self.moments.latest
         return 0.0 if latest is None else latest.time
 
-    def bind(self, context: RunContext, bindings: Mapping[str, str]) -> None:
+    def bind(self, senses: Senses, bindings: Mapping[str, str]) -> None:
         """Read from an agent's senses from now on."""
-        self._context = context
+        self._senses = senses
         self._uses = [None if u in OWN_FEATURES else u.bound(bindings) for u in self.readable]
 
     def _read(self, running: RunningAutomaton) -> tuple[float, ...]:
         """Return the readings of now; NaN for what cannot be read."""
-        look = self._context.senses.look
+        look = self._senses.look
         values = (
             running.own_feature(own) if use is None else value_or_nan(look, use)
             for own, use in zip(self.readable, self._uses, strict=True)
@@ -100,26 +103,22 @@ class Perceived:
         """
         if jumped:
             self.begin()
-        latest, state = self.moments.latest, state_of(running.active)
-        since = latest.since if latest is not None and latest.state == state else time
-        raised = running.child.raised if running.child is not None else ()
-        self.moments.add(Moment(cycle, time, state, since, frozenset(raised), self._read(running)))
+        self.moments.add(Moment(cycle, time, state_of(running.active), self._read(running)))
 
     def enter(self, label: str, due: Moment) -> None:
         """Have a commanded state be active since the command was due."""
 
-        def as_entered(moment: Moment) -> tuple[float, ...]:
+        def as_entered(moment: Moment) -> Moment:
             readings = list(moment.readings)
             for use, column in self._column.items():
                 if use.name in FLAGS:
                     readings[column] = 0.0
                 elif use.name == SECONDS_IN_STATE:
                     readings[column] = moment.time - due.time
-            return tuple(readings)
+            return replace(moment, state=label, readings=tuple(readings))
 
-        self.moments.enter(label, due, as_entered)
-        entered = replace(due, state=label, since=due.time, raised=frozenset())
-        self._entered = replace(entered, readings=as_entered(entered))
+        self.moments.enter(due, as_entered)
+        self._entered = as_entered(due)
 
     def reenter(self, left: str, state: str) -> None:
         """Have a state be active instead of the one that was entered last, which was undone."""
@@ -136,7 +135,7 @@ class Perceived:
         latest = self.moments.latest
         self.begin()
         if latest is not None:
-            self.moments.add(replace(latest, state=START, since=latest.time, raised=frozenset()))
+            self.moments.add(replace(latest, state=START))
 
     def due(
         self,
@@ -168,13 +167,10 @@ class Perceived:
                 return due
         # The present one, with the values that the next decision would use.
         values = running.peek_features()
-        raised = frozenset(running.child.raised if running.child is not None else ())
         readings = list(self._read(running))
         for feature, value in zip(features, values, strict=True):
             readings[self._column[feature]] = value
-        since = 0.0 if latest is None else latest.since
-        state = state_of(running.active)
-        return Moment(cycle, self.time, state, since, raised, tuple(readings))
+        return Moment(cycle, self.time, state_of(running.active), tuple(readings))
 
     def in_moment(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
         """Return the values of features in a moment; NaN where there is none."""
@@ -200,7 +196,45 @@ class Perceived:
             )
         return values
 
-    def wrong_decision(self, due: Moment, active: str) -> tuple[Moment, str]:
+    def perceived(self, features: Sequence[Use]) -> list[tuple[str, tuple[float, ...]]]:
+        """Return the values of features in all moments that are kept, with the states."""
+        kept = [m for _, moments in self._windows.values() for m in moments]
+        kept = kept[:: -(-len(kept) // PERCEIVED_MAX) or 1]
+        return [(m.state, self.in_moment(m, features)) for m in kept]
+
+    # -- moments that stay with the examples ------------------------------------------------
+
+    def around(self, due: Moment, taken_over_in: str = "", commanded: str = "") -> dict[str, Any]:
+        """Return what to keep with a command, as plain data for the journal.
+
+        Args:
+            due: the moment at which it was due.
+            taken_over_in: label of the state that the automaton was in when the person took over
+                to give this command; empty: the automaton had not decided.
+            commanded: label of the state that was commanded.
+        """
+        record: dict[str, Any] = {
+            "time": self.time,
+            "moments": [m.to_record() for m in self.moments.window(due)],
+        }
+        if taken_over_in:
+            moment, wrong = self._wrong_decision(due, taken_over_in)
+            if wrong != commanded:
+                corrected = {"at": moment.to_record(), "wrong": wrong, "right": commanded}
+                record["corrected"] = corrected
+        return record
+
+    def keep_around(self, command: int, record: Mapping[str, Any]) -> None:
+        """Keep what `around` returned for the command of this number."""
+        moments = tuple(map(Moment.from_record, record.get("moments", ())))
+        if moments:
+            self._windows[command] = (float(record["time"]), moments)
+        if "corrected" in record:
+            corrected = record["corrected"]
+            at = Moment.from_record(corrected["at"])
+            self._corrected[command] = (at, corrected["wrong"], corrected["right"])
+
+    def _wrong_decision(self, due: Moment, active: str) -> tuple[Moment, str]:
         """Return the decision that a person corrects: its situation, and what was decided.
 
         It is the last change to the active state, if that was not long before the command was due;
@@ -217,24 +251,23 @@ class Perceived:
             after = moment.state
         return due, due.state
 
-    def perceived(self, features: Sequence[Use]) -> list[tuple[str, tuple[float, ...]]]:
-        """Return the values of features in all moments that are kept, with the states."""
-        columns = [self._column[feature] for feature in features]
-        kept = [m for _, moments in self._windows.values() for m in moments]
-        kept = kept[:: -(-len(kept) // PERCEIVED_MAX) or 1]
-        return [(m.state, tuple(m.readings[c] for c in columns)) for m in kept]
+    def corrections(
+        self, examples: Iterable[Example], features: Sequence[Use]
+    ) -> Iterator[Correction]:
+        """Yield what the automaton did wrong by itself before commands that were not undone.
 
-    # -- moments that stay with the examples ------------------------------------------------
-
-    def window_record(self, due: Moment) -> dict[str, Any]:
-        """Return the moments around a command as plain data for the journal."""
-        return {"time": self.time, "moments": [m.to_record() for m in self.moments.window(due)]}
-
-    def keep_window(self, command: int, record: Mapping[str, Any]) -> None:
-        """Keep the moments around a command, as `window_record` returned them."""
-        moments = tuple(map(Moment.from_record, record.get("moments", ())))
-        if moments:
-            self._windows[command] = (float(record["time"]), moments)
+        Args:
+            examples: of the training.
+            features: whose values the corrections shall have.
+        """
+        by_command = {e.command: e for e in examples if not e.is_default}
+        for command, (at, wrong, right) in self._corrected.items():
+            example = by_command.get(command)
+            if example is not None:
+                same = (example.state, example.cycle) == (at.state, at.cycle)
+                number = example.number if same else 0
+                values = self.in_moment(at, features)
+                yield Correction(at.state, values, wrong, right, number)
 
     def retimed(
         self,

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from hitab_core.advice.proposals import Correction
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
@@ -19,7 +18,6 @@ from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import Direction, Edit, ExampleLog, these
 from hitab_core.training.exchange import exchanged
-from hitab_core.training.moments import Moment
 from hitab_core.training.perceived import Perceived
 from hitab_core.training.questions import Material, Question, Questions, choice_of
 from hitab_core.training.training_record import prepared
@@ -77,11 +75,11 @@ class TrainingSession:
         check_curriculum(curriculum, context.repertoire)
         self.context = context
         self.curriculum = curriculum
-        self.perception = Perceived(context, curriculum.parameters, curriculum.features, names)
+        domain = context.repertoire.domain
+        self.perception = Perceived(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = False
         self.asked = Questions()
-        self._corrections: dict[int, tuple[Moment, str, str]] = {}
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -90,7 +88,7 @@ class TrainingSession:
 
     def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
         bindings = self._bindings
-        self.perception.bind(self.context, bindings)
+        self.perception.bind(self.context.senses, bindings)
         blank = Automaton(
             self.curriculum.name,
             tuple(states),
@@ -174,8 +172,7 @@ class TrainingSession:
             if edit is not None:
                 self._make(edit)
             if record["do"] == "command":
-                self._keep_correction(record)
-                self.perception.keep_window(int(record["examples"][0]["command"]), record)
+                self.perception.keep_around(int(record["examples"][0]["command"]), record)
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
@@ -233,17 +230,12 @@ class TrainingSession:
             readings=due.readings,
         )
         edit = self.log.addition(taught)
-        around = perception.window_record(due)
-        if self._taken_over:
-            moment, wrong = perception.wrong_decision(due, running.active)
-            if wrong != label:
-                around["corrected"] = {"at": moment.to_record(), "wrong": wrong, "right": label}
+        around = perception.around(due, running.active if self._taken_over else "", label)
         # On disk first: acknowledged examples must survive a crash.
         self._write({"do": "command", "examples": [example_record(e) for e in taught], **around})
         self.log.make(edit)
         self._taken_over = False
-        self._keep_correction({"examples": [{"command": taught[0].command}], **around})
-        perception.keep_window(taught[0].command, around)
+        perception.keep_around(taught[0].command, around)
         perception.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
@@ -275,14 +267,6 @@ class TrainingSession:
         self._taken_over = self.testing
         self.testing = False
 
-    def _keep_correction(self, record: Mapping[str, Any]) -> None:
-        """Keep what the automaton did wrong before a command, if that is known."""
-        corrected = record.get("corrected")
-        if corrected is not None:
-            moment = Moment.from_record(corrected["at"])
-            command = int(record["examples"][0]["command"])
-            self._corrections[command] = (moment, corrected["wrong"], corrected["right"])
-
     def questions(self) -> list[Question]:
         """Return what the agent asks the demonstrator; this can take a tenth of a second.
 
@@ -294,15 +278,6 @@ class TrainingSession:
     def _material(self) -> Material:
         examples, features = self.log.examples, self.curriculum.features
         repertoire = self.context.repertoire
-        by_command = {e.command: e for e in examples if not e.is_default}
-        corrections = []
-        for command, (moment, wrong, right) in self._corrections.items():
-            example = by_command.get(command)
-            if example is not None:  # else it was undone
-                values = self.perception.in_moment(moment, features)
-                same = example.state == moment.state and example.cycle == moment.cycle
-                number = example.number if same else 0
-                corrections.append(Correction(moment.state, values, wrong, right, number))
         return Material(
             examples,
             tuple(repertoire.scale_of(use) for use in features),
@@ -310,7 +285,7 @@ class TrainingSession:
             tuple(repertoire.domain.feature(use.name).unit for use in features),
             self.curriculum.classifier,
             tuple(self.states),
-            tuple(corrections),
+            tuple(self.perception.corrections(examples, features)),
             tuple(self.perception.perceived(features)),
         )
 
@@ -396,9 +371,7 @@ class TrainingSession:
             TrainingError: if a feature has no value in any example.
             VocabularyError: if there is no such feature.
         """
-        check_curriculum(
-            replace(self.curriculum, features=tuple(features)), self.context.repertoire
-        )
+        self._check_features(features)
         self._edit({"do": "features", "features": [str(use) for use in features]})
 
     def with_features(self, features: Sequence[Use]) -> Automaton:
@@ -408,9 +381,7 @@ class TrainingSession:
             TrainingError: if a feature has no value in any example, or no example leaves Start.
             VocabularyError: if there is no such feature.
         """
-        check_curriculum(
-            replace(self.curriculum, features=tuple(features)), self.context.repertoire
-        )
+        self._check_features(features)
         edit = self._exchange(tuple(features))
         return self._learned(self.log.after(edit), "shown", edit.features)
 
@@ -426,6 +397,10 @@ class TrainingSession:
             case "features":
                 return self._exchange(tuple(map(Use.parse, record["features"])))
         return prepared(self.log, record)
+
+    def _check_features(self, features: Sequence[Use]) -> None:
+        chosen = replace(self.curriculum, features=tuple(features))
+        check_curriculum(chosen, self.context.repertoire)
 
     def _exchange(self, features: tuple[Use, ...]) -> Edit:
         before = self.curriculum.features
