@@ -45,5 +45,6 @@ from .vocabulary import has as has
 from .vocabulary import unknown as unknown
 from .wording import each_once as each_once
 from .wording import natural as natural
+from .wording import numbered as numbered
 from .wording import quantity as quantity
 from .wording import some as some

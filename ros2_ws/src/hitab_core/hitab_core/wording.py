@@ -25,6 +25,24 @@ def quantity(number: float, noun: str, plural: str = "") -> str:
     return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
+def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
+    """Name things by their numbers, unless they are many.
+
+    Args:
+        noun: for one.
+        numbers: of the things.
+        most: with more, only say how many there are; None: name all.
+
+    Example:
+        >>> numbered("example", [3]), numbered("example", [5, 4]), numbered("example", [1, 2], 1)
+        ('example 3', 'examples 4, 5', '2 examples')
+    """
+    listed = sorted(numbers)
+    if most is not None and len(listed) > most:
+        return quantity(len(listed), noun)
+    return f"{noun if len(listed) == 1 else noun + 's'} {', '.join(map(str, listed))}"
+
+
 def some(names: Sequence[str], most: int = NAMED_MAX, between: str = ", ") -> str:
     """Return the first of many names, and the number of the others.
 

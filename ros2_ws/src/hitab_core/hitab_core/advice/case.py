@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +14,7 @@ from hitab_core.advice.spread import spreads
 from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example
+from hitab_core.example import Example, superseding
 from hitab_core.learning.transition_learning import TREE, Learn, learner
 from hitab_core.transition_function import Explanation, LearnedTransition
 from hitab_core.wording import quantity
@@ -103,7 +103,8 @@ class Case:
                     f"{quantity(len(scales), 'feature')}; give one per feature, NaN if missing"
                 )
         recorded = {c.number for c in corrections if c.number}
-        judged = tuple(_in_force(e for e in examples if e.number not in recorded))
+        others = superseding([e for e in examples if e.number not in recorded])
+        judged = tuple(example for example in others if example.is_learned)
         values = _matrix([e.features for e in judged] + [c.features for c in corrections], scales)
         return cls(
             judged,
@@ -162,25 +163,6 @@ class Case:
 
 def _matrix(rows: Sequence[Sequence[float]], scales: Sequence[Scale]) -> Floats:
     return np.array(rows, np.float64).reshape(len(rows), len(scales))
-
-
-def _in_force(examples: Iterable[Example]) -> list[Example]:
-    """Return the examples without default ones that an ordinary one overrules."""
-    kept = list(examples)
-    said: dict[tuple[str, str], set[str]] = {}
-    for example in kept:
-        if not example.is_default:
-            said.setdefault(situation(example), set()).add(example.next_state)
-    return [
-        example
-        for example in kept
-        if not example.is_default or not said.get(situation(example), set()) - {example.next_state}
-    ]
-
-
-def situation(example: Example) -> tuple[str, str]:
-    """Return a key that is equal for equal states and values, missing ones and -0.0 included."""
-    return example.state, repr([value + 0.0 for value in example.features])
 
 
 def as_shown(example: Example, values: tuple[float, ...] | None = None) -> Correction:

@@ -31,7 +31,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hitab_core.advice import reasons
-from hitab_core.advice.case import Case, Place, as_shown, situation
+from hitab_core.advice.case import Case, Place, as_shown
 from hitab_core.advice.proposals import Correction, Proposal, ProposalKind
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example
@@ -133,10 +133,10 @@ def contradictions(examples: Sequence[Example]) -> list[Proposal]:
 
     No function can obey them all; a tree draws one of them at random in each tick.
     """
-    groups: dict[tuple[str, str], list[Example]] = {}
+    groups: dict[tuple[str, tuple[float | None, ...]], list[Example]] = {}
     for example in examples:
         if not example.is_default:
-            groups.setdefault(situation(example), []).append(example)
+            groups.setdefault((example.state, example.point), []).append(example)
     return [
         reasons.contradiction(group)
         for group in groups.values()

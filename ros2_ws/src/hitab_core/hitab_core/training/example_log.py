@@ -9,7 +9,7 @@ from enum import Enum, auto
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, superseding
 from hitab_core.vocabulary import has
-from hitab_core.wording import quantity
+from hitab_core.wording import numbered, quantity
 
 Placed = tuple[int, Example]
 """An example and its index in the list."""
@@ -293,8 +293,4 @@ class ExampleLog:
 
 def these(numbers: Iterable[int]) -> str:
     """Name examples by their numbers, unless they are many."""
-    numbers = sorted(numbers)
-    if len(numbers) > NUMBERS_MAX:
-        return quantity(len(numbers), "example")
-    noun = "example" if len(numbers) == 1 else "examples"
-    return f"{noun} {', '.join(map(str, numbers))}"
+    return numbered("example", numbers, NUMBERS_MAX)

@@ -24,6 +24,7 @@ from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.vocabulary import has
+from hitab_core.wording import numbered
 
 REMOVE, KEEP = "remove", "keep"
 
@@ -117,13 +118,20 @@ class Questions:
         self.answered: list[str] = []
         self._numbers: dict[tuple[Any, ...], int] = {}
         self._dismissed: set[tuple[str, ...]] = set()
-        self._open: tuple[tuple[Example, ...], int, list[Question]] | None = None
+        self._about: tuple[Example, ...] | None = None
+        self._known: list[Question] = []
+        self._searched = False
 
     def count(self, examples: tuple[Example, ...]) -> int:
         """Return how many are open, without looking for those that take long to find."""
-        if self._open is not None and self._open[0] is examples:
-            return len(self._unless_dismissed(self._open[2]))
-        return len(self._unless_dismissed(self._contradictions(examples)))
+        self._look_at(examples)
+        return len(self._unless_dismissed(self._known))
+
+    def _look_at(self, examples: tuple[Example, ...]) -> None:
+        """Look for those that are found at once, if the examples have changed."""
+        if self._about is not examples:
+            self._about, self._searched = examples, False
+            self._known = self._contradictions(examples)
 
     def find(
         self, material: Callable[[], Material], examples: tuple[Example, ...]
@@ -131,17 +139,17 @@ class Questions:
         """Return those that are open, the most useful first; this can take a tenth of a second.
 
         Args:
-            material: returns what they are found from; called if anything has changed.
+            material: returns what they are found from; called if the examples have changed.
             examples: of the training.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        given = material()
-        seen = len(given.corrections)
-        if self._open is None or self._open[0] is not examples or self._open[1] != seen:
-            self._open = (examples, seen, self._found(given))
-        return self._unless_dismissed(self._open[2])
+        self._look_at(examples)
+        if not self._searched:
+            self._known = [*self._known, *self._found(material(), self._known)]
+            self._searched = True
+        return self._unless_dismissed(self._known)
 
     def get(self, number: int, found: Sequence[Question]) -> Question:
         """Return an open question.
@@ -172,9 +180,10 @@ class Questions:
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(self, given: Material) -> list[Question]:
-        found = self._contradictions(given.examples)
-        contradicted = {number for question in found for number in question.examples}
+    def _found(self, given: Material, known: Sequence[Question]) -> list[Question]:
+        """Return those that take long to find, besides those that are known."""
+        found: list[Question] = []
+        contradicted = {number for question in known for number in question.examples}
         proposals = propose(
             given.examples, given.scales, given.corrections, None, given.names
         ) + suspects(given.examples, given.scales, given.names)
@@ -209,7 +218,7 @@ class Questions:
                 choices.append(
                     Choice(
                         label,
-                        f"deletes {_named(gone)}",
+                        f"deletes {numbered('example', gone)}",
                         {"do": "delete", "numbers": gone},
                     )
                 )
@@ -240,7 +249,7 @@ class Questions:
                 ),
                 Choice(KEEP, "changes nothing", None),
             ]
-            text = f"Was {_named(proposal.examples)} a mistake? {_sentence(text)}"
+            text = f"Was {numbered('example', proposal.examples)} a mistake? {_sentence(text)}"
             return Question(
                 self._number(key),
                 QuestionKind.MISTAKE,
@@ -319,12 +328,6 @@ def choice_of(question: Question, name: str) -> Choice:
             return choice
     there = [choice.name for choice in question.choices]
     raise TrainingError(f'question {question.number} has no choice "{name}" {has(there, name)}')
-
-
-def _named(numbers: Sequence[int]) -> str:
-    if len(numbers) == 1:
-        return f"example {numbers[0]}"
-    return f"examples {', '.join(map(str, numbers))}"
 
 
 def _sentence(text: str) -> str:

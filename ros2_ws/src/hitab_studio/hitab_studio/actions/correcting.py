@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hitab_client import SwarmError
+from hitab_core import numbered
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session
@@ -82,7 +83,7 @@ async def delete(session: Session, data: Data) -> None:
         lambda swarm, agent: swarm.agents.edit_examples(agent, "delete", numbers)
     )
     session.table.marked.clear()
-    session.tell(f"deleted {_named(numbers)}; Undo brings {_them(numbers)} back")
+    session.tell(f"deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
 
 
 @action("relabel")
@@ -96,7 +97,7 @@ async def relabel(session: Session, data: Data) -> None:
     )
     session.table.marked.clear()
     verb = "leads" if len(numbers) == 1 else "lead"
-    session.tell(f"{_named(numbers)} now {verb} to {state}")
+    session.tell(f"{numbered('example', numbers)} now {verb} to {state}")
 
 
 @action("situation")
@@ -117,11 +118,6 @@ async def situation(session: Session, data: Data) -> None:
         )
     await go_there(session, scene.everything())
     session.tell(f"this is where example {number} was recorded; the world is paused")
-
-
-def _named(numbers: list[int]) -> str:
-    listed = ", ".join(map(str, numbers))
-    return f"example {listed}" if len(numbers) == 1 else f"examples {listed}"
 
 
 def _them(numbers: list[int]) -> str:
