@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.caution import Caution, Doubts, WhenUnsure
+from hitab_core.caution import Brake, Caution, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
     FolderInUseError,
@@ -88,8 +88,6 @@ class Agent:
     Attributes:
         awaited: what it begins to perform once that is no longer lost, unless something else is
             asked of it before; None: nothing.
-        caution: what it does when it is unsure.
-        unsure: why it is unsure of its next decision; empty if it is sure, or goes on regardless.
     """
 
     def __init__(
@@ -119,10 +117,7 @@ class Agent:
         self.top: Use | None = None
         self.awaited: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
-        self.caution = Caution()
-        self.unsure = ""
-        self._doubts = Doubts()
-        self._halted = False
+        self._brake = Brake()
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
         self.edition = _first_edition(library)
@@ -266,7 +261,7 @@ class Agent:
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        if self.caution.when_unsure is not WhenUnsure.GO_ON and not self._dares():
+        if self._brake.is_on and not self._dares():
             return
         if self.mode is Mode.PERFORMING:
             if self._performance is not None:
@@ -274,15 +269,22 @@ class Agent:
         elif self.mode is not Mode.IDLE and self.session is not None:
             self.session.tick()
 
+    @property
+    def caution(self) -> Caution:
+        """What it does when it is unsure."""
+        return self._brake.caution
+
+    @property
+    def unsure(self) -> str:
+        """Why it is unsure of its next decision; empty if it is sure, or goes on regardless."""
+        return self._brake.unsure
+
     def be_cautious(self, caution: Caution) -> None:
         """Do something else than go on when it is unsure, from now on.
 
         An agent of a host that decides in a batch begins its behavior anew, alone.
         """
-        self.caution = caution
-        if self._halted and caution.when_unsure is not WhenUnsure.HALT:
-            self._go_on()
-        self.unsure = ""
+        self._brake.set(caution)
         performance = self._performance
         in_batch = performance is not None and not isinstance(performance, RunningAutomaton)
         if self.mode is Mode.PERFORMING and self.top is not None and in_batch:
@@ -294,42 +296,17 @@ class Agent:
         if self.mode not in (Mode.PERFORMING, Mode.TESTING):
             return True
         session = self.session if self.mode is Mode.TESTING else None
-        self.unsure = self._doubts.of(
-            self._running,
-            self.caution,
-            self.repertoire,
-            self._context.senses.look,
-            () if session is None else session.examples,
-        )
-        if not self.unsure:
-            self._go_on()
+        trained = () if session is None else session.examples
+        if self._brake.is_sure(self._running, self._context, trained):
+            self._brake.release()
             return True
-        if self.caution.when_unsure is WhenUnsure.HAND_BACK:
-            if session is not None:
-                self.take_over()
-            else:
-                self.perform(None)
-        elif not self._halted:
-            basic = self._basic()
-            if basic is not None:
-                basic.stop()
-            self._halted = True
+        if self.caution.when_unsure is WhenUnsure.HALT:
+            self._brake.halt(self._running)
+        elif session is not None:
+            self.take_over()
+        else:
+            self.perform(None)
         return False
-
-    def _go_on(self) -> None:
-        """Take up again what was halted."""
-        if self._halted:
-            self._halted = False
-            basic = self._basic()
-            if basic is not None:
-                basic.start()
-
-    def _basic(self) -> Running | None:
-        """Return the basic behavior that it performs."""
-        running = self._running
-        while isinstance(running, RunningAutomaton):
-            running = running.child
-        return running
 
     def act(self) -> tuple[Sequence[float], str]:
         """Return what the body does now, and what it says."""
@@ -375,7 +352,7 @@ class Agent:
         return performance
 
     def _stop(self) -> None:
-        self._halted = False
+        self._brake.forget()
         running = self._running
         if running is not None:
             running.stop()

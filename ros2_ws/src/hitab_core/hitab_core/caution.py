@@ -7,7 +7,7 @@ of what it performs, so that nothing is done that has to be taken back.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -16,11 +16,9 @@ from hitab_core.advice.evidence import Evidence
 from hitab_core.automaton import OWN_FEATURES
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
-from hitab_core.repertoire import Repertoire
-from hitab_core.running.running_automaton import Running, RunningAutomaton
+from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
 from hitab_core.running.senses import value_or_nan
 from hitab_core.transition_function import TransitionFunction
-from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
 
 
@@ -70,68 +68,90 @@ class Caution:
         return cls(WhenUnsure(when_unsure), support, distance)
 
 
-class Doubts:
-    """Judges how sure an agent's next decisions are."""
+class Brake:
+    """Judges whether an agent's next decision is sure, and halts what it performs meanwhile.
+
+    Attributes:
+        caution: when a decision is unsure, and what is done then.
+        unsure: why the next decision is unsure, for people; empty if it is sure, or if the agent
+            goes on regardless.
+    """
 
     def __init__(self) -> None:
+        self.caution = Caution()
+        self.unsure = ""
+        self._halted: Running | None = None
         self._rated: dict[tuple[int, str], tuple[TransitionFunction, Confidences]] = {}
 
-    def of(
-        self,
-        running: Running | None,
-        caution: Caution,
-        repertoire: Repertoire,
-        look: Callable[[Use], float],
-        trained: Sequence[Example] = (),
-    ) -> str:
-        """Return why the next decision is unsure, for people; empty if all levels are sure.
+    @property
+    def is_on(self) -> bool:
+        """Whether decisions are judged."""
+        return self.caution.when_unsure is not WhenUnsure.GO_ON
+
+    def set(self, caution: Caution) -> None:
+        """Judge by another caution from now on."""
+        if caution.when_unsure is not WhenUnsure.HALT:
+            self.release()
+        self.caution, self.unsure = caution, ""
+
+    def is_sure(
+        self, running: Running | None, context: RunContext, trained: Sequence[Example] = ()
+    ) -> bool:
+        """Judge the next decisions on all levels of what is performed; `unsure` says why not.
 
         Args:
             running: what is performed.
-            caution: when a decision is unsure.
-            repertoire: of the agent.
-            look: returns the value of a feature that is bound to targets.
+            context: of the agent.
             trained: examples of the outermost automaton, if that is in training.
         """
+        self.unsure = ""
         examples = trained
-        while isinstance(running, RunningAutomaton):
+        while isinstance(running, RunningAutomaton) and not self.unsure:
             function = running.function
             own = examples or running.automaton.examples
             if function is not None and own:
-                doubt = self._doubt(running, function, own, caution, repertoire, look)
-                if doubt:
-                    return f"{running.label} in {running.active}: {doubt}"
+                doubt = self._doubt(running, function, own, context)
+                self.unsure = f"{running.label} in {running.active}: {doubt}" if doubt else ""
             running, examples = running.child, ()
-        return ""
+        return not self.unsure
 
     def _doubt(
         self,
         running: RunningAutomaton,
         function: TransitionFunction,
         examples: Sequence[Example],
-        caution: Caution,
-        repertoire: Repertoire,
-        look: Callable[[Use], float],
+        context: RunContext,
     ) -> str:
         features, state = running.automaton.features, running.active
-        key = (id(function), state)
-        rated = self._rated.get(key)
+        rated = self._rated.get((id(function), state))
         if rated is None or rated[0] is not function:
-            evidence = Evidence.of(
-                state,
-                examples,
-                [repertoire.scale_of(use) for use in features],
-                [str(use) for use in features],
-            )
-            rated = self._rated[key] = (function, Confidences(function, evidence))
+            scales = [context.repertoire.scale_of(use) for use in features]
+            evidence = Evidence.of(state, examples, scales, [str(use) for use in features])
+            rated = function, Confidences(function, evidence)
+            self._rated[id(function), state] = rated
         values = [
             running.own_feature(use)
             if use in OWN_FEATURES
-            else value_or_nan(look, use.bound(running.bindings))
+            else value_or_nan(context.senses.look, use.bound(running.bindings))
             for use in features
         ]
-        return rated[1](values).doubts(caution.support, caution.distance)
+        return rated[1](values).doubts(self.caution.support, self.caution.distance)
+
+    def halt(self, running: Running | None) -> None:
+        """Stop the basic behavior that is performed, until `release`."""
+        if self._halted is None:
+            while isinstance(running, RunningAutomaton):
+                running = running.child
+            if running is not None:
+                running.stop()
+                self._halted = running
+
+    def release(self) -> None:
+        """Start again what was halted."""
+        halted, self._halted = self._halted, None
+        if halted is not None:
+            halted.start()
 
     def forget(self) -> None:
-        """Forget what was rated, since behaviors have changed."""
-        self._rated.clear()
+        """Forget what was halted, since something else is performed."""
+        self._halted = None

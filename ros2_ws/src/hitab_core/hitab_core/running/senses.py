@@ -51,6 +51,7 @@ class Senses:
         "_blank",
         "_body",
         "_domain",
+        "_made",
         "_missing",
         "_readers",
         "_slots",
@@ -67,6 +68,7 @@ class Senses:
         self._blank: Values = []
         self._readers: list[Callable[[], float]] = []
         self._slots: dict[Use, int] = {}
+        self._made: dict[Use, Callable[[], float]] = {}
         self._body = body
         self._domain = domain
 
@@ -77,9 +79,12 @@ class Senses:
         return self._slots[use]
 
     def _reader(self, use: Use) -> Callable[[], float]:
-        feature = self._domain.features[use.name]
-        read = resolved(feature.read, self._body, self._domain, use)
-        return partial(checked, read, *checks_of(use, feature))
+        reader = self._made.get(use)
+        if reader is None:
+            feature = self._domain.features[use.name]
+            read = resolved(feature.read, self._body, self._domain, use)
+            reader = self._made[use] = partial(checked, read, *checks_of(use, feature))
+        return reader
 
     def own_slot(self) -> int:
         """Return a new slot that the automaton fills itself."""
