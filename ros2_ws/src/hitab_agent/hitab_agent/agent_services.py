@@ -29,7 +29,7 @@ from hitab_core.library import SUFFIX
 from hitab_core.training import Curriculum, Question, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
-from hitab_ros.conversions import example_message, use_of
+from hitab_ros.conversions import example_message, report_costs, use_of
 
 
 class AgentServices:
@@ -205,17 +205,7 @@ class AgentServices:
                 f'{agent.name} has no journal of a training of "{name}"; ask the agent that was '
                 "trained"
             )
-        response.automata = [cost.automaton for cost in costs]
-        response.began = [cost.began for cost in costs]
-        response.wall_seconds = [cost.wall_seconds for cost in costs]
-        response.simulated_seconds = [cost.simulated_seconds for cost in costs]
-        response.commands = [cost.commands for cost in costs]
-        response.examples = [cost.examples for cost in costs]
-        response.wasted = [cost.wasted for cost in costs]
-        response.undos = [cost.undos for cost in costs]
-        response.structures = [cost.structures for cost in costs]
-        response.proposals = [cost.proposals for cost in costs]
-        response.finished = [cost.finished for cost in costs]
+        report_costs(costs, response)
         return quantity(len(costs), "training")
 
     def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:

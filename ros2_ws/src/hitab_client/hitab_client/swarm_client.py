@@ -5,7 +5,7 @@ from __future__ import annotations
 import getpass
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hitab_msgs.msg import AgentStatus, Command
 from hitab_msgs.srv import (
@@ -28,10 +28,14 @@ from hitab_msgs.srv import (
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
 from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
 from hitab_client.errors import SwarmError
-from hitab_client.learned import Learned, learned_of
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_ros import names, qos
+from hitab_ros.conversions import costs_of
+
+if TYPE_CHECKING:
+    from hitab_client.learned import Learned
+    from hitab_core.training import TrainingCost
 
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
@@ -206,6 +210,8 @@ class SwarmClient(AgentPresence):
 
     def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
         """Return a behavior as it was learned, or the training under way; see GetBehavior.srv."""
+        from hitab_client.learned import learned_of  # here because it loads what learns
+
         return learned_of(self.ask(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields))
 
     def questions(self, agent: str) -> Any:
@@ -236,9 +242,9 @@ class SwarmClient(AgentPresence):
             distance=distance,
         )
 
-    def report(self, agent: str, automaton: str = "") -> Any:
-        """Return what trainings cost the person; see GetReport.srv."""
-        return self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton)
+    def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:
+        """Return what trainings cost the person, oldest first; see GetReport.srv."""
+        return costs_of(self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton))
 
     def list_examples(self, agent: str, automaton: str = "") -> Any:
         """Return the examples of the current training, or of a trained behavior."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import Any
 
 from builtin_interfaces.msg import Time
@@ -10,6 +11,7 @@ from hitab_msgs import msg
 
 from hitab_core import Example, ExampleKind, Use
 from hitab_core.commanding import Order, Report
+from hitab_core.training import TrainingCost
 
 NANOSECONDS = 1_000_000_000
 
@@ -112,3 +114,20 @@ def report_message(report: Report) -> msg.Report:
         look=report.look,
         restart=report.restart,
     )
+
+
+def report_costs(costs: Sequence[TrainingCost], report: Any) -> None:
+    """Fill in an answer of GetReport.srv, which has a list for each field of a cost."""
+    for name, column in _cost_columns():
+        setattr(report, column, [getattr(cost, name) for cost in costs])
+
+
+def costs_of(report: Any) -> list[TrainingCost]:
+    """Return the costs in an answer of GetReport.srv, oldest first."""
+    columns = (getattr(report, column) for _, column in _cost_columns())
+    return [TrainingCost(*row) for row in zip(*columns, strict=True)]
+
+
+def _cost_columns() -> list[tuple[str, str]]:
+    names = [field.name for field in fields(TrainingCost)]
+    return [(name, "automata" if name == "automaton" else name) for name in names]

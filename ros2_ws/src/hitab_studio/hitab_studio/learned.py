@@ -53,44 +53,6 @@ class Vocabulary:
         )
 
 
-@dataclass(frozen=True)
-class Cost:
-    """What the training under way has cost its person so far, from `GetReport`.
-
-    Attributes:
-        wall_seconds, simulated_seconds: since it began, without long pauses.
-        commands: that were given.
-        wasted: examples that were recorded, and deleted, undone or superseded.
-        structures: sets of features that were tried.
-        proposals: of the agent that were accepted.
-    """
-
-    wall_seconds: float
-    simulated_seconds: float
-    commands: int
-    examples: int
-    wasted: int
-    undos: int
-    structures: int
-    proposals: int
-
-    @classmethod
-    def of(cls, answer: Any) -> Cost | None:
-        """Read the last training of an answer; None if it counts none."""
-        if not answer.success or not answer.automata or answer.finished[-1]:
-            return None
-        return cls(
-            answer.wall_seconds[-1],
-            answer.simulated_seconds[-1],
-            answer.commands[-1],
-            answer.examples[-1],
-            answer.wasted[-1],
-            answer.undos[-1],
-            answer.structures[-1],
-            answer.proposals[-1],
-        )
-
-
 def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use]]:
     """Return behaviors or features with each choice of targets, each after its label without.
 

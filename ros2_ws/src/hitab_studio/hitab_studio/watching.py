@@ -26,11 +26,12 @@ from hitab_msgs.srv import (
 
 from hitab_client import Learned, RosLink, learned_of
 from hitab_core import FLAGS, START, Use
+from hitab_core.training import TrainingCost
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.conversions import costs_of
 from hitab_studio.learned import (
     NOTHING,
-    Cost,
     Effect,
     Vocabulary,
     effect,
@@ -95,7 +96,7 @@ class Watched:
     probed: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
-    cost: Cost | None = None
+    cost: TrainingCost | None = None
     questions: tuple[Question, ...] = ()
 
 
@@ -325,7 +326,8 @@ class Watch:
             self._changed()
 
     def _take_cost(self, answer: Any) -> None:
-        self._know(cost=Cost.of(answer))
+        costs = costs_of(answer) if answer.success else []
+        self._know(cost=costs[-1] if costs and not costs[-1].finished else None)
         self._changed()
 
     def _take_questions(self, answer: Any) -> None:

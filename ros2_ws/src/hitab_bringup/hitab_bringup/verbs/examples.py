@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import as_text
+from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
@@ -148,13 +148,8 @@ def examples_retime(
 @examples_app.command("features")
 def examples_features(
     agent: AgentName,
-    feature: Annotated[
-        list[str],
-        typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
-    ],
-    show: Annotated[
-        bool, typer.Option("--show", help="Only show what would be learned; change nothing.")
-    ] = False,
+    feature: Features,
+    show: ShowOnly = False,
     swarm: SwarmName = None,
 ) -> None:
     """Learn from other features of the same examples; `hitab undo` takes that back.

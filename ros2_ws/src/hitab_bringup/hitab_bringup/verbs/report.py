@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from dataclasses import asdict
+from typing import Annotated
 
 import typer
 
@@ -10,19 +11,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 
-COLUMNS = (
-    "automaton",
-    "began",
-    "wall_seconds",
-    "simulated_seconds",
-    "commands",
-    "examples",
-    "wasted",
-    "undos",
-    "structures",
-    "proposals",
-    "finished",
-)
+COUNTS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
 
 def register(app: typer.Typer) -> None:
@@ -50,26 +39,23 @@ def report(
 
       hitab report keeper_1 ApproachBall GotoBall ControlBall Keepaway
     """
-    rows: list[dict[str, Any]] = []
     with connection(swarm) as swarm_up:
-        for automaton in automata or [""]:
-            answer = swarm_up.agents.report(agent, automaton)
-            columns = zip(
-                *(getattr(answer, name.replace("automaton", "automata")) for name in COLUMNS),
-                strict=True,
-            )
-            rows += [dict(zip(COLUMNS, row, strict=True)) for row in columns]
-    if json != "-":
-        cells = [
-            (
-                row["automaton"] if row["finished"] else f"{row['automaton']}, not saved",
-                row["began"].replace("T", " ")[:16],
-                f"{row['wall_seconds'] / 60:.1f} min",
-                f"{row['simulated_seconds']:.0f} s",
-                *(str(row[name]) for name in COLUMNS[4:-1]),
-            )
-            for row in rows
+        costs = [
+            cost
+            for automaton in automata or [""]
+            for cost in swarm_up.agents.report(agent, automaton)
         ]
-        heads = ("automaton", "began (UTC)", "time", "simulated", *COLUMNS[4:-1])
-        console.out().print(console.table(heads, cells))
-    console.write_json(json, {"trainings": rows})
+    if json != "-":
+        rows = [
+            (
+                cost.automaton if cost.finished else f"{cost.automaton}, not saved",
+                cost.began.replace("T", " ")[:16],
+                f"{cost.wall_seconds / 60:.1f} min",
+                f"{cost.simulated_seconds:.0f} s",
+                *(str(getattr(cost, name)) for name in COUNTS),
+            )
+            for cost in costs
+        ]
+        heads = ("automaton", "began (UTC)", "time", "simulated", *COUNTS)
+        console.out().print(console.table(heads, rows))
+    console.write_json(json, {"trainings": list(map(asdict, costs))})

@@ -1,11 +1,22 @@
-"""What was learned, in words."""
+"""What is learned from which features, and how it is shown."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 if TYPE_CHECKING:
     from hitab_client import Learned
+
+
+Features = Annotated[
+    list[str],
+    typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
+]
+ShowOnly = Annotated[
+    bool, typer.Option("--show", help="Only show what would be learned; change nothing.")
+]
 
 
 def as_text(learned: Learned) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import as_text
+from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean
@@ -117,13 +117,8 @@ def _bound(parameters: list[str]) -> dict[str, str]:
 def retrain(
     agent: AgentName,
     behavior: Annotated[str, typer.Argument(help="A trained behavior.")],
-    feature: Annotated[
-        list[str],
-        typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
-    ],
-    show: Annotated[
-        bool, typer.Option("--show", help="Only show what would be learned; change nothing.")
-    ] = False,
+    feature: Features,
+    show: ShowOnly = False,
     swarm: SwarmName = None,
 ) -> None:
     """Learn a trained behavior again from other features, without demonstrating again.
