@@ -14,7 +14,6 @@ from functools import cache
 from typing import Any
 
 from intentions import INTENTIONS, Edges, Plan, Seen
-from trial import DOUBT
 
 from hitab_core import Automaton, Repertoire
 from hitab_world.inprocess import perform, play
@@ -72,10 +71,7 @@ def objections(
         wrong = 0.0
         for values in all_values:
             seen = dict(zip(plan.features, values, strict=True))
-            fits = {
-                plan.rule(state, seen, {e: v * factor for e, v in plan.edges.items()})
-                for factor in DOUBT
-            }
+            fits = plan.fitting(state, seen)
             if function is None:
                 wrong += state not in fits
                 continue

@@ -98,13 +98,8 @@ class ForagerTask(Task):
         """Return the same without default examples."""
         team = self.trained()
         robots = {name: without_defaults(a, DOMAIN) for name, a in team.robots.items()}
-        captain = {name: without_defaults(a, self._captains) for name, a in team.captain.items()}
-        count = sum(len(a.examples) for a in (*robots.values(), *captain.values()))
-        return replace(team, robots=robots, captain=captain, examples=count)
-
-    @property
-    def _captains(self) -> Domain:
-        raise NotImplementedError
+        count = sum(len(a.examples) for a in robots.values())
+        return replace(team, robots=robots, examples=count)
 
     def corrected(self, learn: Learner, budget: int) -> Takeovers:
         """Let foragers play, each for itself; who trained them watches the first one."""
@@ -170,6 +165,13 @@ class Foraging(ForagerTask):
     @property
     def _captains(self) -> Domain:
         return commander_domain(self._kind)
+
+    def without_defaults(self) -> Team:
+        """Return foragers and their captain without default examples."""
+        team = super().without_defaults()
+        captain = {name: without_defaults(a, self._captains) for name, a in team.captain.items()}
+        count = team.examples + sum(len(a.examples) for a in captain.values())
+        return replace(team, captain=captain, examples=count)
 
     @property
     def _world(self) -> ForagingParameters:

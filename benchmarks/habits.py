@@ -22,6 +22,7 @@ class Habits:
             undoing or deleting; of the others, wrong commands are followed by the right one.
         notices: the shortest and longest time until the person notices a slip.
         patience: how long the keeper may do what was not intended before the person reacts.
+        overlooks: fraction of the commands that the person does not look at again.
         content: clean trials in a row after which the person is content.
         trials: the most trials of one plan.
     """
@@ -34,6 +35,7 @@ class Habits:
     repairs: float = 0.5
     notices: tuple[float, float] = (0.3, 0.8)
     patience: float = 0.3
+    overlooks: float = 0.1
     content: int = 3
     trials: int = 14
 

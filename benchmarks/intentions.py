@@ -22,6 +22,9 @@ BALL, OFF = "DistanceTo(ball)", "DirectionTo(ball)"
 TAKER, KICKABLE = "DistanceTo(closest_taker)", "BallIsKickable"
 CLOSER, YELLED, DONE = "ATeammateIsCloserToBall", "IWasYelledAt", "Done"
 
+DOUBT = (0.8, 1.0, 1.25)
+"""People object only to what is wrong even for edges moved by these factors."""
+
 Seen = Mapping[str, float]
 Edges = Mapping[str, float]
 Rule = Callable[[str, Seen, Edges], str]
@@ -44,6 +47,13 @@ class Plan:
     features: tuple[str, ...]
     rule: Rule
     edges: Edges
+
+    def fitting(self, state: str, seen: Seen) -> set[str]:
+        """Return the next states to which nobody with this plan would object."""
+        return {
+            self.rule(state, seen, {name: edge * factor for name, edge in self.edges.items()})
+            for factor in DOUBT
+        }
 
     def automaton(self) -> Automaton:
         """Return it as a hand-written automaton with exact edges."""

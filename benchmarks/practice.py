@@ -33,6 +33,7 @@ class Scene:
         broken: whether it cannot be played to its end any more.
         twist: a change made while the scene is played; empty: none.
         turn: when the twist is due.
+        lasts: how long it goes on if all do what they should, s.
     """
 
     start: Placements
@@ -41,6 +42,7 @@ class Scene:
     broken: Callable[[str, Seen], bool] = _never
     twist: Placements = ()
     turn: Callable[[str, Seen], bool] = _never
+    lasts: float = 0.0
 
     @property
     def ends(self) -> bool:
@@ -184,8 +186,8 @@ def being_open(random: Random, turn: int) -> Scene:
 
 
 def playing(random: Random, turn: int) -> Scene:
-    """Play a whole game."""
-    return Scene((), 25.0)
+    """Play a whole game; nobody is content who sees the ball lost soon."""
+    return Scene((), 25.0, lasts=12.0)
 
 
 SCENES: Mapping[str, Callable[[Random, int], Scene]] = {

@@ -7,20 +7,26 @@ A command therefore takes effect in the next cycle.
 
 from __future__ import annotations
 
-import itertools
-import math
 import tempfile
-from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
 from hitab_core import Agent, BehaviorLibrary, Repertoire, Use
+from hitab_core.advice.sides import UnshownSide, unshown_sides
 from hitab_core.example import Example, superseding
-from hitab_core.training import example_log
-from hitab_core.training.curriculum import Curriculum
+from hitab_core.training import (
+    Curriculum,
+    Question,
+    TrainingSession,
+    example_log,
+    perceived,
+    questions,
+)
+from hitab_core.training.moments import Moment
+from hitab_core.training.responses import responded
 from hitab_world import Placement
 from keepaway_world.domain import DOMAIN
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -31,12 +37,6 @@ VISIBLE = (BALL, OFF, TAKER, KICKABLE, CLOSER, YELLED)
 
 WHETHER = (KICKABLE, CLOSER, YELLED, DONE)
 """What is so or not so."""
-
-SPREAD_CYCLES = 1
-"""By how much a reaction time differs from its mean."""
-
-MEMORY_CYCLES = 20
-"""How many percepts an agent in training keeps."""
 
 
 @dataclass(frozen=True)
@@ -89,11 +89,36 @@ class Pupil(Protocol):
     def delete(self, numbers: Iterable[int]) -> None:
         """Delete examples."""
 
+    def examples(self) -> Sequence[Example]:
+        """Return what has been recorded in this training."""
+
+    def retime(self, numbers: Iterable[int], ago: float) -> None:
+        """Have commands been due so many seconds before they came."""
+
+    def contradictions(self) -> int:
+        """Return how many questions the status shows: those that need no search."""
+
+    def questions(self) -> Sequence[Question]:
+        """Return what the keeper asks, the most useful first."""
+
+    def answer(self, number: int, choice: str) -> None:
+        """Answer a question; "": dismiss it."""
+
     def save(self, *, keep_unused: bool = False) -> None:
         """Save what was trained and give it to the team mates."""
 
     def perform(self, behavior: str) -> None:
         """Have the team mates perform a behavior; "": nothing."""
+
+
+def _when_due(moments: Sequence[Moment], due: Moment, *rest: Any) -> Moment:
+    """Return the moment at which a command was due, whatever happened around it."""
+    return due
+
+
+def _none(*material: Any) -> list[UnshownSide]:
+    """Return no question."""
+    return []
 
 
 class InProcessPupil:
@@ -102,9 +127,10 @@ class InProcessPupil:
     Args:
         seed: of the world and the agents.
         parameters: of the game.
-        events: take what became so near the time that a command was due as its cause. An
-            experiment, not yet part of the engine.
+        events: record late commands with the events that they responded to.
         supersede: let commands outrank the default examples that they contradict.
+        sides: let a command among default examples hold for a side of the circle.
+        other_side: ask about the side of the circle on which a command was not shown.
     """
 
     def __init__(
@@ -112,13 +138,17 @@ class InProcessPupil:
         seed: int,
         parameters: KeepawayParameters = PAPER,
         *,
-        events: bool = False,
+        events: bool = True,
         supersede: bool = True,
+        sides: bool = True,
+        other_side: bool = True,
     ) -> None:
         self.given = 0
-        self.events = events
-        # The engine has no such switch, since nobody should want it.
+        # The engine has no such switches, since nobody should want them.
         setattr(example_log, "superseding", superseding if supersede else list)  # noqa: B010
+        setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
+        setattr(questions, "unshown_sides", unshown_sides if other_side else _none)  # noqa: B010
+        self._classifier = "tree" if sides else "tree(all_around=True)"
         self._time = 0.0
         self._folder = tempfile.TemporaryDirectory(prefix="hitab-teachers-")
         self._world = KeepawayWorld(parameters, seed)
@@ -129,9 +159,6 @@ class InProcessPupil:
         }
         self._pupil, *self._mates = self._agents.values()
         self._visible = [Use.parse(name) for name in VISIBLE]
-        self._features: deque[tuple[float, ...]] = deque(maxlen=MEMORY_CYCLES)
-        self._whether: list[bool] = []
-        self._circular: list[bool] = []
 
     def close(self) -> None:
         """Delete the team's library."""
@@ -144,11 +171,10 @@ class InProcessPupil:
 
     def begin(self, plan: Plan, *, resume: bool = False) -> None:
         """Begin to train an automaton, or resume its training."""
-        curriculum = Curriculum.parse(plan.name, plan.features, plan.states, (), (), "tree")
+        curriculum = Curriculum.parse(
+            plan.name, plan.features, plan.states, (), (), self._classifier
+        )
         self._pupil.begin(curriculum, resume=plan.name if resume else "")
-        self._whether = [name in WHETHER for name in plan.features]
-        self._circular = [name == OFF for name in plan.features]
-        self._features.clear()
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = True) -> Sight:
         """Arrange the field while the world is paused; a new episode puts all in Start."""
@@ -156,7 +182,6 @@ class InProcessPupil:
         if new_episode:
             for agent in self._agents.values():
                 agent.restart(self._world.seed, self._world.episode)
-        self._features.clear()
         self._perceive(jumped=True)
         return self._sight()
 
@@ -174,38 +199,9 @@ class InProcessPupil:
 
     def command(self, state: str, ago: float = 0.0) -> Sequence[Example]:
         """Command the keeper; the command was due ``ago`` seconds earlier."""
-        if ago > 0.0 and self.events:
-            ago = self._event(ago)
         taught = self._pupil.command(Use.parse(state), ago=ago)
         self.given += len(taught)
         return taught
-
-    def _event(self, ago: float) -> float:
-        """Return when what the person reacted to came about, if anything did; else the same time.
-
-        It is the first moment about a reaction time ago at which something became so or ceased to
-        be so, or a value jumped.
-        """
-        seen = self._features
-        back = round(ago / self.cycle_seconds)
-        first, last = min(back + SPREAD_CYCLES, len(seen) - 2), max(back - SPREAD_CYCLES, 0)
-        window = [seen[-2 - age] for age in range(first, first - 1, -1)]
-        window += [seen[-1 - age] for age in range(first, last - 1, -1)]
-        for place, now in enumerate(window[1:]):
-            if any(a != b for a, b, w in zip(now, window[0], self._whether, strict=True) if w):
-                return (first - place) * self.cycle_seconds
-        for column, whether in enumerate(self._whether):
-            if whether:
-                continue
-            steps = [
-                abs(math.remainder(b[column] - a[column], 2.0 * math.pi))
-                if self._circular[column]
-                else abs(b[column] - a[column])
-                for a, b in itertools.pairwise(window)
-            ]
-            if steps and max(steps) > 0.75 * sum(steps) > 0.0 and len(steps) > 1:
-                return (first - steps.index(max(steps))) * self.cycle_seconds
-        return ago
 
     def test(self, *, restart: bool = False) -> None:
         """Let the keeper do what it has learned."""
@@ -217,13 +213,39 @@ class InProcessPupil:
 
     def undo(self) -> None:
         """Undo the last command."""
-        assert self._pupil.session is not None
-        self._pupil.session.undo()
+        self._session.undo()
 
     def delete(self, numbers: Iterable[int]) -> None:
         """Delete examples."""
-        assert self._pupil.session is not None
-        self._pupil.session.delete(numbers)
+        self._session.delete(numbers)
+
+    def examples(self) -> Sequence[Example]:
+        """Return what has been recorded in this training."""
+        return self._session.examples
+
+    def retime(self, numbers: Iterable[int], ago: float) -> None:
+        """Have commands been due so many seconds before they came."""
+        self._session.retime(numbers, ago)
+
+    def contradictions(self) -> int:
+        """Return how many questions the status shows: those that need no search."""
+        return self._session.asked.count(self._session.examples)
+
+    def questions(self) -> Sequence[Question]:
+        """Return what the keeper asks, the most useful first."""
+        return self._session.questions()
+
+    def answer(self, number: int, choice: str) -> None:
+        """Answer a question; "": dismiss it."""
+        before = len(self._session.examples)
+        self._session.answer(number, choice, dismiss=not choice)
+        self.given += max(0, len(self._session.examples) - before)
+
+    @property
+    def _session(self) -> TrainingSession:
+        session = self._pupil.session
+        assert session is not None
+        return session
 
     def save(self, *, keep_unused: bool = False) -> None:
         """Save what was trained and give it to the team mates."""
@@ -240,13 +262,9 @@ class InProcessPupil:
         self._time += 0.0 if jumped else self.cycle_seconds
         for name, agent in self._agents.items():
             agent.sense(*self._world.percept(name), self._world.cycle, self._time, jumped=jumped)
-        session = self._pupil.session
-        if session is not None:
-            self._features.append(tuple(session.running.peek_features()))
 
     def _sight(self) -> Sight:
-        session = self._pupil.session
-        assert session is not None
+        session = self._session
         look = self._pupil.context.senses.look
         values = {str(use): look(use) for use in self._visible}
         child = session.running.child

@@ -9,18 +9,20 @@ learns.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from random import Random
 
 from habits import Diary, Habits
 from intentions import Intention, Plan
 from practice import SCENES, Scene, being_open, having_the_ball, playing
 from pupils import Pupil
-from trial import Memory, Trial
+from second_thoughts import SecondThoughts, as_seen
+from trial import Kind, Memory, Trial
 
 from hitab_core import START
+from hitab_core.example import Example
 
-SHARES = (20 / 60, 32 / 60, 46 / 60, 1.0)
+SHARES = (14 / 60, 31 / 60, 46 / 60, 1.0)
 """The part of the budget that may be spent by the end of each plan."""
 
 
@@ -33,7 +35,11 @@ class Person:
         seed: of everything that the person draws.
         budget: the most examples to record, default ones and deleted ones counted.
         says_ago: whether the person's measured reaction time is applied to the commands.
-        quick: which reaction time that is: 0 the shortest, 0.5 the mean, 1 the longest.
+        contradicts: whether a command can be meant for the decision that it contradicts.
+        reviews: whether the person looks through what was recorded after each trial.
+        answers: whether the person answers the keeper's questions.
+        unlearns: whether the person answers those about mistakes, too.
+        slows: whether the person slows the world down where commands come too late.
     """
 
     def __init__(
@@ -44,7 +50,11 @@ class Person:
         budget: int = 60,
         *,
         says_ago: bool = False,
-        quick: float = 0.5,
+        contradicts: bool = False,
+        reviews: bool = False,
+        answers: bool = False,
+        unlearns: bool = True,
+        slows: bool = False,
     ) -> None:
         self.intention = intention
         self.habits = habits
@@ -52,8 +62,11 @@ class Person:
         self.diary = Diary()
         self.random = Random(f"person {seed}")
         low, high = habits.reaction
-        measured = low + quick * (high - low) + self.random.uniform(-0.02, 0.02)
+        measured = (low + high) / 2.0 + self.random.uniform(-0.02, 0.02)
         self.ago = measured if says_ago and high > 0.0 else 0.0
+        self.contradicts = reviews or (contradicts and self.ago > 0.0)
+        self.reviews, self.slows = reviews, slows
+        self.answers, self.unlearns = answers, unlearns
 
     # -- the whole course -------------------------------------------------------------------
 
@@ -70,7 +83,8 @@ class Person:
                 return self._ended(pupil, plan)
         if not self._train_team(pupil, top):
             return self._ended(pupil, top)
-        for course in courses:  # what is left of the budget goes to what is not good yet
+        # What is left of the budget goes to what is not good yet, first to what lost a command.
+        for course in sorted(courses, key=lambda course: not course.memory.lost):
             plan, course.allowance = course.plan, self.budget
             if plan.name in self.diary.content or course.exhausted:
                 continue
@@ -100,7 +114,7 @@ class Person:
             course.practise(stage, guided=1, content=1, trials=4)
         if not course.hand_out(plan):
             return False
-        course.practise(playing, guided=0, content=2, trials=6)
+        course.practise(playing, guided=0, content=2, trials=12)
         return course.save()
 
 
@@ -136,12 +150,47 @@ class Course:
             again, self.memory.again = self.memory.again, None
             scene = again or self._next(scenes)
             first = again is not None
-            good = self._trial().play(scene, guided=hand or first, first=first)
+            good = self._play(scene, guided=hand or first, first=first)
             clean = clean + 1 if good and not hand else 0
             if clean >= wanted:
                 self.person.diary.content.append(self.plan.name)
                 break
+        if self.person.answers:
+            self._second_thoughts().answer(self.allowance)
         return self.memory.begins
+
+    def _play(self, scene: Scene, *, guided: bool, first: bool = False, **more: float) -> bool:
+        """Play one situation, and look through what was recorded; see `Trial.play`."""
+        trial = self._trial()
+        good = trial.play(scene, guided=guided, first=first, **more)
+        if self.person.reviews:
+            self._forget(trial, self._second_thoughts().review(trial.given))
+        if self.person.answers:
+            self._second_thoughts().settle()
+        return good
+
+    def _forget(self, trial: Trial, deleted: Iterable[Example]) -> None:
+        """Note which decisions are no longer shown, since their only commands were deleted."""
+
+        def kinds(examples: Iterable[Example]) -> set[Kind]:
+            return {
+                trial.kind(e.state, e.next_state, as_seen(self.plan, e.features)) for e in examples
+            }
+
+        gone = kinds(deleted) - kinds(self.pupil.examples())
+        self.memory.shown -= gone
+        self.memory.lost |= gone
+
+    def _second_thoughts(self) -> SecondThoughts:
+        person = self.person
+        return SecondThoughts(
+            self.pupil,
+            self.plan,
+            person.habits,
+            person.random,
+            person.diary,
+            unlearns=person.unlearns,
+        )
 
     def _next(self, scenes: Callable[[Random, int], Scene]) -> Scene:
         self.turn += 1
@@ -158,11 +207,13 @@ class Course:
             self.memory,
             self.allowance,
             person.ago,
+            contradicts=person.contradicts,
+            slows=person.slows,
         )
 
     def demonstrate(self, scenes: Callable[[Random, int], Scene], seconds: float) -> None:
         """Play a situation for a short while under guidance."""
-        self._trial().play(self._next(scenes), guided=True, seconds=seconds)
+        self._play(self._next(scenes), guided=True, seconds=seconds)
 
     @property
     def exhausted(self) -> bool:

@@ -8,6 +8,7 @@ docs/teachers.md describes the method.
 
     scripts/python benchmarks/teachers.py --people 100 --json teachers.json
     scripts/python benchmarks/teachers.py --people 20 --causes
+    scripts/python benchmarks/teachers.py --people 20 --each-aid
     scripts/python benchmarks/teachers.py --people 20 --wrong 0.1 --without reaction --diagnose
 """
 
@@ -42,8 +43,9 @@ PAPER_S = 14.6
 SHARE = 0.8
 """The part of the intention's own hold time that the team has to reach."""
 
-OWN_TIMES = 2
-"""An intention plays itself in so many times the episodes of a team, which are other ones."""
+OWN = (200, 20_000)
+"""The number of episodes that an intention plays itself, and their seed. They are always the same,
+and so many since all people with this intention are compared with the result."""
 
 HOPELESS = (20, 0.4)
 """A team that after so many episodes holds for less than this part of what it needs has failed."""
@@ -51,9 +53,22 @@ HOPELESS = (20, 0.4)
 OBJECTION = 0.1
 """A kind of decision counts as learned otherwise if more than this part of it was not intended."""
 
-AIDS = ("reaction", "supersede", "events")
-"""Aids of the engine: commands are recorded for when they were due; they outrank default examples.
-``events``, a proposal: they were due when what they respond to came about."""
+AIDS = (
+    "reaction",
+    "supersede",
+    "events",
+    "sides",
+    "review",
+    "questions",
+    "other_side",
+    "unlearning",
+    "pace",
+)
+"""Aids of the engine: commands are recorded for when they were due; they outrank default examples;
+they were due when what they respond to happened; one among default examples holds for a side of a
+circle; people look through what was recorded, move and delete commands; they answer the agent's
+questions; among these are those about the other side of a circle, and those whether an example was
+a mistake; people slow the world down where they come too late."""
 
 NOTHING = Habits(reaction=(0.0, 0.0), waver=0.0, inattention=0.0, wrong=0.0)
 
@@ -69,6 +84,7 @@ class Setting:
         seed: of the people; teams play with another one.
         budget: the most examples.
         diagnose: whether to compare what was learned with what was intended.
+        own_episodes: that each intention plays itself.
     """
 
     habits: Habits
@@ -77,6 +93,7 @@ class Setting:
     seed: int = 2026
     budget: int = 60
     diagnose: bool = False
+    own_episodes: int = OWN[0]
 
 
 def hold_times(
@@ -94,11 +111,11 @@ def hold_times(
 
 
 @cache
-def own_hold_time(name: str, episodes: int, seed: int) -> float:
+def own_hold_time(name: str, episodes: int) -> float:
     """Return for how long an intention holds the ball when it plays itself, s."""
     intention = INTENTIONS[name]
     top = intention.plans[-1].name
-    return fmean(hold_times(intention.automata(), top, OWN_TIMES * episodes, seed + 1_000_001))
+    return fmean(hold_times(intention.automata(), top, episodes, OWN[1]))
 
 
 def intention_of(number: int) -> Intention:
@@ -109,14 +126,27 @@ def intention_of(number: int) -> Intention:
 def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
     """Have one person train a team, and the team play; return the figures."""
     intention = intention_of(number)
-    own = own_hold_time(intention.name, setting.episodes, setting.seed)
+    own = own_hold_time(intention.name, setting.own_episodes)
     needed = max(PAPER_S, SHARE * own)
     seed = setting.seed * 1000 + number
     person = Person(
-        intention, setting.habits, seed, setting.budget, says_ago="reaction" in setting.aids
+        intention,
+        setting.habits,
+        seed,
+        setting.budget,
+        says_ago="reaction" in setting.aids,
+        contradicts="events" in setting.aids,
+        reviews="review" in setting.aids,
+        answers="questions" in setting.aids,
+        unlearns="unlearning" in setting.aids,
+        slows="pace" in setting.aids,
     )
     pupil = InProcessPupil(
-        seed, events="events" in setting.aids, supersede="supersede" in setting.aids
+        seed,
+        events="events" in setting.aids,
+        supersede="supersede" in setting.aids,
+        sides="sides" in setting.aids,
+        other_side="other_side" in setting.aids,
     )
     figures: dict[str, Any] = {"person": number, "intention": intention.name, "own_s": own}
     try:
@@ -186,18 +216,33 @@ def measure(
     return sorted(done, key=lambda f: f["person"])
 
 
+def interval(good: int, of: int) -> tuple[float, float]:
+    """Return the 95 % confidence interval of a fraction that was counted.
+
+    Reference: E. B. Wilson, Probable inference, Journal of the American Statistical Association
+    22, 1927.
+    """
+    z = 1.96
+    middle = (good + z * z / 2) / (of + z * z)
+    half = z * (good * (of - good) / of + z * z / 4) ** 0.5 / (of + z * z)
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
 def row(title: str, people: Sequence[Mapping[str, Any]]) -> str:
     """Return one line of a table."""
     if not people:
-        return f"{title:28} nobody"
+        return f"{title:48} nobody"
     counts: Counter[str] = Counter()
     for p in people:
         counts.update(p.get("counts", {}))
     ratio = [p["hold_s"] / p["own_s"] for p in people]
     spread = stdev(ratio) / len(ratio) ** 0.5 if len(ratio) > 1 else 0.0
+    good = sum(p["success"] for p in people)
+    low, high = interval(good, len(people))
     return (
-        f"{title:28} {sum(p['success'] for p in people):3}/{len(people):<3} "
+        f"{title:48} {good:3}/{len(people):<3} ({low:.0%} to {high:.0%})  "
         f"hold {fmean(p['hold_s'] for p in people):5.1f} s  "
+        f"own {fmean(p['own_s'] for p in people):5.1f} s  "
         f"of own {fmean(ratio):.2f} ± {spread:.2f}  "
         f"examples {fmean(p['given'] for p in people):4.1f}  "
         f"commands {counts['commands'] / len(people):4.1f}"
@@ -249,6 +294,20 @@ def settings(habits: Habits, causes: bool, only: Sequence[str]) -> dict[str, Hab
     return {title: make(habits) for title, make in CAUSES.items() if not only or title in only}
 
 
+def cases(setting: Setting, habits: Mapping[str, Habits], each_aid: bool) -> dict[str, Setting]:
+    """Return the settings to measure, by title."""
+    found: dict[str, Setting] = {}
+    for title, some in habits.items():
+        found[title] = replace(setting, habits=some)
+        if each_aid:
+            for aid in AIDS:
+                if aid in setting.aids:
+                    aids = setting.aids - {aid}
+                    found[f"{title}, without {aid}"] = replace(found[title], aids=aids)
+            found[f"{title}, without any aid"] = replace(found[title], aids=frozenset())
+    return found
+
+
 def main(
     people: Annotated[int, typer.Option(help="How many people.", min=1)] = 100,
     first: Annotated[int, typer.Option(help="Number of the first person.", min=0)] = 0,
@@ -261,10 +320,14 @@ def main(
     without: Annotated[
         list[str] | None, typer.Option(help=f"Aids to switch off: {', '.join(AIDS)}.")
     ] = None,
+    each_aid: Annotated[bool, typer.Option(help="Also switch each aid off by itself.")] = False,
     causes: Annotated[bool, typer.Option(help="Measure each cause by itself.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="Only these causes.")] = None,
     diagnose: Annotated[bool, typer.Option(help="Say what was learned otherwise.")] = False,
     episodes: Annotated[int, typer.Option(help="Episodes of each team.", min=2)] = 200,
+    own_episodes: Annotated[
+        int, typer.Option(help="Episodes that each intention plays itself.", min=2)
+    ] = OWN[0],
     budget: Annotated[int, typer.Option(help="The most examples.", min=1)] = 60,
     seed: Annotated[int, typer.Option(help="Seed of people and games.")] = 2026,
     jobs: Annotated[int, typer.Option(help="Processes.", min=1)] = 1,
@@ -275,10 +338,12 @@ def main(
     if unknown := sorted(off - {*AIDS}):
         raise typer.BadParameter(f'there is no aid "{unknown[0]}" (has: {", ".join(AIDS)})')
     habits = Habits(reaction=span(reaction), waver=waver, inattention=inattention, wrong=wrong)
-    setting = Setting(habits, frozenset(AIDS) - off, episodes, seed, budget, diagnose)
+    aids = frozenset(AIDS) - off
+    setting = Setting(habits, aids, episodes, seed, budget, diagnose, own_episodes)
     measured: dict[str, list[dict[str, Any]]] = {}
-    for title, some in settings(habits, causes, only or ()).items():
-        found = measure(range(first, first + people), replace(setting, habits=some), jobs, title)
+    asked = settings(habits, causes, only or ())
+    for title, case in cases(setting, asked, each_aid).items():
+        found = measure(range(first, first + people), case, jobs, title)
         measured[title] = found
         if json:
             content = {**asdict(setting), "aids": sorted(setting.aids), "people": measured}

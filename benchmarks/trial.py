@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 from random import Random
 
 from habits import Diary, Habits
-from intentions import DONE, OFF, YELLED, Plan, Seen
+from intentions import DONE, DOUBT, OFF, YELLED, Plan, Seen
 from practice import Scene
 from pupils import WHETHER, Pupil, Sight
 
 from hitab_core import FLAGS, START
 
-DOUBT = (0.8, 1.0, 1.25)
-"""A watching person objects only to what is wrong even for edges moved by these factors."""
+SLOWEST = 0.25
+"""Nobody has the patience to let the world run slower, as a part of its usual pace."""
 
 Kind = tuple[str, str, tuple[tuple[str, bool], ...]]
 
@@ -49,13 +49,17 @@ class Memory:
 
     Attributes:
         shown: the decisions that the keeper has been shown.
+        lost: those whose commands were deleted and not given again.
         early: where the keeper left a state too early, by state.
         again: a situation in which the keeper began with the wrong state.
+        pace: of the world, as a part of its usual one.
     """
 
     shown: set[Kind] = field(default_factory=set)
+    lost: set[Kind] = field(default_factory=set)
     early: dict[str, Seen] = field(default_factory=dict)
     again: Scene | None = None
+    pace: float = 1.0
 
     @property
     def begins(self) -> bool:
@@ -75,6 +79,10 @@ class Trial:
         memory: of the training of this plan.
         allowance: the most examples that may have been recorded, all plans together.
         ago: how long before they arrive the person's commands were due, as far as known, s.
+        contradicts: whether the person corrects a wrong change of state by commanding what should
+            have been done instead, since the command can be meant for that decision.
+        slows: whether the person lets the world run slower once an episode was over before a
+            command was given.
     """
 
     def __init__(
@@ -87,10 +95,15 @@ class Trial:
         memory: Memory,
         allowance: int,
         ago: float,
+        *,
+        contradicts: bool = False,
+        slows: bool = False,
     ) -> None:
         self.pupil, self.plan, self.habits = pupil, plan, habits
         self.random, self.diary, self.memory = random, diary, memory
-        self.allowance, self.ago = allowance, ago
+        self.allowance, self.ago, self.contradicts = allowance, ago, contradicts
+        self.pace, self.slows = memory.pace, slows
+        self.given: list[int] = []
         self.now = self.blind = self.objections = 0
         self.pending: _Press | None = None
         self.expected: tuple[int, str, Kind] | None = None
@@ -141,6 +154,9 @@ class Trial:
             self.now += 1
             self.diary.seconds += self.pupil.cycle_seconds
             if seen.ended:
+                if self.pending is not None and self.slows:
+                    self.memory.pace = max(SLOWEST, self.memory.pace / 2.0)
+                    self.diary.counts["slower"] += 1
                 break
             self.attend(before, seen)
             over = scene.over(seen.state, seen.values) and not twist
@@ -155,6 +171,8 @@ class Trial:
                 twist = ()
                 self.arranged(seen)
         self.repair(force=True)
+        if seen.ended and self.now * self.pupil.cycle_seconds < scene.lasts:
+            return False
         return self.objections == 0 and (over or self.finished or not scene.ends)
 
     def arranged(self, seen: Sight) -> None:
@@ -199,7 +217,8 @@ class Trial:
                 press, self.pending = self.pending, None
                 self.press(press)
             return
-        if self.now < self.blind or seen.state in FLAGS:
+        corrects = self.contradicts and not self.guiding
+        if self.now < self.blind or (seen.state in FLAGS and not corrects):
             return
         if self.guiding:
             self.guide(seen)
@@ -246,6 +265,9 @@ class Trial:
                 before.state, before.values
             ):
                 self.objections += 1
+                if self.contradicts:
+                    self.decide(before.state, self.wish(before.state, seen.values))
+                    return
                 if before.state == START:  # only a new beginning can show what to begin with
                     self.memory.again, self.finished = self.scene, True
                     return
@@ -268,7 +290,7 @@ class Trial:
             return
         if self.expected is None:
             if state not in self.fits(state, seen.values):
-                wait = round(self.habits.patience / self.pupil.cycle_seconds)
+                wait = round(self.habits.patience * self.pace / self.pupil.cycle_seconds)
                 wished = self.wish(state, seen.values)
                 kind = self.kind(state, wished, seen.values)
                 self.expected = (self.now + wait, wished, kind)
@@ -308,8 +330,8 @@ class Trial:
             self.pending = press
 
     def cycles(self, times: tuple[float, float]) -> int:
-        """Draw a time and return it in cycles."""
-        return round(self.random.uniform(*times) / self.pupil.cycle_seconds)
+        """Draw a time of the person and return it in cycles of the world."""
+        return round(self.random.uniform(*times) * self.pace / self.pupil.cycle_seconds)
 
     # -- acting -----------------------------------------------------------------------------
 
@@ -325,14 +347,16 @@ class Trial:
             state = self.random.choice([s for s in self.plan.states if s != meant])
         waited = (self.now - press.due) * self.pupil.cycle_seconds
         late = self.late is not None
-        ago = 0.0 if paused else self.ago
+        ago = 0.0 if paused else self.ago * self.pace
         if late and ago:
             ago = min(waited * self.random.uniform(0.75, 1.25), 2.0)
         taught = self.pupil.command(state, ago)
+        self.given += [e.number for e in taught if not e.is_default]
         self.diary.counts["commands"] += 1
         shown = self.kind(taught[0].state, state, press.seen)
         if not wrong:
             self.memory.shown.add(shown)
+            self.memory.lost.discard(shown)
         self.finished = state in FLAGS
         self.missed = self.late = None
         self.hand_back = self.now + 5

@@ -12,6 +12,7 @@
 _hitab_scripts=$(cd "$(dirname "${BASH_SOURCE[0]:-$0}")" && pwd -P)
 _hitab_venv=${HITAB_VENV:-${_hitab_scripts%/*}/.venv}
 _hitab_ros=${HITAB_ROS:-/opt/ros/jazzy}
+_hitab_sources=${_hitab_scripts%/*}/ros2_ws/src
 
 # Prints a list of folders without those inside the folders of another list.
 _hitab_without() {
@@ -50,8 +51,21 @@ if [ -n "$_hitab_installed" ]; then
   AMENT_PREFIX_PATH=$_hitab_venv:$(_hitab_without "${AMENT_PREFIX_PATH:-}" "$_hitab_venv")
   LD_LIBRARY_PATH=$_hitab_venv/lib:$(_hitab_without "${LD_LIBRARY_PATH:-}" "$_hitab_venv")
   PATH=$_hitab_venv/bin:$(_hitab_without "$PATH" "$_hitab_venv")
+  # `ros2` runs the system's Python, not the environment's: it has to find the packages of this
+  # checkout, the messages and what both need. The packages are named one by one, since Python heeds
+  # editable installations only in its own folders. What ROS itself has comes before the rest.
+  _hitab_packages=$(
+    find "$_hitab_sources" -mindepth 2 -maxdepth 2 -name setup.py 2>/dev/null |
+      LC_ALL=C sort | sed 's|/[^/]*$||' | tr '\n' ':'
+  )
+  _hitab_site=$(
+    find "$_hitab_venv/lib" -maxdepth 2 -path '*/python3*/site-packages' 2>/dev/null | tr '\n' ':'
+  )
+  PYTHONPATH=$(_hitab_without "${PYTHONPATH:-}" "$_hitab_venv:$_hitab_sources")
+  PYTHONPATH=$(_hitab_without "$_hitab_packages:$PYTHONPATH:$_hitab_site" "")
+  unset _hitab_packages _hitab_site
   [ -z "$_hitab_unset" ] || set -u
-  export LD_LIBRARY_PATH
+  export LD_LIBRARY_PATH PYTHONPATH
 else
   AMENT_PREFIX_PATH=$_hitab_venv
   export CMAKE_PREFIX_PATH=$_hitab_venv ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
@@ -77,7 +91,10 @@ case $ROS_AUTOMATIC_DISCOVERY_RANGE:${FASTRTPS_DEFAULT_PROFILES_FILE:-} in
 esac
 export ROS_AUTOMATIC_DISCOVERY_RANGE
 
+# Matplotlib would write into ~/.config and ~/.cache.
+export MPLCONFIGDIR="${MPLCONFIGDIR:-$_hitab_venv/matplotlib}"
+
 if [ -z "${HOME:-}" ]; then export HOME=~; fi # ROS logs there, and does not start without
 
 unset -f _hitab_without
-unset _hitab_dds _hitab_scripts _hitab_venv _hitab_ros _hitab_installed _hitab_unset
+unset _hitab_dds _hitab_scripts _hitab_sources _hitab_venv _hitab_ros _hitab_installed _hitab_unset

@@ -2,13 +2,13 @@
 
 import os
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+import warm_hitab
 from browsing import Person, browser, studio
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
@@ -48,17 +48,12 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(scope="session")
 def hitab(home: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Return a function that runs the command as a user does."""
+    """Return a function that runs the command in a process of its own, as a user does."""
 
     def run(*arguments: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "-m", "hitab_bringup.main", *arguments],
-            capture_output=True,
-            text=True,
-            timeout=timeout,
-            env={**os.environ, "COLUMNS": "200"},
-            check=False,
-        )
+        environment = {**os.environ, "COLUMNS": "200"}
+        done = warm_hitab.run(("hitab", *arguments), Path.cwd(), environment, timeout)
+        return subprocess.CompletedProcess(arguments, *done)
 
     return run
 
@@ -97,14 +92,22 @@ def chrome() -> Iterator[Any]:
         yield started
 
 
+@pytest.fixture(scope="module")
+def window(chrome: Any) -> Iterator[Any]:
+    """Return a window for those who sit at it one after the other: each costs seconds to open."""
+    page = chrome.new_page()
+    yield page
+    page.close()
+
+
 @pytest.fixture
-def person(chrome: Any, url: str) -> Iterator[Person]:
+def person(window: Any, url: str) -> Iterator[Person]:
     """Return somebody at the page; the console stays without errors, whatever they do."""
-    page = chrome.new_page(viewport={"width": 1280, "height": 720})
-    someone = Person(page, url)
+    window.set_viewport_size({"width": 1280, "height": 720})
+    someone = Person(window, url)
     someone.sees_field()
     yield someone
-    page.close()
+    someone.leave()
     assert someone.complaints == []
 
 

@@ -204,7 +204,9 @@ class Fuzzer:
             if kinds[0].startswith(PACKAGES) and topic not in self._publishers:
                 kind = type_of(kinds[0])
                 # Latched, as the strictest of the swarm's subscribers want it.
-                self._publishers[topic] = self.link.node.create_publisher(kind, topic, qos.LATCHED)
+                self._publishers[topic] = self.link.node.create_publisher(
+                    kind, topic, qos.LATCHED, temporary=True
+                )
                 self._heard.append(
                     self.link.node.create_subscription(
                         kind,
@@ -212,6 +214,7 @@ class Fuzzer:
                         lambda message, topic=topic: self._last.__setitem__(topic, message),
                         qos.STREAM,
                         checked=False,
+                        temporary=True,
                     )
                 )
         for service, kinds in self.link.node.get_service_names_and_types():

@@ -16,9 +16,9 @@ PLACEHOLDER = "X"
 PAGES = ("*.md", "docs/**/*.md")
 COMMENTED = ("ros2_ws/src/**/*.yaml", "ros2_ws/src/**/*.msg", "ros2_ws/src/**/*.srv")
 SOURCES = ("ros2_ws/src/**/*.py", "benchmarks/**/*.py", "examples/**/*.py")
-SCRIPTS = ("setup", "test", "hitab", "env.sh", "lock", "python")
+SCRIPTS = ("setup", "test", "hitab", "env.sh", "lock", "python", "docs")
 
-_STARTS = r"(?:scripts/)?hitab|scripts/(?:setup|test|lock|python)|python -m"
+_STARTS = r"(?:scripts/)?hitab|scripts/(?:setup|test|lock|python|docs)|python -m"
 _QUOTED = re.compile(rf"(?<!`)`(?:\$ )?((?:{_STARTS}) [^`]+)`(?!`)")
 _LINE = re.compile(rf"^\s*(?:[#>]\s*)*(?:\$ )?((?:{_STARTS}) [a-z-].*)$")
 _REMEDY = re.compile(r"\b(?:run|with|start it with): (hitab [^;\n]+)")

@@ -6,6 +6,7 @@ import os
 import pty
 import re
 import select
+import shlex
 import signal
 import socket
 import subprocess
@@ -154,7 +155,8 @@ class Reader:
 
     def _run(self, command: str) -> tuple[int, str, str]:
         if command.startswith("hitab "):
-            return warm_hitab.run(command, self.folder, self._environment, LONGEST)
+            words = shlex.split(command, comments=True)
+            return warm_hitab.run(words, self.folder, self._environment, LONGEST)
         done = self._start(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         try:
             out, err = done.communicate(timeout=LONGEST)

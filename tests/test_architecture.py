@@ -12,7 +12,7 @@ FLOORS = (
     ("hitab_core",),  # knows no ROS
     ("hitab_ros",),
     ("hitab_agent", "hitab_client", "hitab_world"),
-    ("hitab_commander", "hitab_studio"),
+    ("hitab_commander", "hitab_robots", "hitab_studio"),
     ("hitab_bringup",),
     ("foraging_world", "keepaway_world"),
 )
@@ -22,7 +22,7 @@ CORE_FLOORS = (
     ("example_codec", "transition_function", "use", "vocabulary"),
     ("automaton",),
     ("domain",),
-    ("repertoire",),
+    ("action_behavior", "repertoire"),
     ("learning",),
     ("advice",),
     ("running",),

@@ -21,7 +21,7 @@ def training(keepers):
 
 COMMANDS = [
     (("GoFats", []), 'unknown behavior "GoFats" (has: GetOpen, GoFast'),
-    (("GoFast", ["ball"]), 'behavior "GoFast" takes 0 target(s) (none), not 1'),
+    (("GoFast", ["ball"]), 'behavior "GoFast" takes no targets, not 1; write GoFast'),
     (("Start", []), "Start cannot be commanded"),
     (("Near", []), "recursive automaton"),
     (("Done", ["ball"]), 'flag state "Done" takes no targets'),
@@ -45,10 +45,13 @@ BEGINNINGS = [
     ({"automaton": "GoFast"}, '"GoFast" is a basic behavior'),
     ({"automaton": "Start"}, "reserved"),
     ({"automaton": "A", "features": ["DistanceTo(bal)"]}, 'unknown target "bal"'),
-    ({"automaton": "A", "features": ["DistanceTo"]}, "takes 1 target(s) (X), not 0"),
+    (
+        {"automaton": "A", "features": ["DistanceTo"]},
+        "takes 1 target, not 0; write, for example, DistanceTo(ball)",
+    ),
     ({"automaton": "A", "features": ["Distance(ball)"]}, 'unknown feature "Distance"'),
     ({"automaton": "A", "states": ["GoFats"]}, 'unknown behavior "GoFats"'),
-    ({"automaton": "A", "parameters": ["B"]}, "1 parameter(s) but 0 target(s)"),
+    ({"automaton": "A", "parameters": ["B"]}, "1 parameter but 0 targets"),
     ({"automaton": "A", "resume": "Nothing"}, 'unknown behavior "Nothing"'),
     ({"automaton": "A", "discard": False}, "2 unsaved examples; save it first (`hitab save "),
 ]
@@ -86,7 +89,8 @@ def test_commands_in_the_wrong_mode_are_refused(training):
 
 def test_a_command_sent_again_is_not_obeyed_twice_though_others_commanded_since(training):
     link, agents = training.link, training.agents
-    publisher = link.node.create_publisher(Command, f"/{AGENT}/command", qos.EVENTS)
+    topic = f"/{AGENT}/command"
+    publisher = link.node.create_publisher(Command, topic, qos.EVENTS, temporary=True)
     assert link.spin_until(lambda: publisher.get_subscription_count() > 0, 5)
 
     def command(who, sequence, behavior):
@@ -175,7 +179,7 @@ CALLS = [
     (("demonstrate", AGENT, "GoFats"), 'unknown behavior "GoFats"', 'Did you mean "GoFast"?'),
     (("demonstrate", "keeper_9", "Stop"), 'no agent "keeper_9" answers (has: keeper_1', "Did you"),
     (("train", AGENT, "A", "-f", "DistanceTo(bal)", "--discard"), 'target "bal"', '"ball"?'),
-    (("perform", "keeper_2", "Stop", "ball"), "takes 0 target(s)", ""),
+    (("perform", "keeper_2", "Stop", "ball"), "takes no targets, not 1", ""),
     (("world", "place", "bal", "x=1"), "the world refuses", '"bal"'),
     (("save", "keeper_2"), "is not training anything", ""),
 ]

@@ -71,7 +71,6 @@ def by_themselves(episodes: int, seed: int, library: Path | None) -> list[float]
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
 def test_it_is_trained_on_one_robot_and_loaded_into_all_from_a_file_while_they_run(
     home, hitab, tmp_path, monkeypatch
 ):

@@ -24,6 +24,7 @@ from hitab_client.dds_profile import (
     profile_for,
 )
 from hitab_client.run_processes import process_states
+from hitab_client.swarm_choice import LOOK_SECONDS
 
 ROOT = Path(__file__).parents[1]
 CHATTER = Path(__file__).with_name("chatter.py")
@@ -88,7 +89,6 @@ def addresses(pids: list[int]) -> set[str]:
     return {str(socket.laddr[0]) for socket in sockets if socket.laddr}
 
 
-@pytest.mark.timeout(SECONDS * 3)
 def test_a_process_started_late_hears_all_others(request: pytest.FixtureRequest) -> None:
     """With ROS's own LOCALHOST it hears 32 of them, for ever."""
     participants = 100 if request.config.getoption("long") else 60
@@ -98,7 +98,6 @@ def test_a_process_started_late_hears_all_others(request: pytest.FixtureRequest)
             assert heard(participants, shell) == participants
 
 
-@pytest.mark.timeout(SECONDS * 2)
 def test_other_ros_programs_on_this_machine_hear_ours_and_are_heard() -> None:
     """Ours use another discovery range and no shared memory."""
     with domain_ids.reserved() as domain:
@@ -144,13 +143,21 @@ def test_the_network_is_reached_only_if_the_user_says_so(said, profile, found) -
         assert chosen[RANGE] == found
 
 
+def seconds_between_announcements(profile: Path) -> float:
+    text = profile.read_text()
+    unit = text.split("<leaseAnnouncement>")[1].split("</leaseAnnouncement>")[0]
+    sec = unit.split("<sec>")[1].split("<")[0]
+    nanosec = unit.split("<nanosec>")[1].split("<")[0]
+    return int(sec) + int(nanosec) / 1e9
+
+
+def test_who_was_started_by_hand_is_found_while_it_is_looked_for() -> None:
+    """A new process hears of the others when they announce themselves next."""
+    assert seconds_between_announcements(LOOPBACK) <= LOOK_SECONDS / 3
+
+
 def test_large_swarms_announce_themselves_less_often(tmp_path: Path) -> None:
     """Announcements cost the square of the number of processes."""
-    periods = []
-    for processes in (3, 25, 50, 100):
-        text = profile_for(tmp_path, processes).read_text()
-        unit = text.split("<leaseAnnouncement>")[1].split("</leaseAnnouncement>")[0]
-        sec = unit.split("<sec>")[1].split("<")[0]
-        nanosec = unit.split("<nanosec>")[1].split("<")[0]
-        periods.append(int(sec) + int(nanosec) / 1e9)
+    counts = (3, 25, 50, 100)
+    periods = [seconds_between_announcements(profile_for(tmp_path, count)) for count in counts]
     assert periods == [0.25, 0.25, 1.0, 4.0]

@@ -24,8 +24,6 @@ from hitab_world.inprocess import cycle, play
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 from foraging import hierarchy  # the swarms that the benchmark compares
 
-pytestmark = pytest.mark.timeout(300)  # whole lessons with dozens of agents
-
 CYCLES = 300
 SECONDS = 90.0
 LESSONS = ("foraging_search", "foraging_goto", "foraging_carry", "foraging_forage")
@@ -114,10 +112,8 @@ def test_the_foragers_lessons_teach_what_is_shipped(home, tmp_path):
     assert taught == examples_of(shipped("libraries", "foraging"), load_domain("foraging"))
 
 
-@pytest.mark.parametrize(
-    "taught_commander",
-    ["foraging_squad", pytest.param("foraging_company", marks=pytest.mark.long)],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("taught_commander", ["foraging_squad", "foraging_company"])
 def test_commanders_learn_from_their_lessons_what_is_shipped(home, tmp_path, taught_commander):
     name = taught_commander
     folder = shipped("libraries", name)

@@ -36,6 +36,26 @@ def test_a_library_from_before_loads_and_can_be_performed(tmp_path):
     assert list(behaviors["ControlBall"].transitions["Stop"].predict([[2.0, 1.0]])) == ["Pass"]
 
 
+def test_behaviors_from_when_default_examples_reached_around_circles_mean_what_they_did(tmp_path):
+    shutil.copytree(FORMATS / "library", tmp_path / "library")
+    shutil.copy(FORMATS / "all_around" / "GotoBall.hfa.yaml", tmp_path / "library")
+    library = BehaviorLibrary(tmp_path / "library", load_domain("keepaway"))
+
+    def when_on_the_left(name):
+        return list(library.load()[name].transitions["ApproachBall"].predict([[0.16], [1.0]]))
+
+    assert when_on_the_left("GotoBall") == ["ApproachBall"] * 2
+    assert library.problems == {}
+    assert library.file("GotoBall").classifier == "tree(all_around=True)"
+    library.rename("GotoBall", "Reach", with_users=True)  # which writes it anew
+    assert when_on_the_left("Reach") == ["ApproachBall"] * 2
+
+    text = library.path("Reach").read_text(encoding="utf-8")
+    library.path("Reach").write_text(text.replace("all_around=True", "all_around=False"))
+    library.accept_edit("Reach")
+    assert when_on_the_left("Reach") == ["TurnToBall"] * 2
+
+
 def test_exported_behaviors_from_before_are_imported(tmp_path):
     bundle = read_bundle_file(FORMATS / "GotoBall.bundle.yaml")
     library = BehaviorLibrary(tmp_path / "library", load_domain(bundle.domain))

@@ -168,7 +168,6 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("seconds", (60.0 if is_long else 8.0,), ids=str)
 
 
-@pytest.mark.timeout(400)
 def test_keepers_go_on_whatever_is_sent(home: Path, tmp_path: Path, seed: int, seconds: float):
     with fuzzed(KEEPAWAY, tmp_path, seed, seconds) as running:
         for behavior in ("GoFast", "Stop"):
@@ -181,7 +180,6 @@ def test_keepers_go_on_whatever_is_sent(home: Path, tmp_path: Path, seed: int, s
         assert not running.world.status.missing
 
 
-@pytest.mark.timeout(400)
 def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
     home: Path, tmp_path: Path, seed: int, seconds: float
 ):

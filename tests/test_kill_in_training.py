@@ -6,6 +6,7 @@ import signal
 from hitab_client.run_processes import process_states
 
 AGENT = "keeper_1"
+FIRST = 1_000_000  # number of a command
 RESTART_SECONDS = 60
 
 
@@ -21,8 +22,8 @@ def told(example):
 def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     agents, link = keepers.agents, keepers.link
     agents.begin(AGENT, "Near", features=["DistanceTo(ball)"])
-    for behavior in ("GoFast", "GoSlow", "Stop", "Pass"):
-        status = agents.command(AGENT, behavior)
+    for number, behavior in enumerate(("GoFast", "GoSlow", "Stop", "Pass"), FIRST):
+        status = agents.command(AGENT, behavior, sequence=number)
         keepers.world.step()
     assert status.examples == 7
     agents.edit_examples(AGENT, "undo")
@@ -38,6 +39,9 @@ def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     assert agents.statuses[AGENT].behavior == "Near"
     assert [told(e) for e in agents.list_examples(AGENT).examples] == before
 
+    # A command whose acknowledgement was lost in the crash is not obeyed twice.
+    again = agents.command(AGENT, "GoFast", sequence=FIRST)
+    assert again.examples == 6
     # And it goes on as if nothing had happened.
     keepers.world.step()
     assert agents.command(AGENT, "GoFast").examples == 8

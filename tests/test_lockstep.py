@@ -28,8 +28,6 @@ from hitab_world.world import World
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.world import KeepawayWorld
 
-pytestmark = pytest.mark.timeout(300)  # dozens of agents as processes
-
 SEED = 11
 EPISODES = 2
 
@@ -177,7 +175,7 @@ def _keep_busy() -> None:
         pass
 
 
-@pytest.mark.parametrize("load", [pytest.param("idle", marks=pytest.mark.long), "busy"])
+@pytest.mark.parametrize("load", ["idle", pytest.param("busy", marks=pytest.mark.long)])
 def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(
     home, tmp_path, keepers_in_process, load, request
 ):
@@ -202,6 +200,7 @@ def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_pa
         view = CommandView(running.link)
         view.watch(["captain"])
         running.world.control(Control.Request.STEP, cycles=10_000)
+        assert running.link.spin_until(lambda: running.world.status.cycle > 20, 60.0)
         kill(running, name)
         assert running.link.spin_until(lambda: not running.world.status.reproducible, 60.0)
         assert running.world.status.missed_deadlines > 0

@@ -16,8 +16,11 @@ FOUND = list(dict.fromkeys(mentions()))
 WRITTEN_SO = {"...", "[", "VERB", "command"}
 """First words that stand for a command, or tell that no command is meant."""
 
-OF_OTHERS = {"--ros-args", "--disable-external-lib-logs", "--params-file", "--once"}
-"""Options that are not ours: those of ROS."""
+OF_OTHERS = {
+    *("--ros-args", "--remap", "--disable-external-lib-logs", "--params-file", "--once"),
+    "--network",
+}
+"""Options that are not ours: those of ROS and of Docker."""
 
 
 def is_group(command: Any) -> bool:
@@ -101,7 +104,7 @@ def test_what_is_not_there_is_found_out():
 def test_every_command_that_talks_to_a_swarm_can_be_told_which(path, command):
     # "Several swarms are up; choose one with --swarm NAME" must hold for each of them.
     names = set(command.callback.__code__.co_names) | set(command.callback.__code__.co_consts)
-    if names & {"connection", "_control", "_open", "to_take_down", "find_target"}:
+    if names & {"connection", "_control", "_open", "to_take_down", "Finder"}:
         assert "--swarm" in options_of(command)
 
 
@@ -145,6 +148,7 @@ def of_python(mention: Mention) -> bool:
 @pytest.mark.parametrize("mention", list(filter(of_python, FOUND)), ids=str)
 def test_every_module_that_is_mentioned_can_be_run(mention):
     from hitab_agent.settings import DESCRIPTIONS as OF_AGENTS
+    from hitab_robots.settings import DESCRIPTIONS as OF_ROBOTS
     from hitab_world.settings import DESCRIPTIONS as OF_WORLDS
 
     module = mention.words[2]
@@ -160,11 +164,8 @@ def test_every_module_that_is_mentioned_can_be_run(mention):
         return
     with open(spec.origin, encoding="utf-8") as file:
         assert '__name__ == "__main__"' in file.read()
-    known = {*OF_AGENTS, *OF_WORLDS, "agents", "roster", "subordinates", "roles", "asks_position"}
-    for path in (ROOT / "examples").rglob("*.py"):  # a link declares parameters of its own
-        known |= set(
-            re.findall(r'parameter\((?:node, )?"(\w+)"', path.read_text(encoding="utf-8"))
-        )
+    known = {*OF_AGENTS, *OF_WORLDS, *OF_ROBOTS}
+    known |= {"agents", "roster", "subordinates", "roles", "asks_position"}
     for flag, word in zip(mention.words, mention.words[1:], strict=False):
         if flag == "-p" and (match := re.match(r"(\w+)(\.\w+)?:=", word)):
             assert match[2] or match[1] in known

@@ -144,7 +144,6 @@ def machines(tmp_path: Path) -> Iterator[Machines]:
         yield Machines(tmp_path, network)
 
 
-@pytest.mark.timeout(180)
 def test_a_swarm_obeys_over_a_network_that_loses_and_breaks(machines: Machines) -> None:
     machines.order("Spread")
     machines.until(machines.perform("Spread"))

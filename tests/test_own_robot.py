@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -20,12 +21,14 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
+import hitab_robots
 from hitab_client.domain_ids import reserved
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
 from hitab_core.domain import Domain, load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_robots.settings import DESCRIPTIONS, OF_SENSOR
 from hitab_ros import qos
 
 EXAMPLE = Path(__file__).parents[1] / "examples/diff_drive"
@@ -53,6 +56,7 @@ class Desk:
     link: RosLink
     agents: SwarmClient
     processes: dict[str, subprocess.Popen[bytes]]
+    run: Callable[..., subprocess.CompletedProcess[str]]
     odometry: Odometry | None = None
     scan: LaserScan | None = None
     velocities: list[Twist] = field(default_factory=list)
@@ -98,13 +102,19 @@ class Desk:
 
     def told_to_stand_still(self) -> bool:
         """Whether the last thing that the robot was told is to stand still."""
-        last = self.velocities[-1]
-        return last.linear.x == 0.0 and last.angular.z == 0.0
+        return not self.velocities or is_still(self.velocities[-1])
+
+    def has_fault(self, text: str) -> bool:
+        return any(text in fault for fault in self.agents.statuses[ROBOT].faults)
 
     def end(self, name: str) -> None:
         process = self.processes[name]
         process.send_signal(signal.SIGTERM)
         assert process.wait(SECONDS) in (0, -signal.SIGTERM)
+
+
+def is_still(velocity: Twist) -> bool:
+    return velocity.linear.x == 0.0 and velocity.angular.z == 0.0
 
 
 @pytest.fixture
@@ -135,10 +145,21 @@ def desk(home: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator
             "robot": start("diff_drive.simulated_robot"),
             "agent": start("hitab_agent.agent_main", domain=domain, state_dir=str(tmp_path)),
         }
-        desk = Desk(link, SwarmClient(link, [ROBOT]), processes)
+
+        def run(module: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+            return subprocess.run(
+                [sys.executable, "-m", module, *arguments],
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=SECONDS,
+                check=False,
+            )
+
+        desk = Desk(link, SwarmClient(link, [ROBOT]), processes, run)
         desk.watch()
         desk.agents.await_agent(ROBOT, SECONDS)
-        desk.until(lambda: desk.odometry and desk.scan and desk.velocities)
+        desk.until(lambda: desk.odometry and desk.scan)
         yield desk
 
 
@@ -193,13 +214,64 @@ def test_a_silent_sensor_is_told_and_the_robot_stands_still(desk):
     teach_to_wander(desk, near=2.3, free=1.0)
     desk.agents.set_mode(ROBOT, "testing")
     desk.end("robot")
-    desk.until(lambda: desk.agents.statuses[ROBOT].last_error)
-    assert 'feature "RangeAhead" has no value' in desk.agents.statuses[ROBOT].last_error
+    desk.until(lambda: desk.has_fault('feature "RangeAhead" has no value'))
+    desk.until(lambda: desk.has_fault(f"sensor scan, /{ROBOT}/scan: nobody publishes it"))
     desk.until(desk.told_to_stand_still)
+
+
+def test_the_robot_stands_still_when_its_agent_is_killed(desk):
+    desk.agents.perform(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    desk.processes["agent"].kill()
+    desk.until(desk.told_to_stand_still)
+    # Its relay ends too, and sends nothing but zeros until then.
+    before = len(desk.velocities)
+    relay = f"/{ROBOT}/cmd_vel"
+    desk.until(lambda: desk.link.node.count_publishers(relay) == 0)
+    assert all(map(is_still, desk.velocities[before:]))
+
+
+def test_the_emergency_stop_holds_the_robot_until_it_is_released(desk):
+    def hitab(*arguments: str) -> str:
+        done = desk.run("hitab_bringup.main", *arguments)
+        assert done.returncode == 0, done.stderr
+        return done.stdout + done.stderr
+
+    desk.agents.perform(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    assert f"stopped: {ROBOT}" in hitab("stop", "--reason", "a dog")
+    desk.until(desk.told_to_stand_still)
+    desk.until(lambda: desk.has_fault("a dog"))
+    assert "but: emergency stop by" in hitab("perform", ROBOT, "TurnLeft")
+    desk.velocities.clear()
+    desk.until(lambda: len(desk.velocities) > 10)
+    assert all(map(is_still, desk.velocities))
+    assert f"released: {ROBOT}" in hitab("go")
+    desk.until(lambda: not desk.told_to_stand_still())
+    desk.until(lambda: not desk.has_fault("emergency"))
+
+
+def test_whoever_drives_a_robot_that_performs_nothing_is_not_disturbed(desk):
+    desk.agents.perform(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    desk.agents.perform(ROBOT, "")
+    desk.until(desk.told_to_stand_still)
+    quiet = 0.0
+
+    def drives() -> bool:
+        nonlocal quiet
+        if desk.velocities:
+            desk.velocities.clear()
+            quiet = time.monotonic()
+        return time.monotonic() - quiet > 1.0
+
+    desk.until(drives)
 
 
 @pytest.mark.parametrize("desk", ["broken:DOMAIN"], indirect=True)
 def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(desk):
+    desk.agents.begin(ROBOT, "Wander", features=["Bumped"])
+    desk.await_value("Bumped")
     desk.agents.begin(ROBOT, "Wander", features=["RangeAhead"])
     with pytest.raises(SwarmError, match=r"ZeroDivisionError in broken\.py:6: division by zero"):
         desk.agents.command(ROBOT, "Forward")
@@ -216,10 +288,25 @@ def load_domain_of_example() -> Domain:
         sys.path.remove(str(EXAMPLE))
 
 
+def sensed(domain: Domain, **values: float) -> Any:
+    """Return a body that has perceived some values, named with __ for a dot."""
+    body = domain.body(ROBOT)
+    given = {name.replace("__", "."): value for name, value in values.items()}
+    body.sense([given.get(name, math.nan) for name in body.robot.values], [])
+    return body
+
+
 def test_where_things_are_is_told_relative_to_the_robot():
     domain = load_domain_of_example()
-    body = domain.body(ROBOT)
-    body.sense([1.5, 0.25, math.pi / 2, 1.0, 0.5, -math.pi / 2], [])
+    pose = {"odom__x": 1.5, "odom__y": 0.25}
+    body = sensed(
+        domain,
+        **pose,
+        odom__heading=math.pi / 2,
+        scan__ahead__range=1.0,
+        scan__around__range=0.5,
+        scan__around__bearing=-math.pi / 2,
+    )
     assert domain.targets["nearest_obstacle"].resolve(body) == pytest.approx((2.0, 0.25))
 
     def read(feature: str, *targets: str) -> float:
@@ -229,8 +316,18 @@ def test_where_things_are_is_told_relative_to_the_robot():
     assert read("DistanceTo", "goal") == pytest.approx(1.0)
     assert abs(read("HeadingTo", "goal")) == pytest.approx(math.pi)
     assert read("HeadingTo", "nearest_obstacle") == pytest.approx(-math.pi / 2)
+    assert read("RangeAhead") == 1.0
     assert read("Bumped") == 0.0
-    body.sense([1.5, 0.25, 0.0, 1.0, 0.22, 0.0], [])
+    body = sensed(domain, **pose, scan__around__range=0.22)
     assert read("Bumped") == 1.0
-    body.sense([1.5, 0.25, 0.0, *[math.nan] * 3], [])
+    body = sensed(domain, **pose)
     assert math.isnan(read("Bumped"))
+
+
+def test_the_page_explains_each_word_and_parameter():
+    page = (EXAMPLE.parents[1] / "docs/robots.md").read_text(encoding="utf-8")
+    between_link_and_relay = {"agent_pid"}
+    base_class = {"Sensor"}
+    names = {*hitab_robots.__all__, *DESCRIPTIONS, *OF_SENSOR}
+    for name in names - between_link_and_relay - base_class:
+        assert re.search(rf"\b{name}\b", page), name

@@ -11,8 +11,6 @@ from pages import Reader, Step, matches, steps_of
 from hitab_client import domain_ids
 from hitab_client.run_folder import running_swarms
 
-pytestmark = pytest.mark.timeout(300)  # dozens of commands
-
 LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 ELSEWHERE = {
     r"scripts/test\b": "is what runs this",
@@ -50,7 +48,7 @@ def reader(tmp_path, home, hitab, monkeypatch):
     "page",
     [
         "README.md",
-        "docs/tutorial.md",
+        pytest.param("docs/tutorial.md", marks=pytest.mark.long),
         pytest.param("docs/commanders.md", marks=pytest.mark.long),
         pytest.param("docs/bootstrapping.md", marks=pytest.mark.long),
         pytest.param("docs/deleted-behavior.md", marks=pytest.mark.long),

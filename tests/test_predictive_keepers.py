@@ -76,6 +76,7 @@ def test_they_last_longer_than_hand_coded_keepers_against_slow_takers(hitab, tmp
     assert sorted(figures["seconds_of_episodes"])[1] >= UT_HAND_S
 
 
+@pytest.mark.long
 def test_they_last_longer_than_the_papers_words_and_than_their_own_parts(hitab, tmp_path):
     """Against full-speed takers episodes are short: forty of them tell what looking ahead gives.
 
@@ -93,7 +94,7 @@ def test_they_last_longer_than_the_papers_words_and_than_their_own_parts(hitab, 
 
 
 def test_they_play_the_same_in_three_processes_as_in_one(hitab, tmp_path):
-    options = ("--episodes", "10", "--seed", "3", "--taker-speed", "1.0")
+    options = ("--episodes", "4", "--seed", "3", "--taker-speed", "1.0")
     lockstep = evaluate(hitab, tmp_path / "l.json", *options)
     inprocess = evaluate(hitab, tmp_path / "i.json", *options, "--pace", "inprocess")
     assert lockstep["missed_deadlines"] == 0

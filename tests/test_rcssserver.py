@@ -112,7 +112,6 @@ def episodes_of(figures: dict) -> list[int]:
     return [round(seconds * 10) for seconds in figures["seconds_of_episodes"]]
 
 
-@pytest.mark.timeout(120)
 def test_keepers_over_topics_play_what_the_stand_in_replays(hitab, tmp_path):
     with stand_in.StandIn() as server:
         figures = evaluate(hitab, server.port, 2, tmp_path)
@@ -127,7 +126,6 @@ def test_keepers_over_topics_play_what_the_stand_in_replays(hitab, tmp_path):
     assert {text.split()[0] for text in server.commands(3)} & {"(dash", "(turn", "(kick"}
 
 
-@pytest.mark.timeout(200)
 def test_keepers_over_topics_play_twenty_episodes_on_a_real_server(server, hitab, tmp_path):
     figures = evaluate(hitab, server.port, 20, tmp_path)
     told = server.episodes()[-20:]  # it may have played one before the keepers were there
@@ -138,7 +136,6 @@ def test_keepers_over_topics_play_twenty_episodes_on_a_real_server(server, hitab
     assert figures["passes"]["mean"] > 0
 
 
-@pytest.mark.timeout(200)
 def test_keepers_play_on_a_real_server_by_what_it_lets_them_see(server, hitab, tmp_path):
     options = "--parameter", "percepts=see", "--pace", "inprocess"
     figures = evaluate(hitab, server.port, 5, tmp_path, *options)
@@ -146,7 +143,6 @@ def test_keepers_play_on_a_real_server_by_what_it_lets_them_see(server, hitab, t
     assert figures["passes"]["mean"] > 0
 
 
-@pytest.mark.timeout(200)
 def test_a_behavior_is_trained_on_a_real_server_that_takes_a_trainer(server, hitab, tmp_path):
     swarm = tmp_path / "swarm.yaml"
     swarm.write_text(

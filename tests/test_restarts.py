@@ -51,7 +51,6 @@ def swarm(home: Path, tmp_path: Path) -> Iterator[RunningSwarm]:
         yield running
 
 
-@pytest.mark.timeout(SECONDS * 4)
 def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> None:
     """Without a memory it would come back idle, since nobody has ordered it."""
     swarm.agents.perform(AGENT, "GoFast")
@@ -64,7 +63,6 @@ def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> N
     assert swarm.agents.statuses[AGENT].mode == "idle"
 
 
-@pytest.mark.timeout(SECONDS * 4)
 def test_a_killed_world_goes_on_from_its_latest_state(swarm: RunningSwarm) -> None:
     """Without a memory it would begin at cycle 0 and run as it was started."""
     world = swarm.world
@@ -93,7 +91,6 @@ def test_a_killed_world_goes_on_from_its_latest_state(swarm: RunningSwarm) -> No
     assert list(world.snapshot("list").names) == []
 
 
-@pytest.mark.timeout(SECONDS * 5)
 def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
     swarm: RunningSwarm,
 ) -> None:
@@ -114,7 +111,6 @@ def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
     assert not played[-1].reproducible
 
 
-@pytest.mark.timeout(SECONDS * 5)
 def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path) -> None:
     """What an earlier run in the same folder performed is not taken up; snapshots are kept."""
     for kept in ([], ["five"]):
@@ -131,7 +127,6 @@ def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path
             running.world.snapshot("save", "five")
 
 
-@pytest.mark.timeout(SECONDS * 4)
 def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm) -> None:
     """They are ignored, and the logs say so."""
     swarm.agents.perform(AGENT, "GoFast")

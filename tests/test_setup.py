@@ -226,7 +226,7 @@ def test_a_folder_that_holds_something_else_is_left_alone(checkout):
     assert (checkout.venv / "thesis.tex").read_text() == "mine"
 
 
-@pytest.mark.timeout(400)
+@pytest.mark.long
 def test_a_set_up_killed_while_it_made_the_environment_is_made_good(checkout):
     process = checkout.start()
     wait_until((checkout.venv / "pyvenv.cfg").exists)
@@ -289,6 +289,35 @@ def test_a_failed_step_shows_the_end_of_its_log_and_where_the_rest_is(ready):
     assert ready.setup()[0] == 0
 
 
+def test_a_long_compilation_shows_how_far_it_is(ready):
+    ready.message.write_text("string one_more\n")
+    colcon = (ready.stubs / "colcon").read_text()
+    ready.stub(
+        "colcon",
+        "#!/bin/sh\necho '[ 52%] Building C object'\n"
+        "head -c 9000 /dev/zero | tr '\\0' w\n"  # a compiler's warnings
+        f"while [ -e {ready.root}/hold ]; do sleep 0.05; done\n",
+    )
+    (ready.root / "hold").touch()
+    terminal, theirs = os.openpty()
+    process = subprocess.Popen(
+        [ready.root / "scripts/setup"],
+        env=ready.environment(),
+        stderr=theirs,
+        stdin=subprocess.DEVNULL,
+    )
+    os.close(theirs)
+    try:
+        said = ""
+        while "52%" not in said:
+            said += os.read(terminal, 1024).decode()
+    finally:
+        (ready.root / "hold").unlink()
+        process.wait()
+        ready.stub("colcon", colcon)
+    assert "Building hitab_msgs" in said
+
+
 def test_the_environment_file_takes_another_ros_out_of_the_shell(checkout):
     environment = checkout.environment() | {
         "AMENT_PREFIX_PATH": "/home/me/ws/install/a:/opt/ros/humble",
@@ -346,6 +375,107 @@ def test_a_prepared_shell_has_a_profile_that_binds_to_this_machine(checkout, sai
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in subnet
 
 
+ROS2 = """\
+#!{python} -s
+# Does what the command of an installed Jazzy does: its interpreter is not the environment's.
+import os
+import sys
+from pathlib import Path
+
+from ament_index_python.packages import get_package_prefix, get_package_share_directory
+
+assert sys.prefix == sys.base_prefix
+verb, package, name, *arguments = sys.argv[1:]
+if verb == "pub":
+    from rclpy.serialization import deserialize_message, serialize_message
+    from rosidl_runtime_py_stand_in import message
+    kind = message(package, name)
+    print(type(deserialize_message(serialize_message(kind()), kind)).__module__)
+elif verb == "launch":
+    folder = os.path.join(get_package_share_directory(package), "launch")
+    assert name in os.listdir(folder)
+    from hitab_bringup.swarm_file import read_swarm
+    from hitab_bringup.swarm_processes import processes
+    from hitab_client.shipped import find_file
+    for process in processes(read_swarm(find_file("keepaway", "swarms", "swarm")), Path("run")):
+        print(process.name, process.command[0])
+elif verb == "run":
+    os.execv(os.path.join(get_package_prefix(package), "lib", package, name), [name, *arguments])
+"""
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """Return an installed Jazzy whose commands run another Python; its packages are the wheels."""
+    prefix = tmp_path_factory.mktemp("jazzy")
+    (prefix / "bin").mkdir()
+    (prefix / "python").mkdir()
+    (prefix / "python" / "rosidl_runtime_py_stand_in.py").write_text(
+        "from importlib import import_module\n"
+        "def message(package, name):\n"
+        "    return getattr(import_module(package + '.msg'), name)\n"
+    )
+    command = prefix / "bin" / "ros2"
+    command.write_text(ROS2.format(python=Path(sys.executable).resolve()))
+    command.chmod(0o755)
+    # The wheels have set the path for this process; the prefix has these libraries as its own.
+    libraries = []
+    for number, folder in enumerate(os.environ.get("LD_LIBRARY_PATH", "").split(":")):
+        libraries.append(str(prefix / f"lib{number}"))
+        Path(libraries[-1]).symlink_to(folder or ".")
+    (prefix / "setup.bash").write_text(
+        f"export PATH={prefix}/bin:$PATH PYTHONPATH={prefix}/python:${{PYTHONPATH:-}} "
+        f"AMENT_PREFIX_PATH={prefix} ROS_DISTRO=jazzy LD_LIBRARY_PATH={':'.join(libraries)}\n"
+    )
+    return prefix
+
+
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        ("pub hitab_msgs Command", "hitab_msgs.msg._command"),
+        ("launch hitab_bringup swarm.launch.py", "keeper_3 "),
+        ("run hitab_bringup hitab --version", "hitab "),
+    ],
+)
+def test_ros2_of_an_installed_jazzy_finds_what_only_the_environment_has(
+    installed, tmp_path, typed, expected
+):
+    environment = {
+        "HOME": str(tmp_path),
+        "HITAB_ROS": str(installed),
+        "HITAB_VENV": sys.prefix,
+        "PATH": machine_path(),
+    }
+    done = subprocess.run(
+        ["bash", "-c", f'set -eu; . "$0"; ros2 {typed}', ROOT / "scripts/env.sh"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert expected in done.stdout
+
+
+def test_the_path_of_python_is_the_same_the_second_time_and_has_no_working_folder(
+    installed, checkout
+):
+    (checkout.root / "ros2_ws/src/a_robot").mkdir()
+    (checkout.root / "ros2_ws/src/a_robot/setup.py").touch()
+    (checkout.venv / "lib/python3.12/site-packages").mkdir(parents=True)
+    environment = checkout.environment() | {"HITAB_ROS": str(installed)}
+    shown = sourced(checkout, environment)
+    assert shown["PYTHONPATH"].split(":") == [
+        str(checkout.root / "ros2_ws/src/a_robot"),
+        str(installed / "python"),
+        str(checkout.venv / "lib/python3.12/site-packages"),
+    ]
+    again = sourced(checkout, {**shown, "HITAB_ROS": str(installed)})
+    assert again["PYTHONPATH"].split(":")[0] == str(checkout.root / "ros2_ws/src/a_robot")
+    assert "" not in again["PYTHONPATH"].split(":")
+
+
 def sourced(checkout: Checkout, environment: dict[str, str]) -> dict[str, str]:
     """What the environment is after sourcing scripts/env.sh, in a shell that allows no slip."""
     script = 'set -eu; . "$0"; env -0'
@@ -362,7 +492,7 @@ def sourced(checkout: Checkout, environment: dict[str, str]) -> dict[str, str]:
 
 def test_lock_files_pin_all_with_hashes_and_name_no_host():
     locks = sorted(ROOT.glob("requirements/*.lock"))
-    assert len(locks) == 3
+    assert len(locks) == 4
     for lock in locks:
         text = lock.read_text()
         assert "://" not in text

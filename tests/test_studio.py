@@ -269,6 +269,25 @@ def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, perso
 
 
 @needs_browser
+def test_who_leaves_or_loads_the_page_again_holds_no_agent_any_more(swarm, person):
+    # The server would keep the page, and its agents, until it no longer waits for its connection.
+    person.page.evaluate(
+        """() => {
+            dispatchEvent(new PageTransitionEvent("pagehide"));
+            return new Promise((gone) => {
+                const look = () => {
+                    const url = `ws://${location.host}/field?session=${STUDIO_SESSION}`;
+                    const socket = new WebSocket(url);
+                    socket.onopen = () => setTimeout(() => socket.close(), 200);
+                    socket.onclose = ({ code }) => (code === 4404 ? gone() : look());
+                };
+                look();
+            });
+        }"""
+    )
+
+
+@needs_browser
 def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
     person.click(f"agent-{ONE}")
     person.click("tab-record")

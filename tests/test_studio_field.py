@@ -225,9 +225,10 @@ def test_the_keyboard_chooses_moves_and_turns_things(swarm, person):
         if field(person, "[...f.chosen]") == [ONE]:
             break
         before = field(person, "[...f.chosen]")
-        keys.press("PageDown")
+        keys.press(">")
         person.waits_until(lambda b=before: field(person, "[...f.chosen]") != b, "the next one")
     assert ONE in person.page.inner_text("#field-told")
+    person.sees("banner", ONE)
     heading = entity(swarm, ONE).heading
     for key in ("ArrowRight", "ArrowRight", "ArrowUp", ","):
         keys.press(key)
@@ -236,3 +237,28 @@ def test_the_keyboard_chooses_moves_and_turns_things(swarm, person):
     person.waits_until(
         lambda: abs(entity(swarm, ONE).heading - heading - math.pi / 12) < 0.05, "it was turned"
     )
+
+
+@needs_browser
+def test_keys_that_scroll_scroll_and_choose_nobody_else(swarm, person):
+    person.page.set_viewport_size({"width": 1280, "height": 400})
+    person.click(f"agent-{ONE}")
+    swarm.agents.begin(ONE, "Long", features=["DistanceTo(ball)"], discard=True)
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    pane = "document.querySelector('.side .pane')"
+    person.waits_until(
+        lambda: person.page.evaluate(f"{pane}.scrollHeight > {pane}.clientHeight + 50"), "long"
+    )
+    person.page.focus("canvas#field")
+    for key, scrolled in (("PageDown", True), ("PageUp", False), ("End", True), ("Home", False)):
+        person.page.keyboard.press(key)
+        person.waits_until(
+            lambda s=scrolled: (person.page.evaluate(f"{pane}.scrollTop") > 0) is s, key
+        )
+    assert ONE in person.text("banner")
+    person.page.keyboard.press("]")
+    person.sees("banner", TWO)
+    person.page.keyboard.press("[")
+    person.sees("banner", ONE)
+    swarm.agents.discard(ONE)

@@ -107,12 +107,40 @@ def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swa
         assert person.page.locator(".overlay[data-stale]").count() == 1
         person.page.keyboard.press("n")
         person.sees("message", "The world does not respond")
+        size = person.page.viewport_size
+        for width in (1920, 820):
+            person.page.set_viewport_size({**size, "width": width})
+            hint = person.page.locator(".nudge").bounding_box()
+            absent = person.sees("world-absent").bounding_box()
+            assert hint["y"] + hint["height"] <= absent["y"], "nothing covers what is wrong"
+        person.page.set_viewport_size(size)
     person.does_not_see("world-absent")
     cycle = swarm.world.status.cycle
     person.click("step")
     person.waits_until(
         lambda: swarm.link.spin(0.02) or swarm.world.state.cycle > cycle, "it is played again"
     )
+
+
+@needs_browser
+def test_notices_are_above_the_legend_and_the_field_and_pressed_late_needs_a_running_world(
+    swarm, training
+):
+    """In a test, the notice covered both; and in a paused world no command comes late."""
+    off = training.page.locator('[data-test="earlier"]')
+    training.waits_until(lambda: off.get_attribute("aria-disabled") == "true", "it is offered")
+    assert "the command was not late" in off.get_attribute("data-off")
+    training.page.mouse.move(2, 2)
+    training.click("toggle")
+    stuck = training.sees("stuck").bounding_box()
+    below = stuck["y"] + stuck["height"]
+    for part in (".legend", ".field-tools"):
+        assert training.page.locator(part).bounding_box()["y"] >= below
+    top = """() => { const f = window.studioField;
+        return f.canvas.getBoundingClientRect().top + f.toScreen(0, f.roster.size[1] / 2)[1]; }"""
+    legend = training.page.locator(".legend").bounding_box()
+    end = legend["y"] + legend["height"]
+    training.waits_until(lambda: training.page.evaluate(top) >= end, "the field is below")
 
 
 @needs_browser
@@ -128,9 +156,15 @@ def test_a_swarm_that_is_down_is_not_shown_as_if_it_were_up(chrome, home, tmp_pa
             someone.sees_field()
             someone.click(f"agent-{ONE}")
             page.wait_for_selector("text=Nothing learned yet")
+            someone.click("new")
+            someone.type("new-name", "Chase")
+        someone.sees("message", "The dialog was closed: falls is not there any more.")
+        someone.does_not_see("new-name")
         page.wait_for_selector("text=is not up")
-        someone.sees("unknown", "not known until it does")
+        someone.sees("unknown", "not known until it answers")
         assert page.locator("text=Nothing learned yet").count() == 0
+        someone.click("tab-library")
+        someone.sees("unknown", "not known until it answers")
         assert page.locator('[data-do="new"]:not([aria-disabled])').count() == 0
         assert page.locator(".overlay[data-stale]").count() == 1
         assert someone.complaints == []

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import Person, needs_browser, studio
+from browsing import ONE, Person, needs_browser, studio
 
+from hitab_bringup.bringing_up import temporary_swarm
 from hitab_client import domain_ids
 from hitab_client.run_folder import running_swarms
+from keepaway_world.verbs.evaluation import trained_keepers
 
 
 @pytest.fixture
@@ -64,3 +67,47 @@ def test_a_start_that_fails_says_why_until_it_is_closed(someone, home):
     someone.click("launch-dismiss")
     someone.does_not_see("launch-failed")
     someone.sees("swarm-start")
+
+
+@needs_browser
+def test_a_page_stays_with_its_swarm_and_offers_the_others_to_click(
+    chrome, home, tmp_path, monkeypatch
+):
+    """A second swarm took the first one from the page and left nothing to click."""
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    keepers = trained_keepers(None, "", {})
+    alone = replace(keepers, agents=keepers.agents[:1])
+    two_of_them = replace(keepers, agents=keepers.agents[:2])
+
+    def listed(running: Any, name: str) -> None:
+        running.folder.write(replace(running.record, swarm=name), register=True)
+
+    with studio(tmp_path / "log") as address:
+        page = chrome.new_page(viewport={"width": 1280, "height": 720})
+        someone = Person(page, address)
+        with temporary_swarm(alone, tmp_path / "red") as red:
+            listed(red, "red")
+            someone.sees_field()
+            someone.click(f"agent-{ONE}")
+            with temporary_swarm(two_of_them, tmp_path / "blue") as blue:
+                listed(blue, "blue")
+                someone.click("tab-swarm")
+                someone.sees("swarm-blue", "2 agents, since")
+                someone.sees("agents-there", "1 agent")
+                someone.sees("banner", ONE)
+                someone.click("swarm-blue")
+                someone.sees("agents-there", "2 agents")
+                someone.does_not_see("banner")
+                someone.sees_field()
+            page.wait_for_selector("text=blue has ended")
+            things = "() => window.studioField.roster.names.length"
+            someone.waits_until(lambda: page.evaluate(things) == 0, "the field is empty")
+            offered = someone.sees("swarm-red", "1 agent, since").bounding_box()
+            stage = page.locator("#stage").bounding_box()
+            assert stage["x"] <= offered["x"]
+            assert offered["x"] + offered["width"] <= stage["x"] + stage["width"]
+            someone.click("swarm-red")
+            someone.sees("agents-there", "1 agent")
+            someone.sees_field()
+        assert someone.complaints == []
+        page.close()

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from hitab_msgs.msg import CommanderStatus, HostRoster
 from waiting import within
 
 from hitab_bringup import supervision
-from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.bringing_up import bring_up, temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
 from hitab_client import domain_ids
@@ -40,6 +40,7 @@ SQUAD = SOCCER.replace("soccer", "squad").replace(
     "{keeper_1: {}, keeper_2: {}", "{keeper_1: {host: h}, keeper_2: {host: h}"
 )
 WITH_A_WORLD_ALONE = LONE.replace("domain:", "world: {kind: keepaway, paused: true}\ndomain:")
+APART = f"{WITH_A_WORLD_ALONE}namespace: apart\n"  # from what other tests do in ROS domain 0
 
 
 @pytest.fixture(autouse=True)
@@ -65,27 +66,36 @@ def up(hitab, path: str, *more: str):
     return done
 
 
-def by_hand(folder: Path) -> subprocess.Popen[bytes]:
-    """Start the lone agent as a user does without `hitab`."""
+@contextlib.contextmanager
+def by_hand(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Have the lone agent up, started as a user does without `hitab`."""
     swarm = parse_swarm(LONE, folder / "lone.yaml")
     run_folder = RunFolder(folder / "by_hand")
     run_folder.prepare()
     (process,) = processes(swarm, run_folder.path)
-    environment = supervision.environment(run_folder, int(os.environ["ROS_DOMAIN_ID"]), 1)
-    return subprocess.Popen(process.command, env=environment)
+    domain_id = int(os.environ["ROS_DOMAIN_ID"])
+    environment = supervision.environment(run_folder, domain_id, 1)
+    with subprocess.Popen(process.command, env=environment) as started:
+        try:
+            with RosLink(domain_id) as link:
+                agents = SwarmClient(link, ("lone",))
+                agents.watch_all()
+                assert link.spin_until(lambda: "lone" in agents.statuses, 60.0)
+            yield started
+        finally:
+            started.terminate()
 
 
 def test_the_same_swarm_in_another_folder_is_refused_in_one_line(hitab, place):
     # It said "is up" while its own processes died and were started again and again.
     path = described(place, SOCCER)
     up(hitab, path)
-    ((first, record),) = running_swarms()
+    ((_, record),) = running_swarms()
     again = hitab("up", path, "--run-dir", str(place / "other"))
     assert again.returncode == 1
     (line,) = again.stderr.splitlines()
     assert "keeper_1, keeper_2, keeper_3, world" in line
-    assert str(first.path) in line
-    assert f"hitab down --run-dir {first.path}" in line
+    assert "stop it with `hitab down soccer`" in line
     assert "ROS_DOMAIN_ID" in line
     assert RunFolder(place / "other").processes() == []
     assert [r.identity for _, r in running_swarms()] == [record.identity]
@@ -106,20 +116,55 @@ def test_names_taken_by_a_swarm_of_another_registry_are_refused_as_well(hitab, p
     assert folder.supervisor(record) is not None
 
 
+def test_a_swarm_goes_to_the_next_domain_if_another_registry_has_its_names_in_the_first(
+    hitab, place, monkeypatch
+):
+    up(hitab, described(place, WITH_A_WORLD_ALONE))
+    ((_, first),) = running_swarms()
+    monkeypatch.setenv("HITAB_HOME", str(place / "another_home"))
+    monkeypatch.delenv("ROS_DOMAIN_ID")
+    said: list[str] = []
+    with domain_ids.reserved() as free:
+
+        def chosen(refused=(), has_world=True):
+            return free if first.domain_id in refused else first.domain_id
+
+        monkeypatch.setattr(domain_ids, "for_swarm", chosen)
+        swarm = parse_swarm(WITH_A_WORLD_ALONE, place / "lone.yaml")
+        record = bring_up(swarm, RunFolder.of_swarm("lone"), warn=said.append)
+        assert record.domain_id == free
+        assert said == [
+            f"ROS domain {first.domain_id} is in use by swarm {first.identity}; "
+            "lone starts in another one"
+        ]
+        supervision.stop(RunFolder.of_swarm("lone"))
+
+
+def test_a_swarm_without_a_world_lives_beside_a_swarm_with_one_in_its_domain(place):
+    soccer = bring_up(parse_swarm(SOCCER, place / "soccer.yaml"), RunFolder(place / "soccer"))
+    lone = parse_swarm(LONE, place / "lone.yaml")
+    with pytest.raises(SwarmError, match="its world publishes the clock from which lone takes"):
+        bring_up(lone.with_sim_time(), RunFolder(place / "lone"))
+    record = bring_up(lone, RunFolder(place / "lone"))
+    assert record.domain_id == soccer.domain_id
+    with RosLink(record.domain_id) as link:
+        agents = SwarmClient(link, record.agents, identity=record.identity)
+        agents.perform("lone", "Stop")
+        assert link.spin_until(lambda: agents.statuses["lone"].behavior == "Stop", 60.0)
+        keepers = SwarmClient(link, soccer.agents, identity=soccer.identity)
+        assert keepers.await_agents() == list(soccer.agents)
+        assert {status.behavior for status in keepers.statuses.values()} == {""}
+        world = WorldClient(link, identity=record.identity)
+        assert link.spin_until(lambda: world.stranger == soccer.identity, 60.0)
+        assert world.status is None
+
+
 def test_names_taken_by_nodes_started_by_hand_are_refused(hitab, place):
-    hand = by_hand(place)
-    try:
+    with by_hand(place) as hand:
         refused = hitab("up", described(place))
-        deadline = time.monotonic() + 60
-        while refused.returncode == 0 and time.monotonic() < deadline:
-            hitab("down")  # the other one had not started yet
-            refused = hitab("up", described(place))
         assert refused.returncode == 1
         assert "started by hand" in refused.stderr
         assert hand.poll() is None
-    finally:
-        hand.terminate()
-        hand.wait()
 
 
 def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, place):
@@ -205,16 +250,19 @@ def test_verbs_refuse_a_swarm_that_is_not_that_of_the_run_folder(hitab, place, a
 
 
 def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, place, monkeypatch):
-    path = described(place)
+    path = described(place, APART)
     monkeypatch.delenv("ROS_DOMAIN_ID")
     up(hitab, path)
-    up(hitab, path, "--run-dir", str(place / "other"))
+    second = up(hitab, path, "--run-dir", str(place / "other"))
     both = dict(running_swarms())
     assert len({record.domain_id for record in both.values()}) == 2
     which = hitab("down", "lone")
     assert which.returncode == 1
     assert all(record.identity in which.stderr for record in both.values())
     other = next(r for f, r in both.items() if f.path == place / "other")
+    first = next(r for r in both.values() if r != other)
+    assert f"another lone is up already: {first.identity}, in " in second.stderr
+    assert f"this one is {other.identity}" in second.stderr
     status = hitab("status", "--swarm", str(place / "other"), "--json", "-")
     assert json.loads(status.stdout)["identity"] == other.identity
     assert hitab("down", "--swarm", other.identity).stdout == "lone is down\n"
@@ -226,7 +274,7 @@ def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, pla
 def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, place, monkeypatch):
     monkeypatch.delenv("ROS_DOMAIN_ID")
     command = [sys.executable, "-m", "hitab_bringup.main", "up"]
-    path = described(place)
+    path = described(place, APART)
     started = [
         subprocess.Popen([*command, path, "--run-dir", str(place / name)], stderr=subprocess.PIPE)
         for name in ("one", "two", "three")
@@ -299,17 +347,9 @@ def test_a_temporary_swarm_looks_for_a_domain_where_its_names_are_free(
     # What outlives the process that had reserved a domain is still there.
     with domain_ids.reserved() as first, domain_ids.reserved() as second:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(first))
-        stranger = by_hand(tmp_path)
-    offered = iter((first, second))
-    monkeypatch.setattr(domain_ids, "reserved", lambda: contextlib.nullcontext(next(offered)))
-    try:
-        with RosLink(first) as link:
-            strangers = SwarmClient(link, ("lone",))
-            strangers.watch_all()
-            assert link.spin_until(lambda: "lone" in strangers.statuses, 60.0)
+    with by_hand(tmp_path):
+        offered = iter((first, second))
+        monkeypatch.setattr(domain_ids, "reserved", lambda: contextlib.nullcontext(next(offered)))
         swarm = parse_swarm(LONE, tmp_path / "lone.yaml")
         with temporary_swarm(swarm, tmp_path / "run") as running:
             assert running.record.domain_id == second
-    finally:
-        stranger.terminate()
-        stranger.wait()

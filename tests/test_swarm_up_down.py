@@ -20,6 +20,13 @@ swarm: {name}
 domain: keepaway
 agents: {{{agent}: {{}}}}
 """
+APART = """\
+swarm: {name}
+world: {{kind: keepaway, paused: true}}
+domain: keepaway
+namespace: {name}
+agents: {{{name}_1: {{}}}}
+"""
 WITH_WORLD = """\
 swarm: soccer
 world: {kind: keepaway, pace: lockstep, paused: true}
@@ -94,12 +101,15 @@ def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
 def test_two_swarms_at_once_live_in_different_domains(hitab, swarm_home, monkeypatch):
     monkeypatch.delenv("ROS_DOMAIN_ID")
     for name in ("red", "blue"):
-        bring_up(hitab, swarm_home, name, f"{name}_1")
+        up = hitab("up", write(swarm_home, name, APART.format(name=name)))
+        assert up.returncode == 0, up.stderr
+    assert "ROS domain 0 " in up.stderr, "why it is in another one"
     domains = {record.swarm: record.domain_id for _, record in running_swarms()}
     assert len(set(domains.values())) == 2
     which = hitab("status")
     assert which.returncode == 1
-    assert "several swarms are up (has: blue, red); choose one with --swarm NAME" in which.stderr
+    assert "several swarms are up; choose one with --swarm NAME:" in which.stderr
+    assert "  red: started at " in which.stderr
     status = hitab("status", "--swarm", "red", "--json", "-")
     assert [agent["agent"] for agent in json.loads(status.stdout)["agents"]] == ["red_1"]
     assert hitab("down", "red").stdout == "red is down\n"
@@ -181,3 +191,4 @@ def test_a_swarm_that_would_meet_another_of_its_kind_is_refused(hitab, swarm_hom
     assert 'swarm "red"' in up.stderr
     domain = os.environ["ROS_DOMAIN_ID"]
     assert f"is up in the same ROS domain {domain} and also has x" in up.stderr
+    assert "or start it and its robots' drivers in another ROS_DOMAIN_ID" in up.stderr

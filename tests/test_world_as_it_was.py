@@ -78,9 +78,11 @@ def test_ctrl_c_while_it_is_handed_back_is_obeyed_afterwards(running):
             signal.raise_signal(signal.SIGINT)
 
     def begin() -> None:
-        interrupted.append(
-            running.link.subscribe(WorldStatus, "/world/status", interrupt, qos.EVENTS)
+        topic = "/world/status"
+        subscribed = running.link.subscribe(
+            WorldStatus, topic, interrupt, qos.EVENTS, temporary=True
         )
+        interrupted.append(subscribed)
 
     interrupted: list = []
     with pytest.raises(KeyboardInterrupt):
@@ -98,7 +100,8 @@ def test_an_error_while_it_is_handed_back_does_not_keep_the_rest_from_being_so(r
             raise RuntimeError("a subscriber fails")
 
     def begin() -> None:
-        made.append(running.link.subscribe(WorldStatus, "/world/status", fail, qos.EVENTS))
+        topic = "/world/status"
+        made.append(running.link.subscribe(WorldStatus, topic, fail, qos.EVENTS, temporary=True))
 
     made: list = []
     with pytest.raises(SwarmError, match="could not be restored"):

@@ -1,6 +1,6 @@
 """The `hitab` command in a process of its own that does not begin with a second of imports.
 
-Pages have dozens of commands. Each of these is run by a fork of a process that has imported what
+Tests and pages run hundreds of commands. Each is run by a fork of a process that has imported what
 all of them use.
 """
 
@@ -11,7 +11,7 @@ import os
 import shlex
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 IMPORTED = [
@@ -31,41 +31,49 @@ _fork.set_forkserver_preload(IMPORTED)
 
 
 def run(
-    command: str, folder: Path, environment: Mapping[str, str], seconds: float
+    words: Sequence[str], folder: Path, environment: Mapping[str, str], seconds: float
 ) -> tuple[int, str, str]:
-    """Run a command line that begins with `hitab`.
+    """Run a command.
+
+    Args:
+        words: its command line, which begins with `hitab`.
+        folder: to run it in.
+        environment: its environment variables.
+        seconds: the longest that it may take.
 
     Returns:
         Its exit status, and what it printed to stdout and stderr.
+
+    Raises:
+        TimeoutError: if it takes longer.
     """
-    words = shlex.split(command, comments=True)
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        process = _fork.Process(
-            target=_hitab,
-            args=(words, folder, dict(environment), out.fileno(), err.fileno(), os.getpid()),
-        )
+        files = [f"/proc/{os.getpid()}/fd/{file.fileno()}" for file in (out, err)]
+        process = _fork.Process(target=_hitab, args=(words, folder, dict(environment), files))
         process.start()
         process.join(seconds)
         if process.exitcode is None:
             process.kill()
             process.join()
-            raise TimeoutError(f"{command} takes longer than {seconds:g} s")
+            raise TimeoutError(f"{shlex.join(words)} takes longer than {seconds:g} s")
         out.seek(0)
         err.seek(0)
         return process.exitcode, out.read().decode(), err.read().decode()
 
 
 def _hitab(
-    words: list[str], folder: Path, environment: dict[str, str], out: int, err: int, parent: int
+    words: Sequence[str], folder: Path, environment: dict[str, str], files: Sequence[str]
 ) -> None:
-    for there, here in ((out, 1), (err, 2)):
-        file = os.open(f"/proc/{parent}/fd/{there}", os.O_WRONLY)
+    for there, here in zip(files, (1, 2), strict=True):
+        file = os.open(there, os.O_WRONLY)
         os.dup2(file, here)
         os.close(file)
     os.environ.clear()
     os.environ.update(environment)
     os.chdir(folder)
-    sys.argv = words
+    # As a new interpreter would.
+    sys.path[:0] = filter(None, environment.get("PYTHONPATH", "").split(os.pathsep))
+    sys.argv = list(words)
     from hitab_bringup.main import main
 
     main()

@@ -27,6 +27,7 @@ WORDS = {
     "hitab_client": "what programs talk\nto a swarm with; lessons",
     "hitab_world": "node of any\nsimulated world",
     "hitab_commander": "virtual commanders",
+    "hitab_robots": "robots with standard\nmessages; relay",
     "hitab_studio": "browser console",
     "hitab_bringup": "swarm files, supervision,\nthe hitab command",
     "foraging_world": "box foraging: world, swarms,\nlessons, libraries",
@@ -39,6 +40,7 @@ COLUMN = {
     "hitab_client": 0.0,
     "hitab_world": 3.6,
     "hitab_commander": -3.1,
+    "hitab_robots": -6.0,
     "hitab_studio": 0.9,
     "hitab_bringup": -1.5,
     "foraging_world": 5.0,
@@ -66,7 +68,7 @@ def needs() -> dict[str, set[str]]:
 def main() -> None:
     """Draw it."""
     mpl.rcParams.update({"svg.hashsalt": "hitab", "svg.fonttype": "none", "font.size": 8})
-    figure, axes = plt.subplots(figsize=(9.0, 6.4))
+    figure, axes = plt.subplots(figsize=(11.0, 6.4))
     place = {}
     for height, floor in enumerate(FLOORS):
         for package in floor:
@@ -82,7 +84,7 @@ def main() -> None:
         axes.add_patch(box)
         axes.text(x, y + 0.25, package, ha="center", va="center", weight="bold", zorder=3)
         axes.text(x, y - 0.1, WORDS[package], ha="center", va="center", fontsize=7, zorder=3)
-    axes.set_xlim(-4.6, 6.5)
+    axes.set_xlim(-7.5, 6.5)
     axes.set_ylim(-0.7, (len(FLOORS) - 1) * (HEIGHT + GAP) + 0.7)
     axes.axis("off")
     figure.savefig(HERE / "packages.svg", metadata={"Date": None}, bbox_inches="tight")

@@ -3,21 +3,27 @@
 scripts/python docs/images/studio.py
 
 A person at a real browser trains ApproachBall by clicking, has a look at what would be learned
-from another feature, is asked which of two commands holds, arranges a scenario by dragging, and
-looks into what the shipped keepers have learned, while they play.
+from another feature, is asked which of two commands holds, stops all robots, makes a generation of
+the team, arranges a scenario by dragging, and looks into what the shipped keepers have learned,
+while they play. Then somebody trains a robot that is in no simulated world.
+
+With ``--only robot`` (or ``keepers``) it takes only these pictures.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_client import RosLink, SwarmClient, domain_ids
 from keepaway_world.verbs.evaluation import trained_keepers
 
 HERE = Path(__file__).resolve().parent
@@ -26,19 +32,20 @@ LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 SIZE = {"width": 1280, "height": 720}
 TABLET = {"width": 820, "height": 1180}
 TEACHER = "keeper_1"
+ROBOT = "robot_1"
 
 sys.path.insert(0, str(ROOT / "tests"))
 
 
 @contextmanager
-def page(chrome: Any, url: str, *, dark: bool = False) -> Iterator[Any]:
+def page(chrome: Any, url: str, *, dark: bool = False, agent: str = TEACHER) -> Iterator[Any]:
     """Open the studio in a window."""
     from browsing import Person
 
     window = chrome.new_page(viewport=SIZE, color_scheme="dark" if dark else "light")
     person = Person(window, url)
     person.sees_field()
-    person.click(f"agent-{TEACHER}")
+    person.click(f"agent-{agent}")
     yield person
     window.close()
 
@@ -92,12 +99,20 @@ def train(person: Any, swarm: RunningSwarm) -> None:
     person.page.wait_for_timeout(5500)
     person.page.locator('[data-test="questions"]').scroll_into_view_if_needed()
     person.page.screenshot(path=HERE / "studio-questions.png")
+    person.click("stop-robots")
+    person.sees("stopped")
+    person.page.wait_for_timeout(300)
+    person.page.screenshot(path=HERE / "studio-stopped.png")
+    person.click("release")
+    person.click("release-now")
+    person.does_not_see("stopped")
     for examples in (8, 6):
         person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
         person.click("undo")
         person.sees("counts", f"{examples} examples")
     person.click("tab-examples")
     person.page.wait_for_timeout(300)
+    generations(person)
     # In the middle of dragging, two things at once.
     mouse = person.page.mouse
     mouse.click(*person.on_screen(*person.place_of("taker_1")))
@@ -114,6 +129,21 @@ def train(person: Any, swarm: RunningSwarm) -> None:
     mouse.up()
 
 
+def generations(person: Any) -> None:
+    """Make a generation, which the team performs from then on."""
+    person.click("tab-teach")
+    person.click("generations-teach")
+    person.type("generation-note", "runs to the ball")
+    person.type("generation-episodes", "5")
+    person.click("generation-next")
+    person.sees("made")
+    person.page.wait_for_timeout(300)
+    person.page.screenshot(path=HERE / "studio-generations.png")
+    person.page.keyboard.press("Escape")
+    person.does_not_see("generations-dialog")
+    person.click("tab-examples")
+
+
 def look(person: Any, swarm: RunningSwarm) -> None:
     """Look into what was learned, while it plays."""
     person.page.click("#trails")
@@ -128,11 +158,55 @@ def look(person: Any, swarm: RunningSwarm) -> None:
     person.page.screenshot(path=HERE / "studio-learned.png")
 
 
-def main() -> None:
-    """Take all pictures."""
+def robot() -> None:
+    """Train a robot of examples/diff_drive to wander, up to its second turn."""
     from browsing import browser, studio
 
-    os.environ["HITAB_HOME"] = tempfile.mkdtemp(prefix="hitab-studio-")
+    paths = [str(ROOT / "examples/diff_drive"), os.environ.get("PYTHONPATH", "")]
+    with ExitStack() as stack:
+        number = stack.enter_context(domain_ids.reserved())
+        os.environ |= {"ROS_DOMAIN_ID": str(number), "PYTHONPATH": os.pathsep.join(paths)}
+        home = Path(os.environ["HITAB_HOME"])
+        for program in (
+            ("-m", "diff_drive.simulated_robot"),
+            (str(HERE / "robot_in_a_room.py"),),
+            ("-m", "hitab_agent.agent_main"),
+        ):
+            options = ["--ros-args", "-r", f"__ns:=/{ROBOT}"]
+            if program[-1] == "hitab_agent.agent_main":
+                options += ["-p", "domain:=diff_drive.domain:DOMAIN", "-p", f"state_dir:={home}"]
+            process = subprocess.Popen([sys.executable, *program, *options])
+            stack.callback(process.wait)
+            stack.callback(process.kill)
+        link = stack.enter_context(RosLink(number))
+        agents = SwarmClient(link, [ROBOT])
+        agents.await_agent(ROBOT, 60.0)
+        chrome = stack.enter_context(browser())
+        url = stack.enter_context(studio(home / "robot.log"))
+        person = stack.enter_context(page(chrome, url, agent=ROBOT))
+        person.page.wait_for_function("studioField.robots.map && studioField.robots.clouds[0]")
+        person.click("new")
+        person.type("new-name", "Wander")
+        person.tick("feature-RangeAhead")
+        person.click("begin")
+        person.sees("mode", "Training")
+        for behavior, examples, true in (
+            ("Forward", 2, "p[0] > 1.2"),
+            ("TurnLeft", 4, "Math.abs(p[2]) > 1.9"),
+            ("Forward", 6, "p[0] < 0.8"),
+        ):
+            person.click(f"do-{behavior}")
+            person.sees("counts", f"{examples} examples")
+            person.page.wait_for_function(
+                f"(() => {{ const p = studioField.now.places; return {true}; }})()"
+            )
+        person.page.screenshot(path=HERE / "studio-robot.png")
+
+
+def keepers() -> None:
+    """Train keepers, and look into what trained ones have learned."""
+    from browsing import browser, studio
+
     parameters = {"taker_speed": 0.25}
     for library, behavior in ((None, ""), (LIBRARY, "Keepaway")):
         description = trained_keepers(library, behavior, parameters)
@@ -148,6 +222,18 @@ def main() -> None:
                     with page(chrome, url, dark=True) as person:
                         person.page.wait_for_timeout(8000)
                         look(person, swarm)
+
+
+def main() -> None:
+    """Take the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=("keepers", "robot"), help="take only these")
+    only = parser.parse_args().only
+    os.environ["HITAB_HOME"] = tempfile.mkdtemp(prefix="hitab-studio-")
+    if only != "robot":
+        keepers()
+    if only != "keepers":
+        robot()
 
 
 if __name__ == "__main__":

@@ -7,14 +7,14 @@ NAME = "diff_drive"
 setup(
     name=NAME,
     version="0.1.0",
-    description="An example of a robot of one's own for HiTAB: a domain and its ROS link.",
+    description="An example of a robot for HiTAB: the domain of a differential-drive robot.",
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",
     license="Apache-2.0",
     packages=find_packages(),
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml", "swarm.yaml"]),
+        (f"share/{NAME}", ["LICENSE", "package.xml", "swarm.yaml"]),
     ],
     install_requires=["setuptools"],
     zip_safe=True,

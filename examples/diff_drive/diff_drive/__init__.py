@@ -1,1 +1,1 @@
-"""A robot of one's own: the domain and the ROS link of a differential-drive robot."""
+"""A robot of one's own: the domain of a differential-drive robot."""

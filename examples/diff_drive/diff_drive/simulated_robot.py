@@ -3,6 +3,8 @@
 It stands in for a robot's own driver and knows nothing of HiTAB. For example::
 
     python -m diff_drive.simulated_robot --ros-args -r __ns:=/robot_1
+
+With the parameter ``enable_stamped_cmd_vel`` it takes `TwistStamped`, as robots with Jazzy do.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import math
 
 import rclpy
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.executors import ExternalShutdownException
@@ -50,7 +52,12 @@ class SimulatedRobot(Node):
         self.commanded = self.get_clock().now()
         self.odom = self.create_publisher(Odometry, "odom", 10)
         self.scan = self.create_publisher(LaserScan, "scan", qos_profile_sensor_data)
-        self.create_subscription(Twist, "cmd_vel", self.obey, 10)
+        if self.declare_parameter("enable_stamped_cmd_vel", False).value:
+            self.create_subscription(
+                TwistStamped, "cmd_vel", lambda message: self.obey(message.twist), 10
+            )
+        else:
+            self.create_subscription(Twist, "cmd_vel", self.obey, 10)
         self.create_timer(PERIOD, self.step)
 
     def obey(self, velocity: Twist) -> None:

@@ -13,7 +13,7 @@ setup(
     package_data={NAME: ["py.typed", "**/*.pyi"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}", ["LICENSE", "package.xml"]),
         (f"share/{NAME}/launch", sorted(map(str, Path("launch").glob("*.launch.py")))),
     ],
     install_requires=[
@@ -25,6 +25,7 @@ setup(
         "supervisor",
         "typer",
     ],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",

@@ -15,7 +15,7 @@ setup(
     package_data={"": ["py.typed", "**/*.pyi", "**/*.json", "**/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}", ["LICENSE", "package.xml"]),
     ],
     install_requires=["setuptools", "lazy_loader", "PyYAML"],
     extras_require={"test": ["pytest"]},

@@ -15,14 +15,13 @@ setup(
     package_data={NAME: ["py.typed", "static/*", "templates/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}", ["LICENSE", "package.xml"]),
+        (f"share/{NAME}/viewers", ["viewers/field.rviz", "viewers/keepaway.foxglove.json"]),
     ],
     install_requires=[
         "setuptools",
         "fastapi",
         "jinja2",
-        "mcap",
-        "mcap-ros2-support",
         "nicegui",
         "numpy",
         "typer",

@@ -29,7 +29,7 @@ setup(
     package_data={"": ["py.typed", "**/*.json", "**/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}", ["LICENSE", "package.xml"]),
         *[entry for folder in DATA for entry in shipped(folder)],
     ],
     install_requires=["setuptools", "matplotlib", "numpy", "pymunk", "rich", "typer"],
@@ -45,6 +45,7 @@ setup(
             "keepaway = keepaway_world.domain:DOMAIN",
             "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
             "keepaway_predictive = keepaway_world.predictive.domain:DOMAIN",
+            "keepaway_fullspeed = keepaway_world.fullspeed.domain:DOMAIN",
         ],
         "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],
         "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],

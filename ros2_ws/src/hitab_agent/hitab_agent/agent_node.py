@@ -7,24 +7,40 @@ from pathlib import Path
 from typing import Any
 
 from hitab_msgs import msg
+from rclpy.parameter_service import ParameterService
 
+from hitab_agent import actions
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.command_receiver import CommandReceiver
+from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.distribution import Distributor
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.performance_memory import PerformanceMemory
 from hitab_agent.robot_link import link_class
+from hitab_agent.session_log import SessionLog
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
-from hitab_core import RESERVED, Agent, Domain, HitabError, LostBehaviorError, Mode, quantity
+from hitab_core import (
+    RESERVED,
+    Agent,
+    Domain,
+    HitabError,
+    LostBehaviorError,
+    Mode,
+    action_behaviors,
+    quantity,
+    uses_actions,
+)
 from hitab_core.commanding import Subordinate
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import use_of
+from hitab_ros.diagnostics import Diagnosis, Level
+from hitab_ros.stamps import seconds_of
 
 
 class AgentNode(GuardedNode):
@@ -48,14 +64,18 @@ class AgentNode(GuardedNode):
             HitabError: if the domain, the library or the journal is unusable.
         """
         self._joined = False
-        super().__init__(node_name, **options)
+        self._session_log: SessionLog | None = None
+        # In a host it would cost two endpoints and more for each of many agents.
+        super().__init__(node_name, **{"enable_rosout": shared is None, **options})
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
         self.shared = shared or Shared.on(self)
         self.ticker = self.shared.ticker
         self.outbox = self.shared.outbox
         domain = self.load_domain(settings.domain)
-        self.transition_log = TransitionLog(self)
+        if uses_actions(domain):
+            actions.check_actions(domain)
+        self.transition_log = TransitionLog(self, logs=shared is None)
         state = Path(settings.state_dir).expanduser() / self.agent_name
         library = Path(settings.library).expanduser() if settings.library else state / "library"
         self.agent = Agent(
@@ -79,6 +99,8 @@ class AgentNode(GuardedNode):
         self._sensed = False
         self._unsettled = True
         self._link: Any = None
+        self.actions: actions.ActionClients | None = None
+        self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
         self._start_error = ""
         self._memory = PerformanceMemory(state, settings.swarm)
@@ -132,7 +154,11 @@ class AgentNode(GuardedNode):
         """Start to listen and answer; call this once the name is known to be free."""
         self._joined = True
         self.shared.members.append(self.status.publish_soon)
-        CommandReceiver(self, self.agent, self.status, self.settle)
+        self.shared.diagnosed.append(self.diagnose)
+        commands = CommandReceiver(self, self.agent, self.status, self.settle)
+        if self.shared.host is None:
+            self._session_log = SessionLog(self, self.agent, self.ticker)
+            commands.obeying = self._session_log.commanded
         self._distributor = Distributor(
             self,
             self.agent,
@@ -146,6 +172,7 @@ class AgentNode(GuardedNode):
             self._offer_services()
         else:
             self.shared.on_demand.add(self, self._offer_services)
+        self._join_actions()
         shared_link = None if self.agent.domain.link else self.shared.link(self.settings.world)
         if shared_link is None:
             if self.agent.domain.link:
@@ -174,20 +201,57 @@ class AgentNode(GuardedNode):
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if self.agent.session is not None:
             training = self.agent.session
-            self.status.report_error(
+            self.status.notify(
                 f'resumed the interrupted training of "{training.curriculum.name}" '
                 f"with {quantity(len(training.log), 'example')}"
             )
         else:
-            self.status.report_error(self._start_error)
+            self.status.notify(self._start_error)
+
+    def _join_actions(self) -> None:
+        """Become a client of the actions that are behaviors, and offer the behaviors as one."""
+        settings = self.settings
+        if action_behaviors(self.agent.domain):
+            limits = actions.Limits(settings.action_timeout, settings.action_patience)
+            self.actions = actions.ActionClients(self, self.agent, self.ticker, limits)
+        if settings.offer_actions:
+            self._offered = actions.OfferedAction(
+                self, self.agent, self.status.report_error, self._obey_or_rest
+            )
+
+    def _obey_or_rest(self) -> None:
+        """Perform what is ordered; without an order, nothing."""
+        self.agent.perform(None)
+        if self.superior is not None:
+            self.superior.obey_again()
+        self.settle()
+        self.status.publish_soon()
+
+    def create_service(
+        self, srv_type: Any, srv_name: str, callback: Any, *args: Any, **options: Any
+    ) -> Any:
+        """Create a service whose requests belong to the recorded session."""
+        if self._session_log is not None:
+            callback = self._session_log.telling(srv_name, callback)
+        return super().create_service(srv_type, srv_name, callback, *args, **options)
 
     def _offer_services(self) -> None:
         AgentServices(self, self.agent, self.shared.library, self._answered)
         InspectionServices(self, self.agent)
         self._distributor.offer()
+        if self.shared.host is None:
+            ParameterService(self)
 
     def destroy_node(self) -> None:
-        """Have the link stop the robot, then destroy the node."""
+        """Cancel its actions, have the link stop the robot, then destroy the node.
+
+        Its executor must not spin afterwards: it fails at events of action clients that are gone.
+        """
+        if self.actions is not None:
+            self.actions.close()
+        if self._offered is not None:
+            self._offered.close()
+        self.actions = self._offered = None
         if self._link is not None:
             self._link.close()
             self._link = None
@@ -202,6 +266,8 @@ class AgentNode(GuardedNode):
     def take_in(self, percept: msg.Percept) -> bool:
         """Perceive; return whether that succeeded."""
         log, agent = self.transition_log, self.agent
+        if self._session_log is not None:
+            self._session_log.perceived(percept)
         log.cycle = percept.cycle
         log.stamp = percept.stamp
         self._sensed = False
@@ -234,6 +300,7 @@ class AgentNode(GuardedNode):
             self.status.publish()
         if self.agent.unsure != self.status.message.unsure:
             self.status.publish_soon()
+            self.shared.diagnostics.soon()
         log = self.transition_log
         if self._unsettled or log.changed:
             path = self.agent.active_path
@@ -245,13 +312,15 @@ class AgentNode(GuardedNode):
                 self.status.publish_soon()
         else:
             changed = percept.restart
+        if self._offered is not None:
+            self._offered.look()
         if self.superior is not None and not percept.lockstep:
             self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
         return action
 
     def seconds_of(self, percept: msg.Percept) -> float:
         """Return the agent's time, s, used in reports: the time of the world or the robot."""
-        return float(percept.stamp.sec + percept.stamp.nanosec * 1e-9)
+        return seconds_of(percept.stamp)
 
     # -- orders of a commander ----------------------------------------------------------------
 
@@ -296,7 +365,22 @@ class AgentNode(GuardedNode):
         """Publish a status soon, if the agent has joined."""
         if self._joined:
             self.status.publish_soon()
+            self.shared.diagnostics.soon()
+
+    def diagnose(self) -> Diagnosis:
+        """Return what is wrong with it."""
+        return diagnosis_of_agent(
+            self.agent, self.guard, self.status, self.get_namespace(), self.troubles()
+        )
+
+    def troubles(self) -> list[tuple[Level, str]]:
+        """Return what else is wrong, for a kind of agent that has more than one body."""
+        return []
 
     def _prepare_status(self) -> None:
         self.remember()
         self._tick.clear_if_past()
+        if self.actions is not None:
+            self.actions.clear_if_past()
+        if self._offered is not None:
+            self._offered.look()

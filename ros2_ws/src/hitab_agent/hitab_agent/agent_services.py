@@ -7,8 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hitab_msgs import msg, srv
+from hitab_msgs import srv
 
+from hitab_agent.question_services import QuestionServices
+from hitab_agent.slices import Slices
 from hitab_core import (
     FLAGS,
     OWN_FEATURES,
@@ -26,7 +28,7 @@ from hitab_core import (
     unknown,
 )
 from hitab_core.library import SUFFIX
-from hitab_core.training import Curriculum, Question, TrainingSession
+from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_ros.conversions import example_message, report_costs, use_of
@@ -63,12 +65,11 @@ class AgentServices:
             (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
             (srv.GetReport, names.GET_REPORT, self._get_report),
             (srv.SetCaution, names.SET_CAUTION, self._set_caution),
-            (srv.ListQuestions, names.LIST_QUESTIONS, self._list_questions),
-            (srv.AnswerQuestion, names.ANSWER_QUESTION, self._answer_question),
         ]
         for kind, name, serve in offered:
             node.create_service(kind, name, answering(serve, answered))
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
+        QuestionServices(node, agent, answered, Slices(node))
 
     def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:
         curriculum = Curriculum.parse(
@@ -81,10 +82,39 @@ class AgentServices:
         )
         given_up = self._under_way()
         session = self._agent.begin(curriculum, resume=request.resume, discard=request.discard)
-        done = f'training "{session.curriculum.name}"'
+        done = [f'training "{session.curriculum.name}"']
         if len(session.log):
-            done += f" with {quantity(len(session.log), 'example')}"
-        return f"{done}; discarded {given_up}" if given_up else done
+            done[0] += f" with {quantity(len(session.log), 'example')}"
+        if given_up:
+            done.append(f"discarded {given_up}")
+        done += self._replaced(session.curriculum.name, resumed=bool(request.resume))
+        done += self._without_features(session)
+        return "; ".join(done)
+
+    def _replaced(self, name: str, *, resumed: bool) -> list[str]:
+        """Say what saving will replace, and how to go on with that instead."""
+        saved = self._agent.edition.files.get(name)
+        if saved is None or resumed:
+            return []
+        agent, examples = self._agent.name, len(saved.automaton.examples)
+        if not examples:
+            return [f'saving it will replace the "{name}" in the library']
+        return [
+            f'saving it will replace the "{name}" in the library, which has '
+            f"{quantity(examples, 'example')}. To go on from these instead: "
+            f"`hitab train {agent} {name} --resume`; to only exchange its features: "
+            f"`hitab retrain {agent} {name} -f FEATURE`"
+        ]
+
+    def _without_features(self, session: TrainingSession) -> list[str]:
+        if session.curriculum.features:
+            return []
+        agent = self._agent.name
+        return [
+            "no feature is chosen, so it cannot tell situations apart yet. Choose by what it "
+            f"decides, now or later: `hitab examples features {agent} -f FEATURE`; "
+            f"`hitab vocabulary {agent}` lists the features"
+        ]
 
     def _under_way(self) -> str:
         """Describe the training under way; empty if it has no examples."""
@@ -102,12 +132,11 @@ class AgentServices:
             case Mode.TRAINING:
                 self._agent.take_over()
             case Mode.IDLE:
-                self._agent.perform(None)
+                return self._kept_aside(lambda: self._agent.perform(None), "is idle")
             case mode:
                 known = (Mode.TESTING, Mode.TRAINING, Mode.IDLE)
                 raise TrainingError(unknown("mode", mode, known))
-        trained = f' "{self._agent.training}"' if request.mode != Mode.IDLE else ""
-        return f"{self._agent.name} is {self._agent.mode}{trained}"
+        return f'{self._agent.name} is {self._agent.mode} "{self._agent.training}"'
 
     def _discard(self, mode: str) -> str:
         if mode != Mode.IDLE:
@@ -152,27 +181,13 @@ class AgentServices:
     def _training(self) -> TrainingSession:
         session = self._agent.session
         if session is None:
-            raise TrainingError(f"{self._agent.name} is not training anything")
+            raise TrainingError(_no_training(self._agent, "begin one with `hitab train {} NAME`"))
         return session
 
     def _set_caution(self, request: srv.SetCaution.Request, response: Any) -> str:
         caution = Caution.parse(request.when_unsure, request.support, request.distance)
         self._agent.be_cautious(caution)
-        return f"{self._agent.name}: when unsure, {caution.when_unsure.value}"
-
-    def _list_questions(self, request: srv.ListQuestions.Request, response: Any) -> str:
-        session = self._training()
-        response.questions = [question_message(q, session) for q in session.questions()]
-        response.answered = session.asked.answered
-        return quantity(len(response.questions), "question")
-
-    def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
-        session = self._training()
-        question = session.answer(request.number, request.choice, dismiss=request.dismiss)
-        if request.dismiss:
-            return f"question {question.number} is not asked again"
-        done = session.log.done[-1] if session.log.done else "nothing"
-        return f"question {question.number}: {done}"
+        return f"{self._agent.name}: {caution}"
 
     def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:
         session = self._agent.session
@@ -187,7 +202,9 @@ class AgentServices:
             examples, readable = session.examples, session.readable
             response.done, response.undone = session.log.done, session.log.undone
         else:
-            raise TrainingError(f"{self._agent.name} is not training anything; name an automaton")
+            raise TrainingError(
+                _no_training(self._agent, "name a trained behavior: `hitab examples list {} NAME`")
+            )
         response.automaton = name
         response.features = [str(feature) for feature in features]
         response.readable = [str(use) for use in readable]
@@ -198,12 +215,14 @@ class AgentServices:
         agent = self._agent
         name = request.automaton or agent.training
         if not name:
-            raise TrainingError(f"{agent.name} is not training anything; name an automaton")
+            raise TrainingError(
+                _no_training(agent, "name a trained behavior: `hitab report {} NAME`")
+            )
         costs = agent.journal.costs(name)
         if not costs:
             raise TrainingError(
-                f'{agent.name} has no journal of a training of "{name}"; ask the agent that was '
-                "trained"
+                f'{agent.name} has no record of a training of "{name}" '
+                f"{has(agent.journal.trained(), name)}; ask the agent that was trained"
             )
         report_costs(costs, response)
         return quantity(len(costs), "training")
@@ -231,12 +250,20 @@ class AgentServices:
         return done
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
-        if not request.behavior:
-            self._agent.perform(None)
-            return f"{self._agent.name} performs nothing"
-        use = use_of(request.behavior, request.arguments)
-        self._agent.perform(use)
-        return f"{self._agent.name} performs {use}"
+        use = use_of(request.behavior, request.arguments) if request.behavior else None
+        return self._kept_aside(lambda: self._agent.perform(use), f"performs {use or 'nothing'}")
+
+    def _kept_aside(self, perform: Callable[[], None], done: str) -> str:
+        """Have the agent perform something; say what becomes of a training under way."""
+        agent = self._agent
+        perform()
+        if agent.session is None:
+            return f"{agent.name} {done}"
+        return (
+            f'{agent.name} {done}; the training of "{agent.training}" '
+            f"({quantity(agent.unsaved, 'example')}) is kept: `hitab train {agent.name}` goes on "
+            "with it"
+        )
 
     def _load_library(self, request: srv.LoadLibrary.Request, response: Any) -> str:
         library = None
@@ -281,18 +308,11 @@ class AgentServices:
         return response
 
 
-def question_message(question: Question, session: TrainingSession) -> msg.Question:
-    """Return a question as a message."""
-    names = [str(use) for use in session.curriculum.features]
-    return msg.Question(
-        number=question.number,
-        kind=question.kind.value,
-        text=question.text,
-        state=question.state,
-        examples=list(question.examples),
-        choices=[choice.name for choice in question.choices],
-        effects=[choice.effect for choice in question.choices],
-        proposed=0,
-        features=names if question.situation else [],
-        situation=list(question.situation),
-    )
+def _no_training(agent: Agent, way_out: str) -> str:
+    """Return that an agent is not training anything.
+
+    Args:
+        agent: the agent.
+        way_out: what to do, with ``{}`` for its name.
+    """
+    return f"{agent.name} is not training anything; {way_out.format(agent.name)}"

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 
-from rclpy.clock import Clock, ClockType
-
-from hitab_ros import Guard, GuardedNode, name_of
+from hitab_ros import Guard, GuardedNode, name_of, steady_timer
 
 
 class Deferred:
@@ -28,9 +26,7 @@ class Deferred:
         self._at_most = at_most
         self._guard = node.guard
         self._calls: deque[tuple[Callable[[], None], Guard]] = deque()
-        self._timer = node.create_timer(
-            period_s, self._due, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self._timer = steady_timer(node, period_s, self._due)
         self._timer.cancel()
 
     def call(self, call: Callable[[], None], guard: Guard | None = None) -> None:

@@ -9,7 +9,8 @@ differ, a JSON file lists them with their parameters::
 
     python -m hitab_agent.host_main --ros-args -p roster:=host_1.json
 
-    [{"name": "ant_1", "parameters": {"domain": "foraging", "commander": "chief"}},
+    [{"name": "ant_1", "parameters": {"domain": "foraging", "commander": "chief"},
+      "remap": {"cmd_vel": "/base_1/cmd_vel"}},
      {"name": "chief", "node": "hitab_commander.commander_node:CommanderNode",
       "parameters": {"domain": "squad.yaml", "subordinates": ["ant_1", "ant_2"]}}]
 """
@@ -18,7 +19,6 @@ from __future__ import annotations
 
 import gc
 import sys
-import uuid
 from collections.abc import Sequence
 
 from hitab_msgs.msg import AgentStatus, HostRoster
@@ -26,9 +26,11 @@ from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.host.remaps import cli_args, remaps_of
 from hitab_agent.host.roster import read_roster
 from hitab_core import HitabError
 from hitab_ros import (
+    NO_TYPE_DESCRIPTIONS,
     GuardedNode,
     Spinner,
     give_signs_of_life,
@@ -38,9 +40,6 @@ from hitab_ros import (
     refuse_second_of_name,
     run,
 )
-
-NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
-"""Turns off a service that every node has and nothing uses."""
 
 GARBAGE = (10_000, 20, 100)
 """Thresholds for `gc.set_threshold`: new objects per collection, collections per older one."""
@@ -57,8 +56,16 @@ def start(spinning: Spinner) -> None:
         raise HitabError(f"the host was given {', '.join(doubles)} twice; name each agent once")
     namespace = host.get_namespace().rstrip("/")
     swarm = host.get_parameter("swarm").value  # of all its agents
-    # The node with the topics of the host, in its own namespace.
-    desk = make_node("host", namespace=f"{namespace}/host_{uuid.uuid4().hex[:8]}")
+    # A namespace on the command line is the one around those of the nodes, not theirs.
+    remaps = list(remaps_of(sys.argv))
+    # The node with the topics of the host, in its own namespace. The name of its first agent makes
+    # it unique in the swarm, and the same in each run.
+    desk = make_node(
+        "host",
+        namespace=f"{namespace}/host_of_{asked[0]}",
+        use_global_arguments=False,
+        cli_args=cli_args(remaps),
+    )
     spinning.executor.add_node(desk)
     shared = shared_on_host(desk, len(entries), swarm)
     nodes = []
@@ -71,6 +78,7 @@ def start(spinning: Spinner) -> None:
                 *(Parameter(name, value=value) for name, value in parameters.items()),
             ],
             use_global_arguments=False,
+            cli_args=cli_args([*entry.remap.items(), *remaps]),
             shared=shared,
         )
         spinning.executor.add_node(node)

@@ -54,6 +54,7 @@ class InspectionServices:
         if session is None:
             raise TrainingError(f"{self._agent.name} is not training anything; name a behavior")
         curriculum = session.curriculum
+        answer.chosen_states = list(map(str, curriculum.states))
         if request.with_features:
             chosen = list(map(Use.parse, request.with_features))
             _fill_in(answer, session.with_features(chosen), self._agent.domain)

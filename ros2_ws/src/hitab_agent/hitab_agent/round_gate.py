@@ -15,8 +15,8 @@ class RoundGate:
 
     A commander that misses a round is not waited for until it gives an order again, or until a
     round is played after one in which agents only look: a run that is played without a commander
-    must cost a deadline, which marks it. No clock is involved: a round is over when the next one
-    begins.
+    must cost a deadline, which marks it. So must a commander that was restarted, however fast: it
+    has forgotten what it was doing. No clock is involved: a round is over when the next begins.
     """
 
     def __init__(self, orders: OrderSubscriptions) -> None:
@@ -26,6 +26,8 @@ class RoundGate:
         self._awaited: set[str] = set()
         self._silent: set[str] = set()
         self._spoken: dict[str, int] = {}
+        self._epochs: dict[str, int] = {}
+        self._owing: set[str] = set()  # restarted, and that has cost no deadline yet
         self._looked = True
 
     def begin(self, number: int, commanders: Collection[str], act: Act, *, look: bool) -> None:
@@ -40,7 +42,10 @@ class RoundGate:
         if self._looked and not look:
             self._silent.clear()
         elif self._act is not None:
-            self._silent |= self._awaited
+            self._silent |= self._awaited - self._owing
+            self._owing -= self._awaited
+        if look or self._looked:
+            self._owing.clear()
         self._looked = look
         for commander in commanders:
             if commander not in self._spoken:
@@ -49,15 +54,19 @@ class RoundGate:
         self._awaited = {
             commander
             for commander in commanders
-            if commander not in self._silent and self._spoken[commander] != number
+            if commander not in self._silent
+            and (self._spoken[commander] != number or commander in self._owing)
         }
         self._round, self._act = number, act
         self._go_on()
 
     def _hear(self, commander: str, order: Order) -> None:
+        if order.epoch != self._epochs.setdefault(commander, order.epoch):
+            self._epochs[commander] = order.epoch
+            self._owing.add(commander)
         self._silent.discard(commander)
         self._spoken[commander] = order.round
-        if order.round == self._round:
+        if order.round == self._round and commander not in self._owing:
             self._awaited.discard(commander)
             self._go_on()
 

@@ -24,12 +24,20 @@ class ServicesOnDemand:
         self._offers: dict[str, Callable[[], None]] = {}
 
     def add(self, node: GuardedNode, offer: Callable[[], None]) -> None:
-        """Call ``offer`` once a client asks for a service in a node's namespace."""
-        self._offers[node.get_namespace()] = node.guard.wrap("offering services", offer)
+        """Call ``offer`` once a client asks for a service of a node, or in its namespace."""
+        guarded = node.guard.wrap("offering services", offer)
+        namespaces = (node.get_namespace(), node.get_fully_qualified_name())
+
+        def offer_once() -> None:
+            for namespace in namespaces:
+                self._offers.pop(namespace, None)
+            guarded()
+
+        self._offers |= dict.fromkeys(namespaces, offer_once)
 
     def look(self) -> None:
         """Look for clients; call this a few times a second."""
         for service, _ in self._host.get_service_names_and_types():
-            offer = self._offers.pop(service.rpartition("/")[0], None)
+            offer = self._offers.get(service.rpartition("/")[0])
             if offer is not None:
                 offer()

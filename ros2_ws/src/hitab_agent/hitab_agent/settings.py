@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
-from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -22,6 +22,9 @@ DESCRIPTIONS = {
     "services_on_demand": "create the services when a client asks, as a host's agents do",
     "resume": "after a restart, continue what was performed, even with its own robot",
     "swarm": "identity of its swarm; empty: none, and nothing to resume",
+    "offer_actions": "offer its behaviors as one ROS action, perform_until_done",
+    "action_timeout": "s; how long to wait for the server of an action, and for its answers",
+    "action_patience": "s without a tick after which an action's goal is canceled; 0: never",
     "most_probable": "take the most probable next state instead of drawing from the distribution",
 }
 
@@ -43,6 +46,9 @@ class AgentSettings:
     services_on_demand: bool = False
     resume: bool = False
     swarm: str = ""
+    offer_actions: bool = False
+    action_timeout: float = 2.0
+    action_patience: float = 2.0
 
     @classmethod
     def declare(cls, node: Node) -> AgentSettings:
@@ -54,6 +60,9 @@ class AgentSettings:
             )
             if setting.name == "seed":
                 descriptor.integer_range = [IntegerRange(from_value=0, to_value=2**63 - 1, step=1)]
+            if isinstance(setting.default, float):
+                limits = FloatingPointRange(from_value=0.0, to_value=3600.0)
+                descriptor.floating_point_range = [limits]
             is_list = isinstance(setting.default, tuple)
             # The type of an empty list could not be seen from it.
             default = Parameter.Type.STRING_ARRAY if is_list else setting.default

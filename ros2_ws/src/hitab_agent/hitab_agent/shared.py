@@ -20,6 +20,7 @@ from hitab_agent.ticker import Ticker
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import Editions
 from hitab_ros import GuardedNode
+from hitab_ros.diagnostics import Diagnosis, Diagnostics
 
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published at most this often."""
@@ -48,6 +49,8 @@ class Shared:
         members: of a host, called when the faults of the host change.
         editions: read and cache the contents of libraries, by domain.
         told: faults of libraries that are in the log.
+        diagnosed: return the diagnoses of the agents.
+        diagnostics: publishes them.
     """
 
     ticker: Ticker
@@ -55,6 +58,8 @@ class Shared:
     orders: OrderSubscriptions
     outbox: ReportOutbox
     distributions: DistributionReceiver
+    diagnostics: Diagnostics
+    diagnosed: list[Callable[[], Diagnosis]]
     host: GuardedNode | None = None
     link_to: Callable[[str], SharedLink] | None = None
     links: dict[str, SharedLink] = field(default_factory=dict)
@@ -68,12 +73,15 @@ class Shared:
     @classmethod
     def on(cls, node: GuardedNode) -> Shared:
         """Return what a node needs for itself, or for the agents of its process."""
+        diagnosed: list[Callable[[], Diagnosis]] = []
         return cls(
             Ticker(node),
             Deferred(node, STATUS_PERIOD_S, STATUSES_AT_ONCE),
             OrderSubscriptions(node),
             ReportOutbox(node),
             DistributionReceiver(node),
+            Diagnostics(node, lambda: [diagnose() for diagnose in diagnosed]),
+            diagnosed,
         )
 
     def offer_on_demand(self, node: GuardedNode, agents: int) -> None:

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterator
 from threading import Thread
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+
+from hitab_ros import steady_timer
 
 SLICE_S = 0.005
 """How long a job runs before something else gets its turn; far less than a cycle."""
@@ -63,9 +64,7 @@ class Slices:
         """Create the timer, stopped until there is a job."""
         self._jobs: deque[Job] = deque()
         self._awaited: Background | None = None
-        self._timer: Any = node.create_timer(
-            PAUSE_S, self._turn, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self._timer = steady_timer(node, PAUSE_S, self._turn)
         self._timer.cancel()
 
     def do(self, job: Job) -> None:

@@ -51,6 +51,8 @@ class StatusPublisher:
         self._transitions = transitions
         self._prepare = prepare
         self._error = ""
+        self._notice = ""
+        self._noticed_in: tuple[object, ...] = ()
         self._is_due = False
         self._publisher = node.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
 
@@ -60,12 +62,30 @@ class StatusPublisher:
         return "" if self.superior is None else self.superior.subordinate.refusal
 
     @property
+    def notice(self) -> str:
+        """Why the last command or request was refused; else what was noticed; empty: nothing."""
+        return self._error or self._noticed
+
+    @property
+    def _noticed(self) -> str:
+        """What was noticed, until the agent does something else or records an example."""
+        if self._notice and self._noticed_in != self._state:
+            self._notice = ""
+        return self._notice
+
+    @property
+    def _state(self) -> tuple[object, ...]:
+        session = self._agent.session
+        return self._agent.mode, self._agent.behavior, len(session.log) if session else 0
+
+    @property
     def faults(self) -> list[str]:
         """The lasting faults, each shown until its cause is gone."""
         refusal = self.refusal
         waits = shown([refusal] if refusal else [])
         missing = shown(self._missing)
-        return [*waits, *self._guard.faults.texts(), *self._shared.faults, *missing]
+        noticed = [self._noticed] if self._noticed else []
+        return [*waits, *self._guard.faults.texts(), *self._shared.faults, *missing, *noticed]
 
     @property
     def _missing(self) -> tuple[str, ...]:
@@ -76,7 +96,21 @@ class StatusPublisher:
         """Publish the reason for a refusal or, without one, the lasting faults."""
         if text:
             self._guard.log(text)
+        if text != self._error:
+            self._shared.diagnostics.soon()
         self._error = text
+        self.publish()
+
+    def notify(self, text: str) -> None:
+        """Publish how the agent began, if it is not as it should; it is no refusal.
+
+        Args:
+            text: shown among the faults until the agent does something else or records an example.
+        """
+        self._notice, self._noticed_in = "".join(shown([text])), self._state
+        if text:
+            self._guard.log(text)
+            self._shared.diagnostics.soon()
         self.publish()
 
     def publish(self) -> None:
@@ -95,11 +129,13 @@ class StatusPublisher:
         status.questions = session.asked.count(session.examples) if session else 0
         status.unsure = agent.unsure
         status.when_unsure = agent.caution.when_unsure.value
+        status.unsure_support = agent.caution.support
+        status.unsure_distance = agent.caution.distance
         status.cycle = agent.cycle
         status.library_digest = agent.library_digest
         faults = self.faults
         status.faults = faults
-        status.last_error = self._error or (faults[0] if faults else "")
+        status.last_error = self.notice or (faults[0] if faults else "")
         if self.superior is not None:
             subordinate = self.superior.subordinate
             status.superior = self.superior.commander

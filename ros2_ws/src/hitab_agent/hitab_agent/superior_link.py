@@ -64,6 +64,11 @@ class SuperiorLink:
             self._ordered()
         self.tell()
 
+    def obey_again(self) -> None:
+        """Have what was last ordered wait to be carried out anew; `settle` does that."""
+        subordinate = self.subordinate
+        subordinate.waits = subordinate.ordered is not None
+
     def perceived(self, percept: msg.Percept, seconds: float, *, changed: bool = True) -> None:
         """Report what a percept and the tick after it have changed.
 

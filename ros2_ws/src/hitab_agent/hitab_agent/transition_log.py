@@ -7,15 +7,28 @@ from hitab_msgs import msg
 from rclpy.node import Node
 
 from hitab_core.running import Change
-from hitab_ros import names, qos
+from hitab_ros import SparingLog, names, qos
 
 _LOOK_EVERY = 64  # state changes between two checks for subscribers
+_LINE_S = 0.2  # between two lines of the log, after a first burst
 
 
 class TransitionLog:
-    """Publishes each state change while there are subscribers; otherwise costs next to nothing."""
+    """Publishes each state change while there are subscribers; otherwise costs next to nothing.
 
-    def __init__(self, node: Node) -> None:
+    It can also log them, at info level and not too many, while somebody listens to ``/rosout``.
+    """
+
+    def __init__(self, node: Node, *, logs: bool = False) -> None:
+        """Create the publisher.
+
+        Args:
+            node: of the agent.
+            logs: whether to log changes as well.
+        """
+        self._node = node
+        self._logs = logs
+        self._write: SparingLog | None = None
         self._publisher = node.create_publisher(msg.TransitionEvent, names.TRANSITIONS, qos.EVENTS)
         self._agent = names.own_name(node)
         self._countdown = 0
@@ -27,6 +40,11 @@ class TransitionLog:
     def look(self) -> None:
         """Check whether there are subscribers."""
         self._heard = self._publisher.get_subscription_count() > 0
+        listened = self._logs and self._node.count_subscribers(names.ROSOUT) > 0
+        if not listened:
+            self._write = None
+        elif self._write is None:
+            self._write = SparingLog(self._node.get_logger().info, refill_s=_LINE_S)
         self._countdown = _LOOK_EVERY
 
     def observe(self, change: Change) -> None:
@@ -41,6 +59,8 @@ class TransitionLog:
             self.look()
         if self._heard:
             self._publisher.publish(self._event(change))
+        if self._write is not None:
+            self._write(f"{self._agent}: {told(change)}", object())
 
     def _event(self, change: Change) -> msg.TransitionEvent:
         event = msg.TransitionEvent(
@@ -61,3 +81,11 @@ class TransitionLog:
             if why.distribution:
                 event.probability = float(why.distribution.get(change.destination, 0.0))
         return event
+
+
+def told(change: Change) -> str:
+    """Return a state change in one line: where, from what to what, and why."""
+    why = change.explanation()
+    reason = "commanded" if change.commanded else ", ".join(why.tests) if why is not None else ""
+    where = "/".join(change.automata)
+    return f"{where}: {change.source} -> {change.destination}" + (f" ({reason})" if reason else "")

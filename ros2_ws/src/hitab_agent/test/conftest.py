@@ -9,9 +9,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.experimental import EventsExecutor
 
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.testing import context_of_its_own
-
-SECONDS = 60.0
+from hitab_ros.testing import context_of_its_own, spin_until
 
 
 class Process:
@@ -29,17 +27,15 @@ class Process:
         self._nodes.append(node)
 
     def close(self) -> None:
-        for node in self._nodes:
+        """End, as a process of the project does."""
+        while self._nodes:
+            node = self._nodes.pop()
             self._executor.remove_node(node)
             node.destroy_node()
         self._executor.shutdown()
 
     def until(self, condition: Callable[[], Any]) -> None:
-        clock = Clock(clock_type=ClockType.STEADY_TIME)
-        deadline = clock.now().nanoseconds + int(SECONDS * 1e9)
-        while not condition():
-            assert clock.now().nanoseconds < deadline, "it did not happen in time"
-            self._executor.spin_once(timeout_sec=0.02)
+        spin_until(self._executor, condition)
 
     def meanwhile(self, done: list[Any], seconds: float = 0.005) -> None:
         """Do something else, again and again."""

@@ -5,7 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from domain_coordinator import domain_id
+
+from hitab_ros.ros_domains import reserved_domain
 
 
 @pytest.mark.parametrize(
@@ -16,7 +17,7 @@ from domain_coordinator import domain_id
     ],
 )
 def test_an_agent_with_a_wrong_parameter_ends_with_one_line(arguments, why):
-    with domain_id() as number:
+    with reserved_domain() as number:
         ended = subprocess.run(
             [sys.executable, "-m", "hitab_agent.agent_main", "--ros-args", "-r", *arguments],
             env={

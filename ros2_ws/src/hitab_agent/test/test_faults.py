@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from hitab_msgs import msg, srv
 from rclpy.parameter import Parameter
 
+from hitab_agent import command_receiver
 from hitab_agent.agent_node import AgentNode
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_ros import names, qos
@@ -131,6 +134,19 @@ def test_an_agent_that_does_nothing_says_so_until_it_acts_whatever_is_commanded(
     assert not one.status.last_error
 
 
+def test_how_an_agent_began_is_shown_until_it_does_something_else(one):
+    began = "it cannot perform its start behavior"
+    one.node.status.notify(began)
+    one.process.until(lambda: began in one.status.faults)
+    assert one.status.last_error == began
+    one.command("Dance")
+    assert one.status.last_error not in ("", began)
+    assert one.status.faults == [began]
+    one.ask(srv.Perform, names.PERFORM, behavior="Go")
+    one.process.until(lambda: not one.status.faults)
+    assert not one.status.last_error
+
+
 def test_what_is_not_performed_any_more_is_no_fault_any_more(one):
     one.ask(srv.Perform, names.PERFORM, behavior="Go")
     one.node.agent.body.broken = True
@@ -149,3 +165,37 @@ def test_a_callback_that_fails_is_a_fault_until_it_succeeds(one):
     status.report_error = report
     one.command("Go")
     one.process.until(lambda: not one.status.faults)
+
+
+def test_a_command_before_the_first_percept_waits_for_it_and_is_obeyed_once(one):
+    """An agent restarted in a paused world was commanded before it was shown the world again."""
+    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    for _ in range(3):
+        one._commands.publish(msg.Command(sequence=7, behavior="Go", demonstrator="me"))
+    one._commands.publish(msg.Command(sequence=8, behavior="Wait", demonstrator="me"))
+    asked = one.ask(srv.ReadFeatures, names.READ_FEATURES, also=["X"])
+    assert asked.success
+    assert one.status.examples == one.status.last_refused_sequence == 0
+    one.perceive(1.0)
+    one.process.until(lambda: one.status.last_command_sequence == 8)
+    assert one.status.examples == 4
+    assert one.status.last_refused_sequence == 0
+
+
+def test_who_never_perceives_anything_refuses_a_command_in_the_end(one, monkeypatch):
+    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    monkeypatch.setattr(command_receiver, "time", SimpleNamespace(monotonic=lambda: math.inf))
+    one.command("Go")
+    assert "nothing perceived yet" in one.status.last_error
+
+
+def test_a_command_that_waits_is_obeyed_before_one_that_comes_with_the_first_percept(one):
+    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    one._commands.publish(msg.Command(sequence=7, behavior="Go", demonstrator="me"))
+    assert one.ask(srv.ReadFeatures, names.READ_FEATURES).success
+    one._percepts.publish(msg.Percept(cycle=1, values=(1.0,)))
+    one.process.until(lambda: one.node.agent.cycle == 1)
+    one._commands.publish(msg.Command(sequence=8, behavior="Wait", demonstrator="me"))
+    one.process.until(lambda: one.status.examples == 4)
+    done = one.node.agent.session.examples
+    assert [e.next_state for e in done if not e.is_default] == ["Go", "Wait"]

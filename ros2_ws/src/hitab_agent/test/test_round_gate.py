@@ -14,8 +14,8 @@ class Orders:
     def follow(self, topic, hear):
         self.hear = hear
 
-    def give(self, round_number):
-        self.hear(CAPTAIN, Order(round=round_number))
+    def give(self, round_number, epoch=1):
+        self.hear(CAPTAIN, Order(round=round_number, epoch=epoch))
 
 
 class Rounds:
@@ -68,3 +68,27 @@ def test_a_commander_that_was_silent_in_a_pause_costs_a_deadline_when_play_begin
     assert rounds.acted == [2], "the world waits, and counts a missed deadline"
     rounds.begin(4)
     assert rounds.acted == [2, 4]
+
+
+@pytest.mark.parametrize("before", [[], [2]], ids=["within a round", "between two"])
+def test_a_commander_that_is_restarted_costs_one_deadline_however_fast_it_is(rounds, before):
+    rounds.begin(1)
+    rounds.orders.give(1)
+    for _ in before:
+        rounds.orders.give(1, epoch=2)
+    rounds.begin(2)
+    rounds.orders.give(2, epoch=2)
+    assert rounds.acted == [1], "the world waits, and counts a missed deadline"
+    rounds.begin(3)
+    assert rounds.acted == [1], "it is waited for as before"
+    rounds.orders.give(3, epoch=2)
+    assert rounds.acted == [1, 3]
+
+
+def test_a_commander_that_is_restarted_in_a_pause_costs_nothing(rounds):
+    rounds.begin(1, look=True)
+    rounds.orders.give(1)
+    rounds.orders.give(1, epoch=2)
+    rounds.begin(2)
+    rounds.orders.give(2, epoch=2)
+    assert rounds.acted == [1, 2]

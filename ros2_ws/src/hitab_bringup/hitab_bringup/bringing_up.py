@@ -6,13 +6,14 @@ import contextlib
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_bringup import supervision
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_description import SwarmDescription
+from hitab_bringup.unsaved_trainings import announcements
 from hitab_client import (
     CommandView,
     NamesTakenError,
@@ -25,12 +26,15 @@ from hitab_client import (
     domain_ids,
 )
 from hitab_client.run_folder import registry_held, running_swarms
+from hitab_client.swarm_choice import way_to_stop
 from hitab_core import each_once, some
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
-DOMAINS_TRIED = 3  # by a temporary swarm, which may use any
+COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
+DOMAINS_TRIED = 3  # if the names are taken there
+STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of nodes that are up, the expected number and the missing names."""
@@ -59,23 +63,58 @@ def bring_up(
         swarm: the description.
         folder: for its files.
         progress: called as nodes come up.
-        warn: called with each fault that agents have from the start.
+        warn: called with whatever a person should know: why it is not in ROS domain 0; commanders
+            that do not hear everybody yet; faults that agents have from the start; trainings that
+            they resume.
 
     Raises:
         SwarmError: naming what did not start, or the names in use and their owner; nothing is left
             running.
     """
+    refused: list[int] = []
+    while True:
+        try:
+            return _brought_up(swarm, folder, refused, progress, warn)
+        except NamesTakenError as error:
+            refused.append(error.domain_id)
+            fixed = swarm.world is None or domain_ids.chosen_by_user() is not None
+            if fixed or len(refused) == DOMAINS_TRIED:
+                raise
+            owner = f"ROS domain {error.domain_id} is in use by {error.owner}"
+            warn(f"{owner}; {swarm.name} starts in another one")
+
+
+def _brought_up(
+    swarm: SwarmDescription,
+    folder: RunFolder,
+    refused: Collection[int],
+    progress: Progress | None,
+    warn: Callable[[str], None],
+) -> RunRecord:
+    """Do so in the first domain that is free and not refused.
+
+    Raises:
+        NamesTakenError: if it turns out not to be free.
+    """
     with contextlib.ExitStack() as stack:
         with registry_held():
             supervision.refuse_running(folder)
-            domain_id = domain_ids.for_swarm()
+            domain_id = domain_ids.for_swarm(refused, has_world=swarm.world is not None)
             _refuse_conflicts(swarm, folder, domain_id)
+            for text in _beside_others(swarm, refused, domain_id):
+                warn(text)
             remove_stale()
             record = stack.enter_context(_started(swarm, folder, domain_id, temporary=False))
+            for text in _namesakes(record, folder):
+                warn(text)
         link = stack.enter_context(RosLink(domain_id))
         agents, _ = _await_all(swarm, record, folder, link, progress)
+        for text in _await_commanders(swarm, record, link, progress):
+            warn(text)
         there = sorted(agents.statuses.items())
         for text in each_once((name, fault) for name, s in there for fault in s.faults):
+            warn(text)
+        for text in announcements(agents.statuses.values(), folder.path):
             warn(text)
     return record
 
@@ -133,20 +172,54 @@ def _started(
         raise
 
 
+def _beside_others(
+    swarm: SwarmDescription, refused: Collection[int], domain_id: int
+) -> Iterator[str]:
+    """Yield what a person should know of swarms that are up already."""
+    there = [record.swarm for _, record in running_swarms() if record.domain_id == 0]
+    moved = domain_id != 0 and domain_ids.chosen_by_user() is None
+    if moved and there and 0 not in refused:
+        yield (
+            f"ROS domain 0 has the {'swarm' if len(there) == 1 else 'swarms'} {some(there)}; "
+            f"{swarm.name} starts in ROS domain {domain_id}"
+        )
+
+
+def _namesakes(record: RunRecord, folder: RunFolder) -> Iterator[str]:
+    """Yield how to tell a swarm from others of its name that are up."""
+    for other, there in running_swarms():
+        if there.swarm == record.swarm and other.path != folder.path:
+            yield (
+                f"another {there.swarm} is up already: {there.identity}, in {other.path}; this "
+                f"one is {record.identity}, and --swarm {record.identity} chooses it"
+            )
+
+
 def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int) -> None:
     """Refuse names that a registered swarm uses."""
     for other, record in running_swarms():
-        if record.domain_id != domain_id or other.path == folder.path:
+        if other.path == folder.path:
+            continue
+        if (record.domain_id, record.namespace) != (domain_id, swarm.namespace):
             continue
         both = [name for name in swarm.agent_names if name in record.agents]
         if record.world and swarm.world is not None:
             both.append("world")
-        if both:
+        why = f"also has {some(both)}" if both else ""
+        if not why and record.world and swarm.uses_sim_time:
+            why = f"its world publishes the clock from which {swarm.name} takes its time"
+        if why:
             raise SwarmError(
-                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and also has '
-                f"{some(both)} ({other.path}); stop it with "
-                f"`hitab down --run-dir {other.path}`, or choose another ROS_DOMAIN_ID"
+                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and {why}; stop '
+                f"it with {way_to_stop(other, record)}, or {_another_domain(swarm.world is None)}"
             )
+
+
+def _another_domain(has_drivers: bool) -> str:
+    """Return the other way out if names are taken in a ROS domain."""
+    if has_drivers:
+        return "start it and its robots' drivers in another ROS_DOMAIN_ID"
+    return "choose another ROS_DOMAIN_ID"
 
 
 def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
@@ -164,12 +237,39 @@ def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) ->
         stop = "stop it with `hitab down` where it was started"
         for there, registered in running_swarms():
             if registered.identity == other:
-                where += f" ({there.path})"
-                stop = f"stop it with `hitab down --run-dir {there.path}`"
+                stop = f"stop it with {way_to_stop(there, registered)}"
     raise NamesTakenError(
         f"{some(list(taken))} of {record.swarm} cannot start: the names are in use by {where}; "
-        f"{stop}, or choose another ROS_DOMAIN_ID"
+        f"{stop}, or {_another_domain(not record.world)}",
+        record.domain_id,
+        f"swarm {other}" if other else "nodes that were started by hand",
     )
+
+
+def _refuse_failed(
+    record: RunRecord, folder: RunFolder, agents: SwarmClient, world: WorldClient
+) -> None:
+    """Raise if a process has ended; an agent whose name is taken may notice it first.
+
+    Raises:
+        NamesTakenError: if names are taken.
+        SwarmError: naming the process, if it has another reason.
+    """
+    try:
+        supervision.refuse_failed(record, folder)
+    except SwarmError:
+
+        def heard() -> bool:
+            return bool(agents.strangers) or world.stranger is not None
+
+        agents.link.spin_until(heard, STRANGER_SECONDS)
+        _refuse_taken(record, agents, world)
+        raise
+
+
+def _is_exact(swarm: SwarmDescription) -> bool:
+    """Whether the world waits for its agents, so that each has to be there from the start."""
+    return swarm.world is not None and swarm.world.pace == "lockstep"
 
 
 def _await_all(
@@ -180,13 +280,17 @@ def _await_all(
     progress: Progress | None,
 ) -> tuple[SwarmClient, WorldClient]:
     """Wait until all nodes have reported and the world hears all agents."""
-    agents = SwarmClient(link, record.agents, identity=record.identity)
+    agents = SwarmClient(link, record.agents, prefix=record.namespace, identity=record.identity)
     agents.watch_all()
-    world = WorldClient(link, identity=record.identity, started_by_it=record.world)
-    view = CommandView(link)
+    world = WorldClient(
+        link,
+        prefix=record.namespace,
+        identity=record.identity,
+        started_by_it=record.world,
+    )
+    view = CommandView(link, record.namespace)
     # Otherwise a commander starts with the members that it knows, and the others join later.
-    exact = swarm.world is not None and swarm.world.pace == "lockstep"
-    commanders = [commander.name for commander in swarm.commanders] if exact else []
+    commanders = [c.name for c in swarm.commanders] if _is_exact(swarm) else []
     view.watch(commanders)
     total = len(record.agents) + record.world
     next_look = time.monotonic()
@@ -210,7 +314,7 @@ def _await_all(
         if progress is not None:
             progress(total - len(names), total, ", ".join(names[:3]))
         if names and time.monotonic() >= next_look:
-            supervision.refuse_failed(record, folder)
+            _refuse_failed(record, folder, agents, world)
             next_look = time.monotonic() + 0.3
         return not names
 
@@ -224,3 +328,31 @@ def _await_all(
             f"{folder.log(names[0])}:\n{lines}"
         )
     return agents, world
+
+
+def _await_commanders(
+    swarm: SwarmDescription, record: RunRecord, link: RosLink, progress: Progress | None
+) -> Iterator[str]:
+    """Wait until all commanders hear their subordinates; yield a sentence if some do not yet.
+
+    All nodes of the swarm have been heard here, but they discover each other one by one, which
+    takes a large swarm longer. In lockstep that was waited for already.
+    """
+    commanders = [] if _is_exact(swarm) else [c.name for c in swarm.commanders]
+    view = CommandView(link, record.namespace, record.identity)
+    view.watch(commanders)
+
+    def complete() -> bool:
+        names = view.incomplete(commanders)
+        if progress is not None:
+            progress(len(commanders) - len(names), len(commanders), ", ".join(names[:3]))
+        return not names
+
+    if commanders and not link.spin_until(
+        complete, COMMANDERS_SECONDS + START_SECONDS_EACH * len(record.agents)
+    ):
+        names = view.incomplete(commanders)
+        yield (
+            f"{some(names)} {'does' if len(names) == 1 else 'do'} not hear all subordinates yet; "
+            "`hitab tree --commanders --watch` shows when"
+        )

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
+from hitab_bringup.unsaved_trainings import bring_back, set_aside
 from hitab_commander import KIND_FILE, ORDERS_FILE, kind_text
 
 LIBRARIES = "libraries.json"
@@ -42,7 +43,10 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
     fill_libraries(swarm, folder)
     write_rosters(swarm, folder)
     used = {member.name: str(library_of(member, folder)) for member in swarm.members}
+    libraries = {agent: Path(library) for agent, library in used.items()}
+    set_aside(libraries_of(folder), libraries, folder)
     (folder / LIBRARIES).write_text(json.dumps(used, indent=1) + "\n", encoding="utf-8")
+    bring_back(libraries, folder)
     for commander in swarm.commanders:
         text = kind_text(commander.kind)
         for file in (kind_file(commander, folder), library_of(commander, folder) / KIND_FILE):

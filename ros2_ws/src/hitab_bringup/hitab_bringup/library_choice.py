@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -90,28 +90,55 @@ def libraries_in_use(folder: RunFolder) -> dict[Path, list[str]]:
     return found
 
 
-def the_only_one(libraries: Mapping[Path, list[str]], swarm: str) -> Path:
+def the_only_one(libraries: Mapping[Path, list[str]], swarm: str, name: str = "") -> Path:
     """Return the only library of a swarm, or one that all the others equal.
 
+    Args:
+        libraries: of the swarm, each with the agents that use it.
+        swarm: its name.
+        name: of a behavior, if only that matters: libraries without it do not count.
+
     Raises:
-        LibraryError: if they differ; naming an agent of each.
+        LibraryError: if they differ, naming an agent of each; if none has the behavior.
     """
-    if len({_files(folder) for folder in libraries}) == 1:
+    if name:
+        having = {f: agents for f, agents in libraries.items() if (f / f"{name}{SUFFIX}").exists()}
+        if not having:
+            saved = {file.removesuffix(SUFFIX) for f in libraries for file, _ in _files(f)}
+            raise LibraryError(f'no library of swarm {swarm} has "{name}" {has(saved, name)}')
+        libraries = having
+    if are_equal(libraries, name):
         return next(iter(libraries))
     owners = [agents[0] for agents in libraries.values()]
+    what = f'"{name}" in the' if name else "the"
     raise LibraryError(
-        f"the libraries of swarm {swarm} differ; name the agent whose library you mean with "
-        f"--agent {has(owners)}"
+        f"{what} libraries of swarm {swarm} differ{'s' if name else ''}; name the agent whose "
+        f"library you mean with --agent {has(owners)}"
     )
 
 
-def none_chosen() -> LibraryError:
-    """Return an error for when no library is named and no swarm is up."""
-    return LibraryError(f"no swarm is up; choose a library with -l; {_listed(known_libraries())}")
+def are_equal(libraries: Iterable[Path], name: str = "") -> bool:
+    """Whether libraries have the same files, or the same file of a behavior."""
+    return len({_files(folder, name) for folder in libraries}) == 1
 
 
-def _files(folder: Path) -> frozenset[tuple[str, bytes]]:
-    return frozenset((path.name, path.read_bytes()) for path in folder.glob(f"*{SUFFIX}"))
+def none_chosen(agent: str | None = None) -> LibraryError:
+    """Return an error for when no library is named and no swarm is up.
+
+    Args:
+        agent: whose library was meant.
+    """
+    known = known_libraries()
+    ending = f"/{agent}" if agent else ""
+    example = next((name for name in known if name.endswith(ending)), next(iter(known)))
+    return LibraryError(
+        f"no swarm is up; choose a library, for example with -l {example}; {_listed(known)}"
+    )
+
+
+def _files(folder: Path, name: str = "") -> frozenset[tuple[str, bytes]]:
+    pattern = f"{name or '*'}{SUFFIX}"
+    return frozenset((path.name, path.read_bytes()) for path in folder.glob(pattern))
 
 
 def users_of(library: Path) -> list[tuple[str, list[str]]]:

@@ -16,11 +16,14 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from hitab_bringup.called_wrongly import reword, with_way
 from hitab_bringup.dds_noise import noise_left_out
 from hitab_bringup.verbs import (
     bootstrap,
     commanding,
     doctor,
+    driving,
+    emergency,
     examples,
     hierarchy,
     lesson,
@@ -28,6 +31,7 @@ from hitab_bringup.verbs import (
     logs,
     questions,
     reaction,
+    recording,
     report,
     status,
     swarm,
@@ -42,7 +46,10 @@ COMMANDS = "hitab.commands"
 
 
 class HitabGroup(TyperGroup):
-    """Prints errors that a user can fix in one line, and exits with code 130 on Ctrl-C."""
+    """Prints errors that a user can fix in one line, and exits with code 130 on Ctrl-C.
+
+    Each verb belongs to a panel of the help: those without one would come before "Begin here".
+    """
 
     def invoke(self, ctx: Any) -> Any:
         """Run the user's verb."""
@@ -58,6 +65,18 @@ class HitabGroup(TyperGroup):
             # The reader of our output, such as `head`, has closed it.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(0) from None
+        except Exception as error:
+            reword(error)
+            raise
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the user's verb; if it is one of a group, the error says so."""
+        try:
+            return super().resolve_command(ctx, args)
+        except Exception as error:
+            if hasattr(error, "message"):
+                error.message = with_way(error.message, args[0], self.commands)
+            raise
 
 
 HELP = "Train robots, teams and swarms by demonstration, while they run."
@@ -98,8 +117,11 @@ def make_app() -> typer.Typer:
         swarm,
         status,
         logs,
+        recording,
         doctor,
         commanding,
+        driving,
+        emergency,
         hierarchy,
         training,
         examples,
@@ -109,11 +131,11 @@ def make_app() -> typer.Typer:
         report,
     ):
         verbs.register(app)
-    app.add_typer(world.app, name="world")
-    app.add_typer(lesson.app, name="lesson")
-    app.add_typer(library.app, name="library")
+    app.add_typer(world.app, name="world", rich_help_panel="Swarm")
+    app.add_typer(lesson.app, name="lesson", rich_help_panel="Train")
+    app.add_typer(library.app, name="library", rich_help_panel="Perform")
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
-        app.add_typer(point.load(), name=point.name)
+        app.add_typer(point.load(), name=point.name, rich_help_panel="Domains")
     return app
 
 

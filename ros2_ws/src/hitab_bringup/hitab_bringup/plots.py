@@ -28,8 +28,12 @@ def save(drawing: Figure, path: Path) -> None:
     Raises:
         HitabError: if that fails.
     """
+    if not path.parent.is_dir():
+        raise HitabError(
+            f"{path} cannot be drawn: there is no folder {path.parent}; create it, or choose "
+            "another file"
+        )
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         drawing.savefig(path)
     except (OSError, ValueError) as error:
         raise HitabError(f"{path} cannot be drawn: {error}") from None

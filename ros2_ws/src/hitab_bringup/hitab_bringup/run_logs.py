@@ -18,8 +18,20 @@ SUPERVISOR = "supervisor"
 READ_MAX = 1 << 19
 """Bytes that are read of a file that is not read whole."""
 
+LEVELS = ("debug", "info", "warn", "error", "fatal")
+"""The levels of a log, as ROS names them, the least severe first."""
+
 _OF_ROS = re.compile(r"\[(\w+)\] \[(\d+\.\d+)\] \[([^\]]*)\]: (.*)")
 _OF_SUPERVISOR = re.compile(r"(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d),(\d{3}) (\w+) (.*)")
+_SUPERVISORS_NAMES = {"CRIT": "FATAL", "ERRO": "ERROR", "DEBG": "DEBUG", "TRAC": "DEBUG"}
+_OF_NO_CONCERN = re.compile(
+    # About a supervisor that others can reach; nobody else can open the folder of its socket.
+    r"Server 'unix_http_server' running without|Supervisor is running as root\."
+)
+_ORDINARY = re.compile(r"received SIGTERM|stopped: \S+ \(exit status 0\)")
+"""What the supervisor warns of at each `hitab down`."""
+_FAILURE = re.compile(r"(Traceback|error:|Fatal Python error)")
+"""Begins what a process prints past its logger when it fails."""
 
 
 class Line(NamedTuple):
@@ -30,11 +42,14 @@ class Line(NamedTuple):
             before it.
         process: that wrote it.
         text: with the time readable.
+        level: one of `LEVELS`; of a line without a level: that of the line before it, unless it
+            begins a failure.
     """
 
     seconds: float
     process: str
     text: str
+    level: str
 
 
 @dataclass
@@ -47,6 +62,7 @@ class LogFile:
     _inode: int = 0
     _partial: bytes = b""
     _seconds: float = 0.0
+    _level: str = "info"
 
     def last(self, *, whole: bool = False, follow: bool = False) -> list[Line]:
         """Return the lines so far.
@@ -92,11 +108,12 @@ class LogFile:
     def _lines(self, data: bytes) -> list[Line]:
         found = []
         for line in data.decode(errors="replace").splitlines():
-            if line and not is_noise(line):
-                found.append(self._line(line))
+            if line and not is_noise(line) and (read := self._line(line)) is not None:
+                found.append(read)
         return found
 
-    def _line(self, line: str) -> Line:
+    def _line(self, line: str) -> Line | None:
+        """Return a line as it is shown; None: it means nothing to a person."""
         if match := _OF_ROS.match(line):
             level, stamp, logger, text = match.groups()
             self._seconds = float(stamp)
@@ -104,11 +121,18 @@ class LogFile:
             text = text if whose == self.process else f"{whose}: {text}"
         elif match := _OF_SUPERVISOR.match(line):
             moment, milliseconds, level, text = match.groups()
+            if _OF_NO_CONCERN.match(text):
+                return None
+            level = "INFO" if _ORDINARY.match(text) else _SUPERVISORS_NAMES.get(level, level)
             seconds = datetime.strptime(moment, "%Y-%m-%d %H:%M:%S").timestamp()
             self._seconds = seconds + int(milliseconds) / 1000
         else:
-            return Line(self._seconds, self.process, line)
-        return Line(self._seconds, self.process, f"{_readable(self._seconds)} {level:5} {text}")
+            if _FAILURE.match(line):
+                self._level = "error"
+            return Line(self._seconds, self.process, line, self._level)
+        self._level = level.lower() if level.lower() in LEVELS else "info"
+        text = f"{_readable(self._seconds)} {level:5} {text}"
+        return Line(self._seconds, self.process, text, self._level)
 
 
 def _end_of(file: BinaryIO, *, whole: bool) -> bytes:
@@ -135,6 +159,12 @@ def logs_of(folder: RunFolder) -> list[LogFile]:
 def merged(logs: Iterable[Iterable[Line]]) -> list[Line]:
     """Return the lines of several logs in the order of their times."""
     return sorted((line for lines in logs for line in lines), key=lambda line: line.seconds)
+
+
+def at_least(level: str, lines: Iterable[Line]) -> list[Line]:
+    """Return the lines of a level, or a more severe one."""
+    severe = LEVELS[LEVELS.index(level) :]
+    return [line for line in lines if line.level in severe]
 
 
 def shown(lines: Iterable[Line], *, names: bool) -> Iterator[str]:

@@ -28,6 +28,7 @@ from hitab_client.dds_profile import RANGE, choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import MARK
 from hitab_client.run_processes import ENDED, process_states
+from hitab_client.swarm_choice import way_to_stop
 from hitab_ros.exit_codes import FINAL
 
 STOP_SECONDS = 10.0
@@ -57,8 +58,7 @@ def refuse_running(folder: RunFolder) -> None:
     before = folder.read()
     if before is not None and folder.supervisor(before) is not None:
         raise SwarmError(
-            f'swarm "{before.swarm}" is already up in {folder.path}; '
-            f"stop it with `hitab down --run-dir {folder.path}`"
+            f'swarm "{before.swarm}" is already up; stop it with {way_to_stop(folder, before)}'
         )
 
 
@@ -104,6 +104,7 @@ def launch(
         identity,
         tuple(commander.name for commander in swarm.commanders),
         {process.name: process.agents for process in started},
+        swarm.namespace,
     )
     folder.write(record, register=not temporary)
     _await_socket(supervisor, socket, folder)

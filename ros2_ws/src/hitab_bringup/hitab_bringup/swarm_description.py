@@ -18,8 +18,17 @@
     commanders:
       corporal: {kind: Squad, commands: {scout: 5}}    # corporal_1 ... corporal_20
       captain: {kind: Squad, commands: corporal}       # one over all of them
+    namespace: left                # of all nodes, so that two swarms can share a ROS domain
+    remap: {/tf: tf}               # here for all nodes; or for the world, an agent, a process
+    use_sim_time: true             # the same
+    parameters: {max_speed: 0.5}   # of all agents' nodes, links included; or of one agent
+    processes:
+      relay: {module: my_robot.relay, for: scout}      # scout_1_relay in the namespace scout_1 ...
 
 Settings above ``agents`` apply to all agents, so that an agent lists only its differences.
+`hitab_bringup.ros_options` documents the words of ROS, `hitab_bringup.process_section` further
+processes. An agent has no namespace of its own but its name: whoever works with a swarm finds all
+its agents in the swarm's namespace.
 `hitab_commander.kind_reader` documents kinds of commanders; the default orders of a kind are the
 behaviors that all its subordinates share.
 """
@@ -31,8 +40,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from hitab_bringup.ros_options import CLOCK, RosOptions
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
+from hitab_core import NAME
 
 PACES = ("lockstep", "realtime")
 
@@ -46,6 +57,7 @@ class WorldDescription:
         module: of its node, run with ``python -m``; see `hitab_bringup.swarm_file.world_module`.
         pace: ``lockstep`` or ``realtime``, at ``factor`` of real time.
         parameters: of this kind of world, such as ``taker_speed``.
+        ros: other parameters of its node, such as ``state_rate``, and its remappings.
     """
 
     kind: str
@@ -55,6 +67,7 @@ class WorldDescription:
     seed: int = 1
     paused: bool = False
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    ros: RosOptions = field(default_factory=RosOptions)
 
 
 @dataclass(frozen=True)
@@ -66,6 +79,7 @@ class AgentDescription:
         start_from: a library to copy into its own library if that is empty.
         behavior: to start with, such as ``Keepaway``; empty: nothing.
         without: hand-written automata of its domain that are taken out.
+        ros: parameters of its node, such as those of its link, and remappings.
         process: that it runs in; its own name unless it shares one.
         library_name: name of its library folder in the run folder; empty: that of the process.
         superior: name of its commander; empty: none.
@@ -83,6 +97,7 @@ class AgentDescription:
     superior: str = ""
     role: str = ""
     without: tuple[str, ...] = ()
+    ros: RosOptions = field(default_factory=RosOptions)
 
 
 @dataclass(frozen=True)
@@ -101,14 +116,39 @@ class CommanderDescription(AgentDescription):
 
 
 @dataclass(frozen=True)
+class ProcessDescription:
+    """A further process of a swarm, such as the relay or the driver of a robot.
+
+    Attributes:
+        module: run with ``python -m``; empty: a command is run.
+        command: its words; those after the module, if there is one.
+        namespace: relative to that of the swarm, unless it begins with a slash.
+        is_node: whether it takes ROS arguments.
+    """
+
+    name: str
+    module: str
+    command: tuple[str, ...] = ()
+    namespace: str = ""
+    ros: RosOptions = field(default_factory=RosOptions)
+    is_node: bool = True
+
+
+@dataclass(frozen=True)
 class SwarmDescription:
-    """A whole swarm."""
+    """A whole swarm.
+
+    Attributes:
+        namespace: of all its nodes, such as ``/left``; empty: none.
+    """
 
     name: str
     file: Path
     agents: tuple[AgentDescription, ...]
     world: WorldDescription | None = None
     commanders: tuple[CommanderDescription, ...] = ()
+    namespace: str = ""
+    processes: tuple[ProcessDescription, ...] = ()
 
     @property
     def members(self) -> tuple[AgentDescription, ...]:
@@ -119,6 +159,46 @@ class SwarmDescription:
     def agent_names(self) -> tuple[str, ...]:
         """The names of all agents and commanders."""
         return tuple(member.name for member in self.members)
+
+    @property
+    def uses_sim_time(self) -> bool:
+        """Whether some of its nodes take their time from the topic ``/clock``."""
+        nodes: tuple[AgentDescription | ProcessDescription, ...] = (*self.members, *self.processes)
+        return any(node.ros.use_sim_time for node in nodes)
+
+    def full_name(self, name: str) -> str:
+        """Return a name in the namespace of the swarm, such as ``/left/robot_1``."""
+        return name if name.startswith("/") else f"{self.namespace}/{name}".rstrip("/")
+
+    def remap(self, ros: RosOptions) -> dict[str, str]:
+        """Return the remappings of a node: in a namespace, each swarm has its own clock."""
+        own = {CLOCK: self.full_name("clock")} if self.namespace else {}
+        return {**own, **ros.remap}
+
+    def in_namespace(self, namespace: str) -> SwarmDescription:
+        """Return the same swarm in another namespace, and named after it too.
+
+        Raises:
+            DescriptionError: if that is not a namespace.
+        """
+        parts = namespace.strip("/").split("/")
+        if not all(NAME.match(part) for part in parts):
+            raise DescriptionError(
+                f'"{namespace}" is not a namespace; use letters, digits and _, such as left'
+            )
+        return replace(self, name="_".join((self.name, *parts)), namespace="/" + "/".join(parts))
+
+    def with_sim_time(self) -> SwarmDescription:
+        """Return the same swarm with nodes whose clock is the topic of the world's time."""
+        on = RosOptions(use_sim_time=True)
+        return replace(
+            self,
+            agents=tuple(replace(a, ros=on.over(a.ros)) for a in self.agents),
+            commanders=tuple(replace(c, ros=on.over(c.ros)) for c in self.commanders),
+            processes=tuple(
+                replace(p, ros=on.over(p.ros)) if p.is_node else p for p in self.processes
+            ),
+        )
 
     def with_world(self, **changes: Any) -> SwarmDescription:
         """Return the same swarm with changes to its world."""

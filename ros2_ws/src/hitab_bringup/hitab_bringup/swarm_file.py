@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
 from hitab_bringup.command_tree import in_hosts, with_positions_asked, with_superiors
 from hitab_bringup.commander_section import CommanderSection, Line, read_kinds
+from hitab_bringup.process_section import module_exists, read_processes
+from hitab_bringup.ros_options import (
+    AGENT,
+    SIM_TIME,
+    RosOptions,
+    read_namespace,
+    read_options,
+)
 from hitab_bringup.swarm_description import (
     PACES,
     AgentDescription,
@@ -31,8 +38,11 @@ FORMAT = 2
 
 RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"
-AGENT = "{agent}"
-"""Placeholder for the agent's name in a path."""
+OWN_LINES = ("domain", "library", "behavior", "seed", "without", "role", SIM_TIME)
+"""Parameters of agents that a line of a description has keys for."""
+
+SET = {"commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world"}
+"""Parameters of agents and worlds that a swarm sets by itself."""
 
 
 def read_swarm(path: Path) -> SwarmDescription:
@@ -50,7 +60,7 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     Raises:
         DescriptionError: naming each line that is wrong.
 
-    Example:
+    Examples:
         >>> text = "swarm: pair\ndomain: keepaway\nagents:\n  keeper: {count: 2}\n"
         >>> [agent.name for agent in parse_swarm(text, Path("pair.yaml")).agents]
         ['keeper_1', 'keeper_2']
@@ -60,6 +70,7 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     top.check_format(FORMAT)
     name = top.text("swarm", path.stem)
     _check_name(top, name, "a swarm")
+    namespace = read_namespace(top)
     world = _world(top) if "world" in top else None
     common = _Common.of(top, path.parent)
     words = Words(top)
@@ -67,12 +78,25 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     groups = _agents(top, common, path.parent, words, hosts is not None)
     commanders = _commanders(top, common, path.parent, words, groups, hosts is not None)
     agents = [agent for group in groups.values() for agent in group]
+    if hosts is not None and not top.complaints:
+        agents, commanders = in_hosts(agents, commanders, hosts)
+    taken = {WORLD: "world"} if world is not None else {}
+    taken |= {m.process: m.name for m in (*agents, *commanders)}
+    taken |= {m.name: m.name for m in (*agents, *commanders)}
+    processes = read_processes(top, common.ros.without_parameters(), groups, taken)
     top.done()
     top.complaints.raise_any()
-    if hosts is not None:
-        agents, commanders = in_hosts(agents, commanders, hosts)
+    if world is not None:
+        above = replace(common.ros.without_parameters(), use_sim_time=None)
+        world = replace(world, ros=world.ros.over(above))
     return SwarmDescription(
-        name, path, tuple(_with_libraries(agents, groups)), world, tuple(commanders)
+        name,
+        path,
+        tuple(_with_libraries(agents, groups)),
+        world,
+        tuple(commanders),
+        f"/{namespace.strip('/')}" if namespace else "",
+        tuple(processes),
     )
 
 
@@ -88,9 +112,21 @@ def _world(top: Fields) -> WorldDescription:
         fields.integer("seed", 1, least=0),
         fields.flag("paused", False),
         _scalars(fields.inner("parameters")),
+        read_options(
+            fields,
+            key="node_parameters",
+            lines=("pace", "factor", "seed", "paused", SIM_TIME),
+            taken=SET,
+        ),
     )
+    if world.ros.use_sim_time:
+        fields.complain(
+            "the world makes the clock and cannot wait for it; write `use_sim_time:` at the top "
+            "of the file, for all others",
+            SIM_TIME,
+        )
     fields.done()
-    if kind and not _module_exists(module):
+    if kind and not module_exists(module):
         fields.complain(
             f'unknown world "{kind}": Python module {module} is not installed; install its '
             "package, or name the module with `module:`",
@@ -120,13 +156,6 @@ def _scalars(fields: Fields) -> dict[str, Any]:
     return found
 
 
-def _module_exists(module: str) -> bool:
-    try:
-        return importlib.util.find_spec(module) is not None
-    except (ImportError, ValueError):
-        return False
-
-
 @dataclass(frozen=True)
 class _Common:
     """Settings for all agents, or for one."""
@@ -137,6 +166,7 @@ class _Common:
     behavior: str = ""
     seed: int = 1
     without: tuple[str, ...] = ()
+    ros: RosOptions = field(default_factory=RosOptions)
 
     @classmethod
     def of(cls, fields: Fields, base: Path, above: _Common | None = None) -> _Common:
@@ -148,6 +178,7 @@ class _Common:
             fields.text("behavior", above.behavior),
             fields.integer("seed", above.seed, least=0),
             fields.texts("without", above.without),
+            read_options(fields, lines=OWN_LINES, taken=SET).over(above.ros),
         )
         if found.start_from != above.start_from and not (base / found.start_from).is_dir():
             fields.complain(
@@ -215,6 +246,7 @@ def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool
                     process,
                     role=role,
                     without=own.without,
+                    ros=own.ros.of_agent(name),
                 )
             )
     return groups
@@ -229,8 +261,8 @@ def _commanders(
     tree = CommanderSection(groups, words)
     lines: dict[str, Line] = {}
     agents = {agent.name: key for key, group in groups.items() for agent in group}
-    # Settings for all agents do not apply to commanders, except the seed.
-    above = _Common(seed=common.seed)
+    # Settings for all agents do not apply to commanders, except the seed and those of all nodes.
+    above = _Common(seed=common.seed, ros=common.ros.without_parameters())
     for key in section.names():
         fields = section.inner(key)
         _check_name(section, key, "an agent", key)
@@ -286,6 +318,7 @@ def _commander_maker(
             own.seed,
             host or (name if shared is None else shared),
             role=role,
+            ros=own.ros.of_agent(name),
         )
 
     return make

@@ -53,7 +53,8 @@ class Words:
             self._complain(
                 fields,
                 "domain",
-                f'no domain "{name}" is installed {has(self._domains, name)}',
+                f'no domain "{name}" is installed {has(self._domains, name)}; install the package '
+                "that provides it, as docs/your-own-robot.md shows",
             )
 
     def check_without(self, fields: Fields, domain: str, names: Sequence[str]) -> None:

@@ -1,21 +1,26 @@
 """Launches a swarm from its description, with an installed ROS 2 Jazzy.
 
     ros2 launch hitab_bringup swarm.launch.py swarm:=keepaway
-    ros2 launch hitab_bringup swarm.launch.py swarm:=my_swarm.yaml run_dir:=my_run
+    ros2 launch hitab_bringup swarm.launch.py swarm:=my_swarm.yaml namespace:=left pace:=lockstep
 
-Starts the same processes as `hitab up`, in this terminal and in this ROS domain.
+Starts the same processes as `hitab up`, in this terminal and in this ROS domain. With launch_ros,
+what an including launch file says about namespaces, remappings and parameters holds for them too.
 """
 
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown
 from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration
 
 from hitab_bringup.libraries import prepare
+from hitab_bringup.library_choice import with_library
+from hitab_bringup.swarm_description import PACES, SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
-from hitab_bringup.swarm_processes import processes
+from hitab_bringup.swarm_processes import Process, processes
 from hitab_client.dds_profile import choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import RunFolder
@@ -23,30 +28,85 @@ from hitab_client.shipped import find_file
 from hitab_ros.exit_codes import FINAL
 from launch import LaunchContext, LaunchDescription
 
+try:
+    from launch_ros.actions import Node
+    from launch_ros.parameter_descriptions import ParameterValue
+except ImportError:
+    Node = None
+
+FLAGS = ["true", "false"]
+ARGUMENTS = (
+    ("swarm", "keepaway", "A swarm description, or the name of a shipped one", None),
+    ("run_dir", "", "Folder for libraries and journals; empty: that of `hitab up`", None),
+    ("namespace", "", "Of all nodes; empty: that of the description", None),
+    ("use_sim_time", "false", "Whether all nodes but the world take their time from it", FLAGS),
+    ("pace", "", "lockstep or realtime; empty: that of the description", ["", *PACES]),
+    ("paused", "false", "Whether the world is paused at first", FLAGS),
+    ("library", "", "Library for all agents; empty: folders of their own", None),
+)
+
 
 def start(context: LaunchContext) -> list[ExecuteProcess]:
     """Return the processes of the requested swarm."""
-    given = LaunchConfiguration("swarm").perform(context)
-    run_dir = LaunchConfiguration("run_dir").perform(context)
-    swarm = read_swarm(find_file(given, "swarms", "swarm"))
+
+    def given(name: str) -> str:
+        return str(LaunchConfiguration(name).perform(context))
+
+    swarm = described(given)
+    run_dir = given("run_dir")
     folder = RunFolder.of_swarm(swarm.name, Path(run_dir) if run_dir else None)
     folder.prepare()
     prepare(swarm, folder.path)
     profile = dict(os.environ)
-    started = processes(swarm, folder.path, new_identity(swarm.name))
+    started = processes(swarm, folder.path, new_identity(swarm.name, launched=True))
     choose_profile(profile, profile_for(folder.path, len(started)))
-    return [
-        ExecuteProcess(
-            cmd=process.command,
-            name=process.name,
-            env=profile,
-            output="screen",
-            on_exit=shut_down_if_final,
-            respawn=True,
-            respawn_delay=1.0,
-        )
-        for process in started
-    ]
+    common: dict[str, Any] = {
+        "env": profile,
+        "output": "screen",
+        "on_exit": shut_down_if_final,
+        "respawn": True,
+        "respawn_delay": 1.0,
+    }
+    return [action(process, common) for process in started]
+
+
+def described(given: Callable[[str], str]) -> SwarmDescription:
+    """Return the swarm that the arguments describe, as `hitab up` does."""
+    swarm = read_swarm(find_file(given("swarm"), "swarms", "swarm"))
+    if given("namespace"):
+        swarm = swarm.in_namespace(given("namespace"))
+    if given("use_sim_time") == "true":
+        swarm = swarm.with_sim_time()
+    if given("pace"):
+        swarm = swarm.with_world(pace=given("pace"))
+    if given("paused") == "true":
+        swarm = swarm.with_world(paused=True)
+    return with_library(swarm, given("library")) if given("library") else swarm
+
+
+def action(process: Process, common: dict[str, Any]) -> ExecuteProcess:
+    """Return the action that runs a process: a node's, if launch_ros is there."""
+    if Node is None or not process.is_node:
+        return ExecuteProcess(cmd=process.command, name=process.name, **common)
+    program, *arguments = process.program
+    return Node(
+        executable=program,
+        arguments=arguments,
+        # Relative, so that it is inside the namespace of an including launch file.
+        namespace=process.namespace.lstrip("/"),
+        remappings=list(process.remap.items()),
+        parameters=[
+            {name: ParameterValue(value, value_type=type_of(value))}
+            for name, value in process.parameters.items()
+        ],
+        ros_arguments=["--disable-external-lib-logs"],
+        **common,
+    )
+
+
+def type_of(value: Any) -> Any:
+    """Return the type of a parameter: a text stays one that reads like a number."""
+    return list[type(value[0])] if isinstance(value, tuple) else type(value)
 
 
 def shut_down_if_final(event: ProcessExited, context: LaunchContext) -> Shutdown | None:
@@ -58,18 +118,10 @@ def shut_down_if_final(event: ProcessExited, context: LaunchContext) -> Shutdown
 
 def generate_launch_description() -> LaunchDescription:
     """Return the launch description."""
-    return LaunchDescription(
-        [
-            DeclareLaunchArgument(
-                "swarm",
-                default_value="keepaway",
-                description="A swarm description, or the name of a shipped one",
-            ),
-            DeclareLaunchArgument(
-                "run_dir",
-                default_value="",
-                description="Folder for libraries and journals; empty: that of `hitab up`",
-            ),
-            OpaqueFunction(function=start),
-        ]
-    )
+    declared = [
+        DeclareLaunchArgument(
+            name, default_value=default, description=description, choices=choices
+        )
+        for name, default, description, choices in ARGUMENTS
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=start)])

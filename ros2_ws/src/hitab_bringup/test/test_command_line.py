@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 from typer.testing import CliRunner
@@ -79,10 +80,10 @@ def test_help_imports_nothing_that_takes_long():
     ("arguments", "code", "expected"),
     [
         (["demonstrat"], 2, "No such command"),
-        (["demonstrate", "keeper_1"], 2, "Missing argument"),
+        (["demonstrate", "keeper_1"], 2, "give the agent and the behavior"),
         (["up", "nothing_like_it"], 1, 'error: no swarm "nothing_like_it"'),
         (["up", "keepaway", "--pace", "fast"], 2, "is not one of lockstep, realtime"),
-        (["status", "--swarm", "red"], 1, 'no swarm "red" is up (has none)'),
+        (["status", "--swarm", "red"], 1, 'no swarm "red" is up, and no other'),
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
         (["train", "keeper_1", "-f", "DistanceTo(ball)"], 2, "name the automaton to train"),
         (["examples", "keeper_1", "--swarm", "red"], 1, 'no swarm "red" is up'),
@@ -120,6 +121,34 @@ def test_a_users_mistake_is_told_in_words(arguments, code, expected):
 def test_down_without_a_swarm_is_no_error():
     result = hitab("down")
     assert (result.exit_code, result.stdout) == (0, "no swarm is up\n")
+
+
+def test_down_stops_all_swarms_if_that_is_said(tmp_path, monkeypatch):
+    from hitab_bringup import supervision
+    from hitab_client import RunFolder, RunRecord
+
+    record = RunRecord("red", "r.yaml", 3, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
+    for name in ("one", "two"):
+        folder = RunFolder(tmp_path / name)
+        folder.prepare()
+        folder.write(replace(record, swarm=name, identity=f"{name}-0a1b2c3d"), register=True)
+    stopped = []
+    monkeypatch.setattr(supervision, "stop", lambda folder: stopped.append(folder.path) or [])
+    assert hitab("down", "one", "--all").exit_code == 2
+    assert hitab("down", "--all").stdout == "one is down\ntwo is down\n"
+    assert stopped == [tmp_path / "one", tmp_path / "two"]
+
+
+def test_who_interrupts_down_learns_how_to_end_the_rest(tmp_path, monkeypatch):
+    from hitab_bringup import supervision
+
+    def interrupted(folder):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(supervision, "stop", interrupted)
+    result = hitab("down", "--run-dir", str(tmp_path))
+    assert result.exit_code == 130
+    assert f"`hitab down --run-dir {tmp_path}` ends what is left of it" in result.stderr
 
 
 def test_lessons_are_listed_and_checked():

@@ -1,4 +1,4 @@
-"""`hitab doctor` names what would hinder, with the way out; its exit status tells of errors."""
+"""`hitab doctor` names each problem with its remedy; its exit status tells of errors."""
 
 import json
 import os

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -90,7 +91,9 @@ def library_of(folder: Path) -> BehaviorLibrary:
 def test_with_nothing_up_and_none_named_it_says_which_libraries_there_are(home: Path) -> None:
     run_before(home)
     text = refused("library", "list")
-    assert "no swarm is up; choose a library with -l; there are" in text
+    assert "choose a library, for example with -l keepaway_trained/keeper_1; there are" in text
+    assert "ApproachBall" in done("library", "list", "-l", "keepaway_trained/keeper_1")
+    assert "-l keepaway_trained/keeper_2;" in refused("library", "list", "-a", "keeper_2")
     assert "keepaway_trained/keeper_1, keepaway_trained/keeper_2" in text
     assert "foraging" in text
     assert "ApproachBall" not in text
@@ -116,11 +119,30 @@ def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_sam
     text = done("library", "show", "ApproachBall")
     assert "the library of keeper_1, which the others of the swarm equal" in text
     library_of(up.path / "libraries" / "keeper_2").remove("Keepaway")
-    text = refused("library", "show", "ApproachBall")
+    text = refused("library", "show", "ApproachBall", "--deep")
     assert "the libraries of swarm keepaway_trained differ" in text
     assert "--agent (has: keeper_1, keeper_2, keeper_3)" in text
     assert "Keepaway" not in done("library", "list", "--agent", "keeper_2")
     assert 'Did you mean "keeper_2"?' in refused("library", "list", "--agent", "keper_2")
+
+
+def test_where_the_libraries_differ_each_behavior_is_listed_with_the_agents_that_have_it(
+    up: RunFolder,
+) -> None:
+    for path in (up.path / "libraries" / "keeper_2").glob("*.hfa.yaml"):
+        path.unlink()
+    library_of(up.path / "libraries" / "keeper_3").remove("Keepaway")
+    lines = hitab("library", "list").output.splitlines()
+    owners = {line.split()[0]: re.split(r"\s{2,}", line.strip())[-1] for line in lines[1:5]}
+    assert lines[0].split()[-1] == "agents"
+    assert owners["Keepaway"] == "keeper_1"
+    assert owners["GotoBall"] == "keeper_1, keeper_3"
+    assert lines[5:] == ["nothing is saved in the libraries of keeper_2"]
+    listed = json.loads(hitab("library", "list", "--json", "-").stdout)
+    assert {row["name"]: row["agents"] for row in listed}["Keepaway"] == ["keeper_1"]
+    # One that only some have, but these the same, needs no agent.
+    assert "Keepaway" in done("library", "show", "Keepaway")
+    assert 'has "Keepawy"' in refused("library", "show", "Keepawy")
 
 
 def test_all_libraries_of_the_swarm_that_is_up_are_checked(up: RunFolder) -> None:

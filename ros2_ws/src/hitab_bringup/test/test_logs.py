@@ -124,3 +124,48 @@ def test_rotated_logs_are_read_too(run):
     assert [line.text[-6:] for line in file.last(whole=True)][:2] == ["before", "zeroth"]
     assert next(line.text[-6:] for line in file.last()) == "zeroth"
     assert merged([file.last(whole=True)])[0].seconds == NOON - 1
+
+
+def test_only_warnings_and_errors_are_shown_with_all_that_belongs_to_them(run):
+    run.log("a").write_text(
+        ros(1, "a.agent", "first")
+        + ros(2, "a.agent", "careful", "WARN")
+        + "more about it\n"
+        + ros(3, "a.agent", "all is well")
+        + "Traceback (most recent call last):\nOSError\n"
+    )
+    assert hitab("logs", "--level", "warn").stdout.splitlines() == [
+        "a | 2026-05-01 12:00:02.000 WARN  careful",
+        "a | more about it",
+        "a | Traceback (most recent call last):",
+        "a | OSError",
+    ]
+    assert "careful" not in hitab("logs", "a", "--level", "error").stdout
+    nothing = hitab("logs", "host_1", "--level", "warn")
+    assert (nothing.exit_code, nothing.stdout) == (0, "")
+    assert "no lines of level warn or above" in nothing.stderr
+
+
+def test_a_warning_is_found_however_much_was_logged_since(run):
+    many = "".join(ros(3, "a.agent", "x" * 200) for _ in range(4000))
+    run.log("a").write_text(ros(2, "a.agent", "careful", "WARN") + many)
+    assert "careful" in hitab("logs", "a", "--level", "warn").stdout
+
+
+def test_what_the_supervisor_says_at_every_start_and_end_is_no_alarm(run):
+    at = "2026-05-01 12:00:05,000"
+    (run.path / "supervisord.log").write_text(
+        f"{at} CRIT Supervisor is running as root.  Privileges were not dropped\n"
+        f"{at} CRIT Server 'unix_http_server' running without any HTTP authentication checking\n"
+        f"{at} WARN received SIGTERM indicating exit request\n"
+        f"{at} WARN stopped: a (exit status 0)\n"
+        f"{at} WARN exited: a (terminated by SIGKILL; not expected)\n"
+        f"{at} CRIT could not write pidfile\n"
+    )
+    assert hitab("logs", "supervisor").stdout.splitlines() == [
+        "2026-05-01 12:00:05.000 INFO  received SIGTERM indicating exit request",
+        "2026-05-01 12:00:05.000 INFO  stopped: a (exit status 0)",
+        "2026-05-01 12:00:05.000 WARN  exited: a (terminated by SIGKILL; not expected)",
+        "2026-05-01 12:00:05.000 FATAL could not write pidfile",
+    ]
+    assert hitab("logs", "supervisor", "--level", "warn").stdout.count("\n") == 2

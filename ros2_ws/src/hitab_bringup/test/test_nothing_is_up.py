@@ -8,11 +8,13 @@ import typer
 from hitab_msgs.msg import AgentStatus
 
 from hitab_bringup.main import make_app
-from hitab_client import RosLink, domain_ids, swarm_choice
+from hitab_bringup.verbs.connection import connection
+from hitab_client import RosLink, SwarmError, domain_ids, swarm_choice
+from hitab_client.identity import new_identity
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_ros import qos
 
-ERROR = "error: no swarm is up; start one with `hitab up keepaway`"
+ERROR = "error: no swarm answers in ROS domain {}; start one with `hitab up keepaway`"
 CALLS = {
     "demonstrate keeper_1 Stop",
     "perform keeper_1 Stop",
@@ -56,7 +58,7 @@ def test_a_verb_that_needs_a_swarm_fails_with_the_remedy(call, impatient, capfd)
     first, last = told.err.splitlines()
     assert first.startswith("No swarm runs in ROS domain ")
     assert first.endswith(" for one that was started elsewhere ...")
-    assert last == ERROR
+    assert last == ERROR.format(domain_ids.chosen_by_user())
 
 
 def test_all_verbs_that_connect_to_a_swarm_are_tried_here():
@@ -103,7 +105,7 @@ def test_a_swarm_that_has_ended_by_itself_is_named(nothing_up, monkeypatch):
     record(RunFolder.of_swarm("red"), 0, 1)
     told = swarm_choice.none_is_up(None)
     assert told.startswith(f"No swarm runs under {nothing_up}. ")
-    assert f'"red" has ended without `hitab down`: {nothing_up}/red.' in told
+    assert f'"red" has ended without `hitab down`: {nothing_up}/red. `hitab down red` ends' in told
 
 
 def test_a_swarm_in_another_domain_is_named_with_the_way_to_it(monkeypatch):
@@ -117,15 +119,63 @@ def test_nodes_that_were_started_by_hand_are_found(monkeypatch):
     number = domain_ids.chosen_by_user()
     monkeypatch.setattr(swarm_choice, "LOOK_SECONDS", 0.01)
     with RosLink(number) as agent, RosLink(number) as link:
-        with pytest.raises(Exception, match="no swarm is up"):
+        with pytest.raises(Exception, match="no swarm answers in ROS domain"):
             swarm_choice.look_elsewhere(link)
         # That somebody listens is no sign of a swarm.
         link.subscribe(AgentStatus, "/lone/status", lambda _: None, qos.LATCHED)
-        with pytest.raises(Exception, match="no swarm is up"):
+        with pytest.raises(Exception, match="no swarm answers in ROS domain"):
             swarm_choice.look_elsewhere(link)
         agent.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
         monkeypatch.setattr(swarm_choice, "LOOK_SECONDS", 30.0)
         swarm_choice.look_elsewhere(link)
+
+
+@pytest.fixture
+def elsewhere(monkeypatch):
+    """Yield the identity of a swarm that this registry does not know, and its status."""
+    identity = "red-0a1b2c3d"
+    with RosLink(domain_ids.chosen_by_user()) as link:
+        status = AgentStatus(agent="lone", mode=AgentStatus.IDLE, swarm=identity)
+        publisher = link.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
+        publisher.publish(status)
+        monkeypatch.setattr(swarm_choice, "LOOK_SECONDS", 30.0)
+        yield identity, lambda swarm: publisher.publish(AgentStatus(agent="lone", swarm=swarm))
+
+
+def test_a_swarm_of_another_registry_is_refused_with_the_way_to_it(elsewhere):
+    identity, _ = elsewhere
+    way = (
+        f"lone belongs to swarm {identity}, which was not started from here .* --swarm {identity}"
+    )
+    with connection() as there, pytest.raises(SwarmError, match=way):
+        there.agents.await_agent("lone", 60.0)
+
+
+def test_a_swarm_of_another_registry_is_used_if_its_identity_is_given(elsewhere):
+    identity, _ = elsewhere
+    with connection(identity) as there:
+        assert there.agents.await_agent("lone", 60.0).swarm == identity
+    with (
+        connection("blue-0a1b2c3d") as there,
+        pytest.raises(SwarmError, match="not to swarm blue"),
+    ):
+        there.agents.await_agent("lone", 60.0)
+
+
+@pytest.mark.parametrize("swarm", ["", new_identity("red", launched=True)], ids=["hand", "launch"])
+def test_nodes_that_no_registry_knows_are_used_as_they_are(elsewhere, swarm):
+    elsewhere[1](swarm)
+    with connection() as there:
+        assert there.agents.await_agent("lone", 60.0).swarm == swarm
+
+
+def test_a_verb_that_reads_says_whose_swarm_it_shows(elsewhere, capfd):
+    identity, _ = elsewhere
+    with connection(reads=True) as there:
+        there.note_whose([there.agents.await_agent("lone", 60.0).swarm])
+    told = capfd.readouterr().err.splitlines()[-1]
+    assert told.startswith(f"{identity} was not started from here")
+    assert told.endswith(f"need --swarm {identity}")
 
 
 def test_a_wait_is_announced_once_it_is_noticed(monkeypatch):

@@ -1,11 +1,14 @@
+from . import called_as as called_as
 from . import command_options as command_options
 from . import completion as completion
 from . import console as console
 from . import dds_profile as dds_profile
+from . import demonstrating as demonstrating
 from . import domain_ids as domain_ids
 from . import identity as identity
 from . import interruptions as interruptions
 from . import reaction_time as reaction_time
+from . import recording as recording
 from . import run_folder as run_folder
 from . import run_processes as run_processes
 from . import shipped as shipped

@@ -146,7 +146,7 @@ class AgentPresence:
 
         self.link.spin_until(
             complete,
-            seconds + DISCOVERY_SECONDS_EACH * len(self.expected),
+            seconds + self.more_seconds,
             waiting_for=lambda: some(sorted(self._awaited(wanted))) or "agents to appear",
         )
         refuse_other_definitions(self.link.node)
@@ -166,7 +166,7 @@ class AgentPresence:
                 self.await_agents((agent,), seconds)
             else:
                 self._await_unexpected(agent, seconds)
-        return self._present(agent, seconds)
+        return self._present(agent, seconds + (self.more_seconds if agent in self.expected else 0))
 
     def _await_unexpected(self, agent: str, seconds: float) -> None:
         """Wait for an agent that may have been started by hand, until there is no sign of it."""
@@ -185,6 +185,11 @@ class AgentPresence:
 
         self.link.spin_until(decided, seconds, waiting_for=lambda: agent)
         refuse_other_definitions(self.link.node)
+
+    @property
+    def more_seconds(self) -> float:
+        """What to add to the time for which a node of the swarm is waited for."""
+        return DISCOVERY_SECONDS_EACH * len(self.expected)
 
     @property
     def _is_large(self) -> bool:
@@ -229,8 +234,9 @@ class AgentPresence:
 
     def _unexplained(self, agent: str, waited: float) -> str:
         pid = self.processes.pid(agent)
-        running = f", although its process ({pid}) runs" if pid else ""
-        return f"{agent} has been silent for {waited:g} s{running}; see `hitab logs {agent}`"
+        running = f"; its process ({pid}) still runs" if pid else ""
+        silent = f"{agent} has been silent for {round(waited, 1):g} s"
+        return f"{silent}{running}; see `hitab logs {agent}`"
 
 
 def _pacer(seconds: float) -> Callable[[], bool]:

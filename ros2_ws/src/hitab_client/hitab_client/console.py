@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +15,9 @@ from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import Console, ConsoleOptions, RenderResult
     from rich.table import Table
+    from rich.text import Text
 
 
 PIPED_WIDTH = 10_000
@@ -32,17 +34,73 @@ def out() -> Console:
     return Console(highlight=False, emoji=False, width=PIPED_WIDTH)
 
 
-def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> Table:
-    """Return a table; what does not fit the terminal is wrapped, never cut."""
-    from rich.table import Table
+@contextmanager
+def live(shown: Any) -> Iterator[Callable[[Any], None]]:
+    """Keep something up to date on stdout; in a pipe or a file, its last state is printed.
+
+    Args:
+        shown: at the beginning. The context's value is called with each later state.
+    """
+    from rich.live import Live
+
+    console = out()
+    if console.is_terminal:
+        with Live(shown, console=console, screen=False) as live:
+            yield live.update
+        return
+    last = shown
+
+    def update(later: Any) -> None:
+        nonlocal last
+        last = later
+
+    try:
+        yield update
+    finally:
+        console.print(last)
+
+
+def line(text: str, style: str = "") -> Text:
+    """Return a line for a table, a tree or a group, to be shown as it is.
+
+    Commands in it are named as the user calls `hitab`. What does not fit the terminal is wrapped.
+    """
     from rich.text import Text
 
-    made = Table(box=None, pad_edge=False, title=title or None, title_justify="left")
+    return Text(as_called(text), style=style, overflow="fold")
+
+
+def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> Table:
+    """Return a table; what does not fit the terminal is wrapped, never cut.
+
+    Commands in it are named as the user calls `hitab`. Its lines end with their last word.
+    """
+    made = _trimmed_table()(box=None, pad_edge=False, title=title or None, title_justify="left")
     for column in columns:
-        made.add_column(Text(column, overflow="fold"), overflow="fold")
+        made.add_column(line(column), overflow="fold")
     for row in rows:
-        made.add_row(*(Text(cell, overflow="fold") for cell in row))
+        made.add_row(*(line(cell) for cell in row))
     return made
+
+
+@cache
+def _trimmed_table() -> type[Table]:
+    """Return a kind of table whose lines are not filled up with spaces."""
+    from rich.segment import Segment
+    from rich.table import Table
+
+    class TrimmedTable(Table):
+        def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+            for line in Segment.split_lines(super().__rich_console__(console, options)):  # type: ignore[arg-type]
+                while line and not line[-1].control and not line[-1].text.strip():
+                    line.pop()
+                if line and not line[-1].control:
+                    text, style, _ = line[-1]
+                    line[-1] = Segment(text.rstrip(), style)
+                yield from line
+                yield Segment.line()
+
+    return TrimmedTable
 
 
 def err() -> Console:
@@ -53,8 +111,8 @@ def err() -> Console:
 
 
 def say(text: str) -> None:
-    """Print a result in plain text."""
-    print(as_called(text))
+    """Print a result in plain text, at once also into a pipe or a file."""
+    print(as_called(text), flush=True)
 
 
 def note(text: str) -> None:
@@ -100,8 +158,15 @@ Advance = Callable[[int, int, str], None]
 
 
 @contextmanager
-def progress(description: str, unit: str = "") -> Iterator[Advance]:
-    """Show a progress bar on stderr for the duration of the context, if it is a terminal."""
+def progress(description: str, unit: str = "", *, line_every: int = 0) -> Iterator[Advance]:
+    """Show a progress bar on stderr for the duration of the context, if it is a terminal.
+
+    Args:
+        description: what is going on.
+        unit: of the amounts.
+        line_every: elsewhere than on a terminal, print a line whenever so much more is done; 0:
+            none.
+    """
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -126,8 +191,13 @@ def progress(description: str, unit: str = "") -> Iterator[Advance]:
     )
     with bar:
         task = bar.add_task(description, total=None, doing="")
+        told = 0
 
         def advance(done: int, total: int, doing: str) -> None:
+            nonlocal told
             bar.update(task, completed=done, total=total, doing=doing[:60])
+            if bar.disable and line_every and done // line_every > told:
+                told = done // line_every
+                note(f"{description}: {done} of {total} {unit}")
 
         yield advance

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import os
-import socket
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from hitab_client.run_folder import running_swarms
-
-LOOKED_AT = 10
-"""Participants whose ports are tried."""
+from hitab_ros.ros_domains import is_used_here, reserved_domain
 
 
 def chosen_by_user() -> int | None:
@@ -19,39 +16,26 @@ def chosen_by_user() -> int | None:
     return int(value) if value.isdigit() else None
 
 
-def for_swarm() -> int:
+def for_swarm(refused: Collection[int] = (), *, has_world: bool = True) -> int:
     """Return the domain id for a new swarm: the user's, else 0, else one that nobody uses.
 
     Other programs may use 0: plain ROS tools, which are to find the swarm, look for it there.
+
+    Args:
+        refused: where its names have turned out to be in use.
+        has_world: a swarm without a world only has 0: the drivers of its robots, which are started
+            elsewhere, are there.
     """
     own = chosen_by_user()
     if own is not None:
         return own
-    taken = {record.domain_id for _, record in running_swarms()}
+    if not has_world:
+        return 0
+    taken = {record.domain_id for _, record in running_swarms()} | set(refused)
     if 0 not in taken:
         return 0
     others = [number for number in range(1, 102) if number not in taken]
     return next((number for number in others if not is_used_here(number)), others[0])
-
-
-def is_used_here(number: int) -> bool:
-    """Return whether a program on this machine takes part in a ROS domain.
-
-    Each DDS participant listens on two ports of its own, numbered from the lowest that are free,
-    and most on one that they share (DDSI-RTPS 2.5, section 9.6.1). A domain seems unused if only
-    participants beyond the first `LOOKED_AT` are left.
-    """
-    base = 7400 + 250 * number
-    return any(map(_is_bound, (base, *range(base + 10, base + 10 + 2 * LOOKED_AT, 2))))
-
-
-def _is_bound(port: int) -> bool:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.bind(("", port))
-        except OSError:
-            return True
-    return False
 
 
 @contextlib.contextmanager
@@ -61,15 +45,6 @@ def reserved() -> Iterator[int]:
     Programs that chose a domain by hand are looked for; those that reserve one, as this does, are
     kept off it.
     """
-    from domain_coordinator import domain_id
-
     taken = {record.domain_id for _, record in running_swarms()} | {chosen_by_user()}
-    with contextlib.ExitStack() as refused:
-        while True:
-            stack = contextlib.ExitStack()
-            number = stack.enter_context(domain_id())
-            if number not in taken and not is_used_here(number):
-                break
-            refused.push(stack)
-        with stack:
-            yield number
+    with reserved_domain(taken.__contains__) as number:
+        yield number

@@ -18,4 +18,14 @@ class SwarmError(HitabError):
 
 
 class NamesTakenError(SwarmError):
-    """A swarm whose names are in use by other nodes in its ROS domain."""
+    """A swarm whose names are in use by other nodes in its ROS domain.
+
+    Attributes:
+        domain_id: the ROS domain.
+        owner: of the names, such as ``swarm keepaway-3f9a2c1e``.
+    """
+
+    def __init__(self, text: str, domain_id: int, owner: str) -> None:
+        super().__init__(text)
+        self.domain_id = domain_id
+        self.owner = owner

@@ -5,12 +5,38 @@
 
 from __future__ import annotations
 
+import re
 import secrets
 
+BY_HAND = "nodes started by hand"
+"""Stands for all nodes that no `hitab up` has started, in place of a swarm's identity."""
 
-def new_identity(swarm: str) -> str:
-    """Return an identity for a new swarm, unique to this start."""
-    return f"{swarm}-{secrets.token_hex(4)}"
+LAUNCHED = "launch:"
+"""Begins the identity of a swarm that ``ros2 launch`` has started, which no registry knows."""
+
+
+def new_identity(swarm: str, *, launched: bool = False) -> str:
+    """Return an identity for a new swarm, unique to this start.
+
+    Args:
+        swarm: its name.
+        launched: whether it was started without `hitab up`.
+    """
+    return f"{LAUNCHED if launched else ''}{swarm}-{secrets.token_hex(4)}"
+
+
+def is_identity(text: str) -> bool:
+    """Whether a text has the form of an identity."""
+    return re.fullmatch(r"\S+-[0-9a-f]{8}", text) is not None
+
+
+def is_by_hand(heard: str) -> bool:
+    """Whether a node was started without `hitab up`.
+
+    Args:
+        heard: the identity in its status.
+    """
+    return not heard or heard.startswith(LAUNCHED)
 
 
 def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
@@ -18,16 +44,23 @@ def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
 
     Args:
         heard: the identity in its status; empty: it was started by hand.
-        meant: the identity of the swarm in question; empty: any.
+        meant: the identity of the swarm in question, or `BY_HAND`; empty: any.
         started_by_it: whether that swarm has started a node of this name.
     """
     if not meant or heard == meant:
         return True
+    if meant == BY_HAND:
+        return is_by_hand(heard)
     return not heard and not started_by_it
 
 
 def other_swarm(node: str, heard: str, meant: str) -> str:
     """Return an error text for a node of another swarm than the one in question."""
+    if meant == BY_HAND:
+        return (
+            f"{node} belongs to swarm {heard}, which was not started from here (another "
+            f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {heard}"
+        )
     if not heard:
         return (
             f"{node} was started by hand and does not belong to swarm {meant}; "

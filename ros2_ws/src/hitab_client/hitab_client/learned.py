@@ -29,7 +29,10 @@ class Learned:
     Attributes:
         origin: basic, hand-written, trained or training.
         parameters, arguments: the parameters, and their bindings during training.
-        states, features: labels; in the order of the examples' values.
+        states: labels of its states; in training, of those that were chosen or commanded.
+        chosen: labels of the states that were chosen when the training began; empty: any can be
+            commanded, or it is not in training.
+        features: labels, in the order of the examples' values.
         units, scales: of the features.
         examples: all of them.
     """
@@ -51,6 +54,7 @@ class Learned:
     note: str = ""
     difference: str = ""
     trimmed: tuple[str, ...] = ()
+    chosen: tuple[str, ...] = ()
 
     @property
     def is_automaton(self) -> bool:
@@ -120,4 +124,5 @@ def learned_of(answer: Any) -> Learned:
         note=answer.note,
         difference=answer.difference,
         trimmed=tuple(answer.trimmed),
+        chosen=tuple(answer.chosen_states),
     )

@@ -7,7 +7,6 @@ change, with the world's cycle.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from types import TracebackType
 from typing import Self
 
 from hitab_msgs.msg import TransitionEvent
@@ -32,19 +31,14 @@ class PathTracker:
 
     def __enter__(self) -> Self:
         self._subscriptions = [
-            self._link.subscribe(TransitionEvent, topic, self._take, qos.EVENTS)
+            self._link.subscribe(TransitionEvent, topic, self._take, qos.EVENTS, temporary=True)
             for topic in self._topics.values()
         ]
         count = self._link.node.count_publishers
         self._link.spin_until(lambda: all(count(t) for t in self._topics.values()), 3.0, 0.01)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         for subscription in self._subscriptions:
             self._link.node.destroy_subscription(subscription)
 

@@ -100,9 +100,10 @@ def check(seconds: float) -> float:
         SwarmError: if it cannot.
     """
     if not 0.0 <= seconds <= LONGEST:
+        wrong = "too long" if seconds > 0 else "not possible"
         raise SwarmError(
-            f"{seconds:g} s is not a reaction time; give seconds from 0 to {LONGEST:g}, or "
-            "measure it with `hitab reaction --measure`"
+            f"a reaction time of {seconds:g} s is {wrong}: give a number from 0 to {LONGEST:g}, "
+            "or measure yours with `hitab reaction --measure`"
         )
     return seconds
 

@@ -6,7 +6,6 @@ import os
 import time
 import uuid
 from collections.abc import Callable, Iterator
-from types import TracebackType
 from typing import Any, Self
 
 import rclpy
@@ -17,7 +16,10 @@ from rclpy.qos import QoSProfile
 from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import cheaply_not_interrupted
-from hitab_ros import GuardedNode
+from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, Patience
+
+NODE = "hitab"
+"""Name of the node of a program that talks to a swarm, always the same for security policies."""
 
 CALL_SECONDS = 15.0
 """How long to wait for the answer of an available service."""
@@ -35,10 +37,16 @@ class RosLink:
     Args:
         domain_id: ROS domain; None: that of the environment.
         announce: called with what a wait is for, once it takes noticeable time.
+        name: of the node. Several programs may have the same one: they offer no services, and
+            answers come to the client that asked, whatever its name.
     """
 
     def __init__(
-        self, domain_id: int | None = None, announce: Callable[[str], None] | None = None
+        self,
+        domain_id: int | None = None,
+        announce: Callable[[str], None] | None = None,
+        *,
+        name: str = NODE,
     ) -> None:
         self._announce = announce
         self._announced: set[str] = set()
@@ -50,10 +58,13 @@ class RosLink:
             domain_id=domain_id,
             signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
         )
-        self.node = GuardedNode(f"hitab_{os.getpid()}", context=self._context)
+        self.node = GuardedNode(
+            name, context=self._context, parameter_overrides=[NO_TYPE_DESCRIPTIONS]
+        )
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
+        # What services tell clients apart by when a request is repeated.
         self._name = uuid.uuid4().hex
         self._requests = 0
         self._failure: BaseException | None = None
@@ -61,12 +72,7 @@ class RosLink:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -97,20 +103,19 @@ class RosLink:
 
         Args:
             done: the condition.
-            seconds: how long to wait for it.
+            seconds: how long to wait for it; longer on a busy machine, see `Patience`.
             each: seconds between two looks, if nothing happens.
             waiting_for: returns what to announce if the wait takes noticeable time.
         """
-        began = time.monotonic()
+        began, patience = time.monotonic(), Patience(seconds)
         while not done():
-            now = time.monotonic()
-            left = began + seconds - now
-            if left <= 0:
+            step = patience.step(each)
+            if not step:
                 return False
-            if waiting_for is not None and now - began > NOTICEABLE_SECONDS:
+            if waiting_for is not None and time.monotonic() - began > NOTICEABLE_SECONDS:
                 self._announce_once(f"waiting for {waiting_for()}")
                 waiting_for = None
-            self.spin(min(each, left))
+            self.spin(step)
         return True
 
     def _announce_once(self, text: str) -> None:
@@ -119,7 +124,13 @@ class RosLink:
             self._announce(text)
 
     def subscribe(
-        self, kind: Any, topic: str, take: Callable[[Any], None], qos: QoSProfile
+        self,
+        kind: Any,
+        topic: str,
+        take: Callable[[Any], None],
+        qos: QoSProfile,
+        *,
+        temporary: bool = False,
     ) -> Any:
         """Subscribe; the next spin raises exceptions from ``take``."""
 
@@ -130,7 +141,7 @@ class RosLink:
             except BaseException as error:
                 self._failure = error
 
-        return self.node.create_subscription(kind, topic, guarded, qos)
+        return self.node.create_subscription(kind, topic, guarded, qos, temporary=temporary)
 
     def topics_of_type(self, kind: str) -> Iterator[str]:
         """Yield the discovered topics with this message type."""

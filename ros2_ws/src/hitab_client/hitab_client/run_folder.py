@@ -21,6 +21,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from datetime import datetime
 from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
@@ -45,6 +46,7 @@ class RunRecord:
         identity: unique to this start of the swarm. All of its nodes publish it in their statuses.
         commanders: those of the agents that are commanders.
         processes: the agents that each process runs, by the name of the process.
+        namespace: of all its nodes, such as ``/left``; empty: none.
     """
 
     swarm: str
@@ -58,6 +60,7 @@ class RunRecord:
     identity: str = ""
     commanders: tuple[str, ...] = ()
     processes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    namespace: str = ""
 
     def process_of(self, name: str) -> str:
         """Return the name of the process that runs an agent, or the world."""
@@ -67,11 +70,15 @@ class RunRecord:
         return next(found, name)
 
 
-def state_home() -> Path:
-    """Return the folder that holds the run folders."""
-    if home := os.environ.get("HITAB_HOME"):
+def state_home(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the folder that holds the run folders.
+
+    Args:
+        environment: of the process in question.
+    """
+    if home := environment.get("HITAB_HOME"):
         return Path(home)
-    base = os.environ.get("XDG_STATE_HOME")
+    base = environment.get("XDG_STATE_HOME")
     return (Path(base) if base else Path.home() / ".local" / "state") / "hitab"
 
 
@@ -90,6 +97,14 @@ class RunFolder:
     def record_file(self) -> Path:
         """Exists while the swarm is up."""
         return self.path / "run.json"
+
+    @property
+    def started(self) -> datetime | None:
+        """When the current or last swarm here was started; None: there is no record of it."""
+        try:
+            return datetime.fromtimestamp(self.record_file.stat().st_mtime)
+        except OSError:
+            return None
 
     def log(self, process: str) -> Path:
         """Return the log of a process."""
@@ -211,8 +226,8 @@ def _mark_of(process: psutil.Process) -> str | None:
         return None
 
 
-def _registry() -> Path:
-    return state_home() / "running"
+def _registry(environment: Mapping[str, str] = os.environ) -> Path:
+    return state_home(environment) / "running"
 
 
 Found = tuple[RunFolder, RunRecord]
@@ -246,4 +261,20 @@ def running_swarms() -> Iterator[Found]:
     """Yield the swarms that are up, except temporary ones."""
     for folder, record in registered_swarms():
         if folder.supervisor(record) is not None:
+            yield folder, record
+
+
+def swarms_of_other_homes() -> Iterator[Found]:
+    """Yield the swarms that this user has up with another HITAB_HOME, except temporary ones."""
+    here = _registry().resolve()
+    for process, mark in marked_processes():
+        folder = RunFolder(Path(mark))
+        record = folder.read()
+        if record is None or record.supervisor != process.pid:
+            continue
+        try:
+            registry = _registry(process.environ())
+        except psutil.Error:  # it has ended since
+            continue
+        if registry.resolve() != here and (registry / record.identity).is_symlink():
             yield folder, record

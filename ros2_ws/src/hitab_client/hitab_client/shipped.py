@@ -7,12 +7,13 @@ it is installed.
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
-from hitab_core import HitabError, has
+from hitab_core import HitabError, did_you_mean, has, some
 
 GROUP = "hitab.shipped"
 
@@ -82,7 +83,10 @@ def find_file(given: str, folder: str, what: str) -> Path:
         for candidate in (place / given, place / f"{given}.yaml"):
             if candidate.is_file():
                 return candidate
-    names = [p.stem for place in folders for p in place.glob("*.yaml")]
-    raise HitabError(
-        f'no {what} "{given}": neither a file nor a shipped {what} {has(names, given)}'
-    )
+    if os.sep in given:
+        beside = [str(p) for p in sorted(path.parent.glob("*.y*ml"))]
+        guess = did_you_mean(given, beside) or f" That folder has {some(beside)}" * bool(beside)
+        raise HitabError(f'no {what} "{given}": no such file.{guess}')
+    names = sorted(p.stem for place in folders for p in place.glob("*.yaml"))
+    guess = did_you_mean(given, names) or f" The shipped ones are: {', '.join(names)}"
+    raise HitabError(f'no {what} "{given}": no such file, and no such {what} is shipped.{guess}')

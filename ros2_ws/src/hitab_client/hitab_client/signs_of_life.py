@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 from hitab_msgs.msg import Alive, HostRoster
 from rclpy.qos import QoSProfile
@@ -28,8 +28,9 @@ ROSTERS = QoSProfile(
 class SignsOfLife:
     """Which agents of a swarm are silent, and whether its world is.
 
-    An agent is silent if all processes that run it are. One whose process never gave a sign, such
-    as one written in another language, is never silent.
+    An agent is silent if all processes that run it are, and nothing else comes of it: a process
+    that is slow gives its signs late, but what it sends shows that it lives. One whose process
+    never gave a sign, such as one written in another language, is never silent.
 
     Args:
         link: the node to use.
@@ -50,6 +51,7 @@ class SignsOfLife:
         self._expected = frozenset(expected)
         self._identity = identity
         self._heard: dict[str, float] = {}  # when each process was heard last
+        self._shown: dict[str, float] = {}  # when something else came, by name
         self._members: dict[str, frozenset[str]] = {}  # of each host
         self._listened = 0.0
         self._last_look = time.monotonic()
@@ -72,6 +74,11 @@ class SignsOfLife:
         if known and self._is_own(name, sign.swarm):
             self._heard[name] = self._time()
 
+    def take_signs_of(self, these: Iterable[str]) -> None:
+        """Take it as signs of life that agents, or the world, have just sent something else."""
+        now = self._time()
+        self._shown |= dict.fromkeys(these, now)
+
     def _time(self) -> float:
         """Return for how long this process has listened, s."""
         now = time.monotonic()
@@ -88,5 +95,5 @@ class SignsOfLife:
         heard: dict[str, float] = {}
         for process, moment in self._heard.items():
             for name in self._members.get(process, (process,)):
-                heard[name] = max(heard.get(name, moment), moment)
+                heard[name] = max(heard.get(name, moment), moment, self._shown.get(name, moment))
         return {name: now - at for name, at in heard.items() if now - at > SILENT_SECONDS}

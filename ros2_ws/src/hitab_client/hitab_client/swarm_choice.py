@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hitab_client.errors import SwarmError
+from hitab_client.identity import is_by_hand, is_identity
 from hitab_client.run_folder import (
     Found,
     RunFolder,
@@ -15,8 +18,9 @@ from hitab_client.run_folder import (
     registered_swarms,
     running_swarms,
     state_home,
+    swarms_of_other_homes,
 )
-from hitab_core import has
+from hitab_core import has, quantity
 
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
@@ -24,21 +28,43 @@ if TYPE_CHECKING:
 LOOK_SECONDS = 3.0
 """How long to look for a swarm that the registry does not know."""
 
+LISTED_MAX = 5
+"""Swarms of another HITAB_HOME that are named individually."""
 
-def only(found: Sequence[Found], where: str = "") -> Found | None:
+
+WAY_TO_CHOOSE = "choose one with --swarm NAME"
+
+
+def only(
+    found: Sequence[Found], what: str = "swarms are up", way: str = WAY_TO_CHOOSE
+) -> Found | None:
     """Return the only swarm of several; None if there is none.
 
+    Args:
+        found: the swarms.
+        what: what they have in common.
+        way: how to choose one.
+
     Raises:
-        SwarmError: if there are several, with their distinct names.
+        SwarmError: if there are several, with their distinct names, and what tells them apart.
     """
     if len(found) > 1:
         names = [record.swarm for _, record in found]
         if len(set(names)) < len(names):
             names = [record.identity or str(folder.path) for folder, record in found]
-        raise SwarmError(
-            f"several swarms are up{where} {has(names)}; choose one with --swarm NAME"
-        )
+        lines = [f"  {name}: {_start(*one)}" for name, one in zip(names, found, strict=True)]
+        raise SwarmError("\n".join((f"several {what}; {way}:", *lines)))
     return found[0] if found else None
+
+
+def _start(folder: RunFolder, record: RunRecord) -> str:
+    """Return when and where a swarm was started."""
+    at = folder.started
+    told = ""
+    if at is not None:
+        today = at.date() == date.today()
+        told = f"started at {at:%H:%M:%S}" if today else f"started on {at:%Y-%m-%d at %H:%M:%S}"
+    return ", ".join(filter(None, (told, f"ROS domain {record.domain_id}", str(folder.path))))
 
 
 def meant(which: str, among: Iterable[Found]) -> list[Found]:
@@ -73,15 +99,23 @@ def find_running(which: str | None) -> Found | None:
         record = folder.read()  # temporary ones too
         if record is not None and folder.supervisor(record) is not None:
             return folder, record
-    found = only(meant(which, up))
+    found = only(meant(which, up), _called(which))
     if found is None:
-        names = has(record.swarm for _, record in up)
-        raise SwarmError(f'no swarm "{which}" is up {names}; start it with `hitab up`')
+        names = [record.swarm for _, record in up]
+        others = f" {has(names, which)}" if names else ", and no other; `hitab up` starts one"
+        raise SwarmError(f'no swarm "{which}" is up{others}')
     return found
+
+
+def _called(which: str) -> str:
+    return f'swarms called "{which}" are up'
 
 
 def find_meant(which: str | None, domain_id: int | None) -> Found | None:
     """Return the swarm to connect to; see `find_running`.
+
+    None as well for an identity that the registry does not know: its swarm may have been started
+    elsewhere.
 
     Args:
         which: its name, identity or run folder; None: the only one.
@@ -90,10 +124,36 @@ def find_meant(which: str | None, domain_id: int | None) -> Found | None:
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
     """
+    if which is not None and is_identity(which) and not meant(which, running_swarms()):
+        return None
     if which is not None or domain_id is None:
         return find_running(which)
     there = [found for found in running_swarms() if found[1].domain_id == domain_id]
-    return only(there, f" in ROS domain {domain_id}")
+    return only(there, f"swarms are up in ROS domain {domain_id}")
+
+
+def whose(identities: Iterable[str]) -> Iterator[str]:
+    """Yield a sentence for each swarm that the registry does not know.
+
+    Args:
+        identities: in the statuses of nodes that have answered.
+    """
+    for identity in sorted(set(identities)):
+        if not is_by_hand(identity):
+            yield (
+                f"{identity} was not started from here (another HITAB_HOME, user or computer); "
+                f"commands that change it need --swarm {identity}"
+            )
+
+
+def way_to_stop(folder: RunFolder, record: RunRecord) -> str:
+    """Return the command that stops a swarm of the registry, as short as it can be."""
+    if folder.path == RunFolder.of_swarm(record.swarm).path:
+        return f"`hitab down {record.swarm}`"
+    here = Path.cwd()
+    inside = folder.path.is_relative_to(here)
+    path = folder.path.relative_to(here) if inside else folder.path
+    return f"`hitab down --run-dir {shlex.quote(str(path))}`"
 
 
 def none_is_up(domain_id: int | None) -> str:
@@ -102,14 +162,32 @@ def none_is_up(domain_id: int | None) -> str:
     known = [f"No swarm runs {where}."]
     for folder, record in registered_swarms():
         if folder.supervisor(record) is None:
-            known.append(f'"{record.swarm}" has ended without `hitab down`: {folder.path}.')
+            known.append(
+                f'"{record.swarm}" has ended without `hitab down`: {folder.path}. '
+                f"{way_to_stop(folder, record)} ends what is left of it, and `hitab up` starts it "
+                "again."
+            )
         else:
             known.append(
                 f'"{record.swarm}" runs in ROS domain {record.domain_id}; '
                 f"choose it with --swarm {record.swarm}, or unset ROS_DOMAIN_ID."
             )
+    known += told_of_other_homes()
     known.append(f"Looking for {LOOK_SECONDS:g} s for one that was started elsewhere ...")
     return " ".join(known)
+
+
+def told_of_other_homes() -> list[str]:
+    """Return sentences about swarms that this user has up with another HITAB_HOME."""
+    found = list(swarms_of_other_homes())
+    if len(found) > LISTED_MAX:
+        swarms = quantity(len(found), "swarm")
+        return [f"{swarms} started with another HITAB_HOME; set it to choose one."]
+    return [
+        f'"{record.swarm}" was started with another HITAB_HOME and runs in ROS domain '
+        f"{record.domain_id}; choose it with --swarm {shlex.quote(str(folder.path))}."
+        for folder, record in found
+    ]
 
 
 def reported_on(link: RosLink) -> Iterator[str]:
@@ -129,7 +207,10 @@ def look_elsewhere(link: RosLink) -> None:
         SwarmError: if there are none.
     """
     if not link.spin_until(lambda: any(reported_on(link)), LOOK_SECONDS):
-        raise SwarmError("no swarm is up; start one with `hitab up keepaway`")
+        number = link.node.context.get_domain_id()
+        raise SwarmError(
+            f"no swarm answers in ROS domain {number}; start one with `hitab up keepaway`"
+        )
 
 
 def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None:
@@ -140,9 +221,12 @@ def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None
     """
     up = list(running_swarms())
     left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]
+    way = "stop one with `hitab down NAME`, or all with `hitab down --all`"
     if which is None:
-        return only(up) or only(left)
-    found = only(meant(which, up)) or only(meant(which, left))
+        return only(up, way=way) or only(left, "swarms have ended without `hitab down`", way)
+    found = only(meant(which, up), _called(which), way) or only(
+        meant(which, left), f'swarms called "{which}" have ended without `hitab down`', way
+    )
     if found is not None:
         return found
     folder = folder_called(which)

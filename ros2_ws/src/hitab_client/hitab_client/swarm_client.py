@@ -30,6 +30,7 @@ from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
+from hitab_core import said_of
 from hitab_ros import names, qos
 from hitab_ros.conversions import costs_of
 
@@ -106,7 +107,7 @@ class SwarmClient(AgentPresence):
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
         """
-        before = self.await_agent(agent)
+        self.await_agent(agent)
         publisher = self._commander(agent)
         if not sequence:
             sequence = self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
@@ -125,12 +126,10 @@ class SwarmClient(AgentPresence):
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline and not self.processes.is_lost(agent):
             # The subscriber may be an agent whose death is not yet known; its successor gets the
-            # next copy. An agent ignores commands that it has already obeyed.
+            # next copy. An agent ignores commands that it has already obeyed, before a crash too.
             publisher.publish(command)
             if self.link.spin_until(answered, RESEND_SECONDS):
                 break
-            if self.statuses[agent].last_command_sequence < before.last_command_sequence:
-                break  # it was restarted and does not remember obeyed commands
         if not answered():
             raise SwarmError(
                 self.processes.reason(agent)
@@ -139,7 +138,7 @@ class SwarmClient(AgentPresence):
             )
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
-            raise SwarmError(f"{agent}: {status.last_error}")
+            raise SwarmError(said_of(agent, status.last_error))
         return status
 
     def _commander(self, agent: str) -> Any:
@@ -174,7 +173,7 @@ class SwarmClient(AgentPresence):
             missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
         )
         if not getattr(answer, "success", True):
-            raise SwarmError(f"{agent}: {answer.message}")
+            raise SwarmError(said_of(agent, answer.message))
         return answer
 
     def begin(self, agent: str, automaton: str, **fields: Any) -> Any:

@@ -14,8 +14,13 @@ from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_ros import names, qos
+from hitab_ros.stamps import seconds_of
 
 NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
+NOT_SIMULATED = (
+    "this swarm has no world: its swarm file names none, and none that was started by hand "
+    "answers; only a world can be driven (`hitab stop` stops robots)"
+)
 STARTED_BY_HAND_SECONDS = 2.0  # to wait for a world that the swarm has not started
 SPEED_SECONDS = 1.0  # over which the world's speed is averaged
 NAN = float("nan")
@@ -83,7 +88,7 @@ class WorldClient:
     def _take_state(self, state: WorldState) -> None:
         self.state = state
         self._states += 1
-        now, simulated = time.monotonic(), state.stamp.sec + state.stamp.nanosec * 1e-9
+        now, simulated = time.monotonic(), seconds_of(state.header.stamp)
         if self._first_stamp is None or simulated < self._first_stamp[1]:
             self._first_stamp = now, simulated
         elif now > self._first_stamp[0]:
@@ -109,8 +114,14 @@ class WorldClient:
         self.link.spin_until(decided, seconds, waiting_for=lambda: "the world")
         self.refuse_stranger()
         if self.status is None:
-            raise SwarmError(self._reason() or (_unexplained(seconds) if own else NO_WORLD))
+            unexplained = _unexplained(seconds) if own else self._absent
+            raise SwarmError(self._reason() or unexplained)
         return self.status
+
+    @property
+    def _absent(self) -> str:
+        """Why there is no world, and what to do: a swarm of robots is not meant to have one."""
+        return NOT_SIMULATED if self._processes.are_known else NO_WORLD
 
     def _reason(self) -> str:
         """Return why the world does not answer, as far as its process shows it."""
@@ -131,7 +142,7 @@ class WorldClient:
             kind,
             self._name(service),
             kind.Request(**fields),
-            missing=lambda: self._reason() or NO_WORLD,
+            missing=lambda: self._reason() or self._absent,
         )
         if not answer.success:
             raise SwarmError(f"the world refuses: {answer.message}")
@@ -143,12 +154,18 @@ class WorldClient:
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
 
-    def step(self, cycles: int = 1, seconds: float = 10.0) -> WorldState:
+    def step(
+        self,
+        cycles: int = 1,
+        seconds: float = 10.0,
+        left: Callable[[int], None] = lambda cycles: None,
+    ) -> WorldState:
         """Step a paused world by some cycles and return its state.
 
         Args:
             cycles: how many.
             seconds: how long each may take.
+            left: called before each with how many there are still to come.
 
         Raises:
             SwarmError: if one takes longer.
@@ -156,8 +173,21 @@ class WorldClient:
         last = self.control(Control.Request.STEP, cycles=cycles).cycle
         state = self.state_at(0, seconds)
         while state.cycle < last:
+            left(last - state.cycle)
             state = self.state_at(state.cycle + 1, seconds)
         return state
+
+    def cycle_before(self, seconds: float) -> int:
+        """Return the cycle of some simulated seconds ago, or the first one if that was later.
+
+        Raises:
+            SwarmError: if the world publishes no state.
+        """
+        state = self.state_at(0)
+        now = seconds_of(state.header.stamp)
+        if not state.cycle or not now:
+            return state.cycle
+        return max(1, state.cycle - round(seconds * state.cycle / now))
 
     def state_at(self, cycle: int, seconds: float = 10.0) -> WorldState:
         """Wait for the state of a cycle, or of a later one.

@@ -1,5 +1,8 @@
 """Commands are printed the way the user types them."""
 
+import re
+from pathlib import Path
+
 import pytest
 
 from hitab_client import console
@@ -37,3 +40,14 @@ def test_results_messages_and_errors_are_printed_so(monkeypatch, capsys):
     assert printed.out == "`scripts/hitab down` ends it\n"
     assert "`scripts/hitab status --watch`" in printed.err
     assert "`scripts/hitab up keepaway` starts one" in printed.err
+
+
+def test_lines_of_tables_trees_and_groups_are_printed_so(monkeypatch):
+    monkeypatch.setenv(CALLED_AS, "scripts/hitab")
+    assert console.line("emergency stop; `hitab go` releases it").plain.count("scripts/hitab") == 1
+
+
+def test_no_line_is_made_in_another_way():
+    sources = Path(__file__).parents[2]
+    made = [p for p in sources.glob("*/*/**/*.py") if re.search(r"\bText\(", p.read_text())]
+    assert [path.name for path in made if path.parent.name != "test"] == ["console.py"]

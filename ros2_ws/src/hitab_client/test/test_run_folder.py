@@ -37,7 +37,7 @@ def test_a_record_of_a_swarm_that_is_gone_is_not_taken_for_one_that_is_up():
     folder.write(record(str(folder.path / "s")), register=True)
     assert folder.read() == record(str(folder.path / "s"))
     assert find_running(None) is None
-    with pytest.raises(SwarmError, match=r'no swarm "trio" is up \(has none\)'):
+    with pytest.raises(SwarmError, match=r'no swarm "trio" is up, and no other'):
         find_running("trio")
     folder.forget()
     assert folder.read() is None

@@ -17,7 +17,8 @@ from hitab_commander.order_memory import OrderMemory, Remembered
 from hitab_core import Agent, HitabError, Mode, Use
 from hitab_core.commanding import Number, Order, Report
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.conversions import order_message, time_of
+from hitab_ros.conversions import order_message
+from hitab_ros.stamps import time_of
 
 EPISODES_KNOWN = 8
 """How many past episodes are remembered, so that a late report does not look like a new one."""

@@ -14,7 +14,10 @@ from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.kind_reader import read_kind
 from hitab_commander.order_memory import OrderMemory
-from hitab_core import Domain, HitabError, Mode
+from hitab_core import Domain, HitabError, Mode, some
+from hitab_ros.diagnostics import Level
+
+NAMED_MAX = 10  # most subordinates that a diagnosis names
 
 
 class CommanderNode(AgentNode):
@@ -61,6 +64,15 @@ class CommanderNode(AgentNode):
         """Decide at once after a person's request, also on an order that waited for it."""
         super().settle()
         self._decide()
+
+    def troubles(self) -> list[tuple[Level, str]]:
+        """Return which subordinates are silent."""
+        body = self.agent.body
+        silent = [name for name in body.members if body.is_silent(name)]
+        if not silent:
+            return []
+        level = Level.STALE if len(silent) == len(body.members) else Level.WARN
+        return [(level, f"silent subordinates: {some(silent, NAMED_MAX)}")]
 
     def tell(self) -> None:
         """Report to its own commander, if it has one."""

@@ -8,6 +8,8 @@ program that needs one of them does not wait for all.
     Domain, BasicBehavior,    what a robot can do and perceive; one domain per kind of robot
     Feature, FeatureKind,
     Target, load_domain
+    ActionBehavior,           a basic behavior that the server of a ROS action carries out, and
+    feedback_feature          a feature that is a field of its feedback
     Agent, Mode               the engine of an agent, as a ROS node or a simulation runs it
     Automaton, Use, Example   what is learned, and what it is learned from
     BehaviorLibrary           trained behaviors in a folder

@@ -47,9 +47,10 @@ from hitab_core.running.running_automaton import RunContext, Running, RunningAut
 from hitab_core.running.senses import Senses
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.moments import KEPT_SECONDS
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
-from hitab_core.training.training_session import TrainingSession
+from hitab_core.training.training_session import Request, TrainingSession
 from hitab_core.use import Use
 from hitab_core.wording import quantity
 
@@ -113,6 +114,7 @@ class Agent:
         self.library = library
         self.body = domain.body(name)
         self.cycle = 0
+        self._episode_since = 0
         self.mode = Mode.IDLE
         self.top: Use | None = None
         self.awaited: Use | None = None
@@ -235,6 +237,8 @@ class Agent:
             jumped: whether the situation does not follow from the last one, as when something was
                 placed.
         """
+        if cycle < self.cycle:
+            self._episode_since = cycle  # the world counts from its beginning again
         self.cycle = cycle
         self._context.clock.now = time
         self.body.sense(values, heard)
@@ -248,6 +252,7 @@ class Agent:
 
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
+        self._episode_since = self.cycle
         self._random.seed(agent_seed(seed, episode, self.name))
         if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
             self.session.restart()
@@ -398,28 +403,50 @@ class Agent:
         self.awaited = None
         return session
 
-    def command(self, use: Use, *, ago: float = 0.0, seen: int = 0) -> list[Example]:
+    def command(
+        self, use: Use, *, ago: float = 0.0, seen: int = 0, request: Request | None = None
+    ) -> list[Example]:
         """Obey a demonstrator; see `TrainingSession.command`.
 
         Args:
             use: what to perform, or a flag.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
             seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
+            request: who commands it and with which number; see `requests`.
 
         Raises:
-            TrainingError: if the agent is not in training mode.
+            TrainingError: if the agent is not in training mode, or if the demonstrator saw an
+                earlier episode.
             FeatureValueError: if it has perceived nothing yet.
         """
         session = self._session()
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
             raise TrainingError(
-                f"{self.name} is not in training mode but {self.mode}; "
-                "go to training mode before commanding"
+                f"{self.name} is not in training mode but {self.mode}; go to training mode "
+                f"before commanding (`hitab train {self.name}`)"
             )
-        if any(feature.name not in FLAGS for feature in session.curriculum.features):
+        if 0 < seen < self._episode_since:
+            raise TrainingError(
+                f"the command was for cycle {seen}, but a new episode has begun in cycle "
+                f"{self._episode_since}; command what is right in the new episode"
+            )
+        if not session.has_perceived and 0.0 <= ago <= KEPT_SECONDS:
+            ago, seen = 0.0, 0  # nothing has changed since the training began
+        if self.awaits_percept:
             self._context.senses.check_perceived()
         with self._context.senses.blind_unless_perceived():
-            return session.command(use, self.cycle, ago=ago, seen=seen)
+            return session.command(use, self.cycle, ago=ago, seen=seen, request=request)
+
+    @property
+    def awaits_percept(self) -> bool:
+        """Whether a command has to wait for the first percept, which its examples need."""
+        chosen = () if self.session is None else self.session.curriculum.features
+        return not self._context.senses.perceived and any(f.name not in FLAGS for f in chosen)
+
+    @property
+    def requests(self) -> Sequence[Request]:
+        """The latest numbered commands of the training under way, before a crash too."""
+        return () if self.session is None else tuple(self.session.requests)
 
     def test(self, *, restart: bool = False) -> None:
         """Learn from the examples and give control to what was learned.
@@ -541,7 +568,7 @@ class Agent:
             LibraryError: if its journal cannot be archived; nothing has changed.
         """
         if self.session is None and not self.journal.damage:
-            raise TrainingError(f"{self.name} is not training anything that could be discarded")
+            raise TrainingError(f"{self.name} has no training to discard")
         self.journal.discard()
         self._stop()
         self.session = self.top = self._performance = None
@@ -550,7 +577,8 @@ class Agent:
     def _session(self, refused: str = "") -> TrainingSession:
         if self.session is None:
             raise TrainingError(
-                f"{refused}{self.name} is not training anything; begin a training first"
+                f"{refused}{self.name} is not training anything; begin a training first "
+                f"(`hitab train {self.name} NAME -f FEATURE`)"
             )
         return self.session
 

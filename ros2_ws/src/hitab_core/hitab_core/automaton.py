@@ -57,7 +57,7 @@ class Automaton:
     Raises:
         VocabularyError: if it has a state twice or a transition function for none of its states.
 
-    Example:
+    Examples:
         >>> from hitab_core import HandWritten
         >>> patrol = Automaton(
         ...     "Patrol",

@@ -54,18 +54,35 @@ class Caution:
         """
         if when_unsure not in list(WhenUnsure):
             raise TrainingError(unknown("caution", when_unsure, list(WhenUnsure)))
-        if not (0 <= support < float("inf") and 0 <= distance < float("inf")):
-            raise TrainingError(
-                f"an agent cannot be unsure below {support:g} examples or beyond a distance of "
-                f"{distance:g}; give numbers of at least 0"
-            )
+        for option, number in (("--support", support), ("--distance", distance)):
+            if not 0 <= number < float("inf"):
+                raise TrainingError(f"{option} must be a number of at least 0, not {number:g}")
         asks = when_unsure != WhenUnsure.GO_ON
         if asks and not (support or distance):
             raise TrainingError(
-                f'"{when_unsure}" needs a number of examples or a distance below or beyond which '
-                "the agent is unsure"
+                f'"{when_unsure}" needs to know when an agent is unsure: with fewer examples than '
+                "--support, or farther than --distance from any, such as "
+                f"`hitab caution AGENT {when_unsure} --distance 3`"
             )
         return cls(WhenUnsure(when_unsure), support, distance)
+
+    def __str__(self) -> str:
+        """Return it in words, such as ``when it is farther than 3 from any example: halt``."""
+        return caution_in_words(self.when_unsure.value, self.support, self.distance)
+
+
+def caution_in_words(when_unsure: str, support: float, distance: float) -> str:
+    """Return what an agent does when it is unsure, and when that is.
+
+    Examples:
+        >>> caution_in_words("halt", 2, 3)
+        'when it has fewer than 2 examples, or is farther than 3 from any example: halt'
+    """
+    if when_unsure == WhenUnsure.GO_ON:
+        return "when it is unsure: go_on"
+    fewer = [f"has fewer than {support:g} examples"] if support else []
+    farther = [f"is farther than {distance:g} from any example"] if distance else []
+    return f"when it {', or '.join(fewer + farther)}: {when_unsure}"
 
 
 class Brake:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
 from hitab_core.errors import VocabularyError
-from hitab_core.use import NAME, Use
+from hitab_core.use import NAME, Use, wrong_number
 from hitab_core.vocabulary import check_known, has
 
 if TYPE_CHECKING:
@@ -220,7 +220,7 @@ class Domain:
         Raises:
             VocabularyError: if a name is malformed, there twice in one list, or the engine's own.
 
-        Example:
+        Examples:
             >>> class Cart:
             ...     def __init__(self, name):
             ...         self.position = self.speed = 0.0
@@ -273,7 +273,7 @@ class Domain:
         Raises:
             VocabularyError: if one of them is not a hand-written automaton of the domain.
 
-        Example:
+        Examples:
             >>> from hitab_core import Automaton
             >>> wait = BasicBehavior("Wait")
             >>> patrol = Automaton("Patrol", (Use("Wait"),), (), {})
@@ -361,11 +361,7 @@ class Domain:
         check_known(what, use.name, known)
         expected = known[use.name]
         if len(use.arguments) != len(expected):
-            wanted = ", ".join(expected) if expected else "none"
-            raise VocabularyError(
-                f'{what} "{use.name}" takes {len(expected)} target(s) ({wanted}), '
-                f"not {len(use.arguments)}"
-            )
+            raise VocabularyError(wrong_number(what, use, expected, {*self.targets, *parameters}))
         targets = {*self.targets, *parameters} if use.arguments else ()
         for argument in use.arguments:
             check_known("target", argument, targets, f' for {what} "{use.name}"')

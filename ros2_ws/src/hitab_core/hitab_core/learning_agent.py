@@ -33,7 +33,7 @@ class LearningAgent:
     Attributes:
         agent: the engine's agent.
 
-    Example:
+    Examples:
         >>> from hitab_core import LearningAgent, plain_domain
         >>> cart = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
         >>> agent = LearningAgent(cart).train("Shuttle")

@@ -57,7 +57,7 @@ def plain_domain(
     Raises:
         VocabularyError: if a name is malformed or used twice.
 
-    Example:
+    Examples:
         >>> from hitab_core import plain_domain
         >>> cart = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
         >>> sorted(cart.behaviors), sorted(cart.features)

@@ -7,10 +7,11 @@ of the domain or a parameter of the automaton that contains the use.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from hitab_core.errors import VocabularyError
+from hitab_core.wording import natural, quantity
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
 """Pattern of the names of behaviors, targets and parameters; behaviors also name files."""
@@ -33,7 +34,7 @@ class Use:
         Raises:
             VocabularyError: if the text has another form.
 
-        Example:
+        Examples:
             >>> Use.parse("PassTo( mate )")
             Use(name='PassTo', arguments=('mate',))
         """
@@ -52,7 +53,7 @@ class Use:
     def bound(self, parameters: Mapping[str, str]) -> Use:
         """Return this use with each automaton parameter replaced by its binding.
 
-        Example:
+        Examples:
             >>> str(Use("GoTo", ("A",)).bound({"A": "ball"}))
             'GoTo(ball)'
         """
@@ -63,3 +64,29 @@ class Use:
     def __str__(self) -> str:
         """Return the text that :meth:`parse` reads."""
         return f"{self.name}({', '.join(self.arguments)})" if self.arguments else self.name
+
+
+def wrong_number(what: str, use: Use, expected: Sequence[str], things: Iterable[str]) -> str:
+    """Return an error about a use with too many or too few targets, and one that is right.
+
+    Args:
+        what: it should name, such as "feature".
+        use: with the wrong number of arguments.
+        expected: its parameters.
+        things: targets, and parameters of the automaton that contains the use.
+
+    Examples:
+        >>> print(wrong_number("feature", Use("DistanceTo"), ["X"], ["goal", "ball"]))
+        feature "DistanceTo" takes 1 target, not 0; write, for example, DistanceTo(ball)
+    """
+    number = len(use.arguments)
+    if not expected:
+        return f'{what} "{use.name}" takes no targets, not {number}; write {use.name}'
+    takes = f'{what} "{use.name}" takes {quantity(len(expected), "target")}, not {number}'
+    known = sorted(things, key=natural)
+    if not known:
+        return f"{takes}; this domain has no targets"
+    given = [argument for argument in use.arguments if argument in known][: len(expected)]
+    others = [thing for thing in known if thing not in given] or known
+    more = (others[i % len(others)] for i in range(len(expected) - len(given)))
+    return f"{takes}; write, for example, {Use(use.name, (*given, *more))}"

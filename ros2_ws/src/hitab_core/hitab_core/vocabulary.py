@@ -15,7 +15,7 @@ LISTED = 10
 def did_you_mean(wrong: str, names: Iterable[object]) -> str:
     """Return `` Did you mean "x"?`` with a leading space, or nothing if no name is close.
 
-    Example:
+    Examples:
         >>> did_you_mean("gofst", ["GoFast", "Stop"])
         ' Did you mean "GoFast"?'
     """
@@ -28,11 +28,11 @@ def has(names: Iterable[object], *wrong: object) -> str:
     """Return ``(has: a, b, c. Did you mean "a"?)``, the tail of an error about unknown names.
 
     Of more than `LISTED` names it lists those closest to the wrong one, the closest first, and
-    counts the others: ``(has: a, b, ... and 990 more)``.
+    counts the others: ``(has: a, b, ... and 990 more)``. Of none: ``(there are none)``.
     """
     known = sorted({str(name) for name in names}, key=natural)
     if not known:
-        return "(has none)"
+        return "(there are none)"
     hint = next(filter(None, (did_you_mean(str(name), known) for name in wrong)), "")
     more = len(known) - LISTED
     if more > 0:
@@ -60,7 +60,7 @@ def unknown(what: str, name: str, names: Iterable[object], where: str = "") -> s
         names: the known ones.
         where: it is, such as `` in state "X"``, with a leading space.
 
-    Example:
+    Examples:
         >>> print(unknown("behavior", "gofst", ["Stop", "GoFast"]))
         unknown behavior "gofst" (has: GoFast, Stop. Did you mean "GoFast"?)
     """

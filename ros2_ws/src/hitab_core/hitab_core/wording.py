@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
@@ -18,7 +19,7 @@ def quantity(number: float, noun: str, plural: str = "") -> str:
         noun: for one.
         plural: for all other numbers; the noun with an s, if not given.
 
-    Example:
+    Examples:
         >>> quantity(1, "example"), quantity(0, "library", "libraries")
         ('1 example', '0 libraries')
     """
@@ -33,7 +34,7 @@ def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
         numbers: of the things.
         most: with more, only say how many there are; None: name all.
 
-    Example:
+    Examples:
         >>> numbered("example", [3]), numbered("example", [5, 4]), numbered("example", [1, 2], 1)
         ('example 3', 'examples 4, 5', '2 examples')
     """
@@ -46,7 +47,7 @@ def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
 def some(names: Sequence[str], most: int = NAMED_MAX, between: str = ", ") -> str:
     """Return the first of many names, and the number of the others.
 
-    Example:
+    Examples:
         >>> some(["a", "b", "c"], most=2)
         'a, b and 1 more'
     """
@@ -60,14 +61,24 @@ def each_once(texts: Iterable[tuple[str, str]]) -> list[str]:
     Args:
         texts: names and texts, in order.
 
-    Example:
+    Examples:
         >>> each_once([("a", "is late"), ("b", "is gone"), ("c", "is late")])
         ['a, c: is late', 'b: is gone']
     """
     concerned: dict[str, list[str]] = {}
     for name, text in texts:
         concerned.setdefault(text, []).append(name)
-    return [f"{some(names)}: {text}" for text, names in concerned.items()]
+    return [said_of(some(names), text) for text, names in concerned.items()]
+
+
+def said_of(name: str, text: str) -> str:
+    """Return a text after the name of the one it is about, unless it begins with that name.
+
+    Examples:
+        >>> said_of("ann", "unknown mode"), said_of("ann", "ann is idle")
+        ('ann: unknown mode', 'ann is idle')
+    """
+    return text if re.match(rf"{re.escape(name)}\b", text) else f"{name}: {text}"
 
 
 @lru_cache(maxsize=8192)
@@ -76,3 +87,17 @@ def natural(name: str) -> tuple[tuple[tuple[bool, int, str], ...], str]:
     parts = re.split(r"([0-9]+)", name)
     numbered = tuple((p.isdecimal(), int(p) if p.isdecimal() else 0, p) for p in parts)
     return numbered, name
+
+
+RADIANS = "rad"
+DEGREES = "deg"
+
+
+def shown_unit(unit: str) -> str:
+    """Return the unit in which values of features are shown: angles in degrees."""
+    return DEGREES if unit == RADIANS else unit
+
+
+def shown_value(value: float, unit: str) -> float:
+    """Return a value in the unit in which it is shown."""
+    return math.degrees(value) if unit == RADIANS else value

@@ -146,7 +146,7 @@ def test_explanations_on_circles_and_categories_have_words():
     (question,) = ambiguities(known, readings=[[-10.0, 2.0]])
     assert question.situation == (350.0, 2.0)
     assert question.learned.because == "Color = blue"
-    assert question.other.because == "Bearing in [-140, 40) deg"
+    assert question.other.because == "Bearing in -140..40 deg"
     assert "with Bearing = -10 deg, Color = blue" in question.text
 
 

@@ -292,7 +292,7 @@ def test_a_retrained_behavior_must_still_fit_those_that_use_it(
     with pytest.raises(LibraryError) as refused:
         library.save(changed)
     assert str(refused.value).startswith('"Approach" cannot be added:\nControl.hfa.yaml:10: ')
-    assert "takes 1 target(s) (A), not 0; train one of the two again" in str(refused.value)
+    assert "takes 1 target, not 0; train one of the two again" in str(refused.value)
 
 
 @pytest.mark.parametrize("name", ["GoFast", "Start", "Done"])

@@ -9,7 +9,14 @@ import pytest
 
 from hitab_core.automaton import Automaton
 from hitab_core.drawing.graph import arrows
-from hitab_core.drawing.layout import bend_arrows, curve, place_words, state_boxes
+from hitab_core.drawing.layout import (
+    Box,
+    bend_arrows,
+    crosses,
+    curve,
+    place_words,
+    state_boxes,
+)
 from hitab_core.drawing.picture import draw_automata, draw_automaton
 from hitab_core.drawing.text import automaton_as_text
 from hitab_core.errors import HitabError
@@ -148,3 +155,13 @@ def test_an_arrow_and_the_one_back_bow_to_different_sides() -> None:
         curve(boxes[a], boxes[b], bend)[20] for a, b, bend in (("A", "B", there), ("B", "A", back))
     ]
     assert np.hypot(*(middle[0] - middle[1])) > 0.1
+
+
+@pytest.mark.parametrize("height", [1.0, 2.0])
+def test_an_arrow_crosses_a_box_where_it_goes_through_it(height: float) -> None:
+    box = Box(0.0, 0.0, 1.0, 1.0)
+    assert crosses(np.array([[-2.0, 0.2], [2.0, 0.3]]), box)
+    assert crosses(np.array([[-2.0, 0.2], [0.1, 0.1]]), box)
+    assert not crosses(np.array([[-2.0, 0.2], [-0.6, 0.1]]), box)
+    assert not crosses(np.array([[-2.0, 0.6 * height], [2.0, 0.6 * height]]), box)
+    assert crosses(np.array([[0.2, -2.0], [0.2, 2.0]]), box)

@@ -46,8 +46,7 @@ def test_an_example_beside_a_correction_is_a_mistake_and_goes_with_its_default_e
     assert proposal.instead == "GoSlow"
     assert proposal.corrections == (0,)
     assert proposal.evidence[0] == (
-        "without example 3 the other 3 examples and your 1 correction agree, "
-        "by 3 rules instead of 4"
+        "without it, fewer rules explain the other 3 examples and your 1 correction"
     )
     assert "DistanceTo(ball) 1.7 instead of 1.8" in " ".join(proposal.evidence)
     assert "instead of GoFast" in proposal.change
@@ -67,7 +66,7 @@ def test_of_very_many_examples_mistakes_are_found_without_trying_each_out():
     told = [Correction("GoMedium", (2.02,), "GoFast", "GoSlow")]
     (proposal,) = propose(shown(*many), [METERS], told)
     assert (proposal.examples, proposal.corrections) == ((21,), (0,))
-    assert proposal.change == "what GoMedium decides is learned without it"
+    assert proposal.change == "GoMedium is learned again without it"
 
 
 def test_each_further_correction_around_an_example_makes_a_mistake_likelier():
@@ -177,7 +176,7 @@ def test_a_command_put_right_in_the_state_that_it_led_to_is_a_mistake():
     (proposal,) = propose(wrong, [METERS], told)
     assert (proposal.kind, proposal.state) == (ProposalKind.MISTAKE, "GoMedium")
     assert (proposal.examples, proposal.instead) == ((3, 5), "Stop")
-    assert "was put right" in proposal.evidence[0]
+    assert "you put Pass (example 3) right afterwards, with Stop" in proposal.evidence[0]
 
 
 def test_without_a_correction_only_what_all_near_examples_contradict_is_suspicious():
@@ -196,7 +195,7 @@ def test_of_two_that_contradict_each_other_alone_neither_is_removed():
     (question,) = contradictions([*pair, *shown(((2.0,), "GoFast"), numbered_from=3)])
     assert question.kind is ProposalKind.CONTRADICTION
     assert (question.examples, question.instead) == ((1, 2), "")
-    assert "1 example (1) to GoSlow but 1 example (2) to GoFast" in question.evidence[0]
+    assert "you commanded GoSlow (example 1) and GoFast (example 2)" in question.evidence[0]
 
 
 def test_contradictions_are_between_ordinary_examples_of_one_state_with_all_values_equal():

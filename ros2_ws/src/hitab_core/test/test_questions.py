@@ -6,9 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, TrainingError, Use, plain_domain
-from hitab_core.domain import FeatureKind
-from hitab_core.training import Curriculum
+from hitab_core import (
+    Agent,
+    BehaviorLibrary,
+    Domain,
+    Feature,
+    Target,
+    TrainingError,
+    Use,
+    plain_domain,
+)
+from hitab_core.training import Curriculum, moments
 
 CART = plain_domain(
     "cart",
@@ -18,7 +26,7 @@ CART = plain_domain(
 
 
 class Driven:
-    """A cart that is told where it is."""
+    """A cart that gets its position as a percept."""
 
     def __init__(self, folder: Path, *features: str) -> None:
         self.folder = folder
@@ -146,4 +154,101 @@ def test_two_explanations_end_in_a_question_and_the_answer_in_the_right_automato
         assert function.predict([[position, bump]])[0] == wanted
 
 
-assert FeatureKind
+def test_two_older_commands_outweigh_a_newer_one_but_not_a_correction(cart: Driven) -> None:
+    def proposed() -> str:
+        (question,) = [q for q in cart.session.questions() if q.kind == "contradiction"]
+        return question.choices[0].name
+
+    for label in ("Left", "Left", "Stop"):
+        cart.show(0.0, "Right")
+        cart.show(5.0, label)
+    assert proposed() == "Left"
+    cart.session.undo()
+    cart.agent.test()
+    cart.agent.take_over()
+    cart.show(0.0, "Right")
+    cart.show(5.0, "Stop")
+    assert proposed() == "Stop", "the person has seen what the others led to"
+    cart.show(0.0, "Right")
+    cart.agent.test()
+    cart.agent.take_over()
+    cart.show(5.0, "Left")
+    assert proposed() == "Left"
+
+
+def confused(folder: Path) -> Driven:
+    """Give rise to questions of several kinds."""
+    cart = Driven(folder, "Position", "Bump")
+    cart.show(0.0, "Right")
+    cart.at(2.0)
+    cart.at(9.0)
+    cart.at(3.0, 1.0)
+    cart.show(5.0, "Stop", bump=1.0)
+    for label in ("Left", "Right"):
+        cart.show(7.0, "Stop")
+        cart.show(8.0, label)
+    cart.agent.test(restart=True)
+    cart.at(0.0)
+    cart.at(4.0)
+    cart.agent.take_over()
+    cart.agent.command(Use("Left"))
+    return cart
+
+
+def test_questions_come_the_most_useful_first_in_whole_sentences(tmp_path: Path) -> None:
+    asked = confused(tmp_path).session.questions()
+    order = ["contradiction", "mistake", "sparse", "ambiguity"]
+    kinds = [order.index(question.kind.value) for question in asked]
+    assert kinds == sorted(kinds)
+    assert len(set(kinds)) >= 2, [q.text for q in asked]
+    for question in asked:
+        assert question.text[0].isupper()
+        assert question.text[-1] in "?."
+        assert "  " not in question.text
+        assert "Was examples" not in question.text
+
+
+def test_questions_are_looked_for_in_steps_and_the_same_are_found(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    cart, other = confused(tmp_path / "a"), confused(tmp_path / "b")
+    steps = sum(1 for _ in cart.session.search())
+    assert steps > 5
+    assert [q.text for q in cart.session.questions()] == [
+        q.text for q in other.session.questions()
+    ]
+    assert sum(1 for _ in cart.session.search()) == 0, "they are known"
+
+
+def test_a_search_during_which_the_examples_change_finds_nothing(tmp_path: Path) -> None:
+    cart = confused(tmp_path)
+    search = cart.session.search()
+    next(search)
+    cart.show(1.0, "Right")
+    count = cart.session.asked.count(cart.session.examples)
+    assert list(search) == []
+    assert cart.session.asked.count(cart.session.examples) == count
+    assert len(cart.session.questions()) > count
+
+
+def test_a_feature_that_is_not_read_cannot_be_chosen_before_the_first_example(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a domain with very many features, those of two parameters are read only if chosen."""
+    monkeypatch.setattr(moments, "READABLE_MAX", 0)
+    domain = Domain.of(
+        "pair",
+        "1",
+        CART.body,
+        behaviors=CART.behaviors.values(),
+        features=[Feature("Between", lambda body, a, b: 1.0, parameters=("A", "B"))],
+        targets=[Target("ball", lambda body: None), Target("goal", lambda body: None)],
+    )
+    agent = Agent("ann", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
+    session = agent.begin(Curriculum("Look", ()))
+    with pytest.raises(TrainingError, match=r"Between\(ball, goal\) cannot be chosen any more"):
+        session.choose_features([Use.parse("Between(ball, goal)")])
+    session = agent.begin(Curriculum("Look", (Use.parse("Between(ball, goal)"),)))
+    agent.sense([0.0], [], 1, 0.1)
+    agent.command(Use("Right"))
+    assert session.examples[0].features == (1.0,)

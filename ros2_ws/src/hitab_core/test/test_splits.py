@@ -116,9 +116,18 @@ def test_an_end_of_an_arc_is_just_beside_the_example_that_is_not_default():
     assert end_between(math.nextafter(360, 0), 20, 360, after_is_default=True) == 0
 
 
-@given(places, places, flags, flags)
+def test_a_default_example_reaches_past_the_opposite_place_as_far_as_on_the_other_side():
+    assert end_between(20, 0, 360, after_is_default=True, kept=20) == 160
+    assert end_between(0, 340, 360, before_is_default=True, kept=20) == 200
+    assert end_between(90, 10, 360, after_is_default=True, kept=80) == 110
+    beside = math.nextafter(100, 360)
+    assert end_between(100, 10, 360, after_is_default=True, kept=90) == beside
+    assert end_between(100, 10, 360, after_is_default=True) == beside
+
+
+@given(places, places, flags, flags, st.floats(0, 360) | st.just(math.inf))
 def test_an_end_of_an_arc_is_behind_one_neighbour_and_not_behind_the_next(
-    before, after, before_is_default, after_is_default
+    before, after, before_is_default, after_is_default, kept
 ):
     assume(before != after)
     end = end_between(
@@ -127,6 +136,7 @@ def test_an_end_of_an_arc_is_behind_one_neighbour_and_not_behind_the_next(
         360.0,
         before_is_default=before_is_default,
         after_is_default=after_is_default,
+        kept=kept,
     )
     assert 0 <= end < 360
     assert before < end <= after if before < after else before < end or end <= after
@@ -184,6 +194,83 @@ def test_the_two_ends_of_an_arc_are_placed_each_by_its_own_neighbours():
     )
     assert split.test == Arc(265, math.nextafter(0, 1), 360)
     assert [part.tolist() for part in split.parts] == [[1, 2], [0, 3]]
+
+
+# Default examples on a circle
+
+
+def split_among_default_ones(demonstrated, default, *, turned_by=0.0, mirrored=False, **options):
+    """Return a function from places in degrees to whether they belong to the demonstrated ones.
+
+    Places are turned and mirrored before they are learned and asked, which should not matter.
+    """
+
+    def moved(place):
+        return ((-place if mirrored else place) + turned_by) % 360
+
+    values = [moved(place) for place in (*demonstrated, *default)]
+    is_default = [False] * len(demonstrated) + [True] * len(default)
+    arc = split_toroidal(
+        examples(values, [int(d) for d in is_default], is_default), 360.0, **options
+    ).test
+
+    def inside(place):
+        return upwards(arc.start, moved(place)) < upwards(arc.start, arc.end)
+
+    demonstrated_inside = inside(demonstrated[0])
+    return lambda place: inside(place) == demonstrated_inside
+
+
+@st.composite
+def among_default_ones(draw):
+    """Draw neighboring demonstrated places and the default ones, multiples of 5 degrees."""
+    steps = sorted(draw(st.sets(st.integers(0, 71), min_size=2, max_size=9)))
+    n = draw(st.integers(1, len(steps) - 1))
+    return [5 * step for step in steps[:n]], [5 * step for step in steps[n:]]
+
+
+@given(st.integers(0, 1439), st.integers(0, 1439), st.integers(0, 1439))
+def test_a_demonstration_beside_one_default_example_holds_for_that_side_of_the_circle(
+    kept, shown, asked
+):
+    kept, shown, asked = kept / 4, shown / 4, asked / 4  # such numbers do not round
+
+    def way(place):  # the shorter one from the default example
+        return (place - kept + 180) % 360 - 180
+
+    assume(kept != shown and -180 not in (way(shown), way(asked)))
+    near, far = abs(way(shown)), abs(way(asked))
+    assume(far != 180 - near)  # an end
+    here = way(asked) * way(shown) > 0 and (near <= far < 180 - near or far == near)
+    assert split_among_default_ones([shown], [kept])(asked) == here
+
+
+@given(among_default_ones(), st.integers(0, 71), flags)
+def test_what_a_default_example_reaches_does_not_depend_on_where_zero_is_nor_on_the_direction(
+    drawn, turned, mirrored
+):
+    one = split_among_default_ones(*drawn)
+    other = split_among_default_ones(*drawn, turned_by=5.0 * turned, mirrored=mirrored)
+    for place in {a + d for a in range(0, 360, 5) for d in (0.3, 4.7)} | {*drawn[0], *drawn[1]}:
+        assert one(place) == other(place)
+
+
+@given(among_default_ones())
+def test_only_beside_default_examples_on_one_side_more_than_was_demonstrated_is_learned(drawn):
+    demonstrated, default = drawn
+    first, last = demonstrated[0], demonstrated[-1]
+    one_sided = upwards(last, default[0]) > 180 + upwards(default[0], first) or upwards(
+        default[-1], first
+    ) > 180 + upwards(last, default[-1])
+    learned = split_among_default_ones(demonstrated, default)
+    tight = split_among_default_ones(demonstrated, default, all_around=True)
+    asked = {a + d for a in range(0, 360, 5) for d in (0, 0.3, 4.7)}
+    more = {place for place in asked if learned(place) and not tight(place)}
+    assert not {place for place in asked if tight(place) and not learned(place)}
+    assert {*demonstrated} <= {place for place in asked if learned(place)}
+    assert bool(more) == one_sided
+    for place in more:  # the shorter way to it leads past what was demonstrated
+        assert upwards(place, default[0]) >= 180 or upwards(default[-1], place) >= 180
 
 
 # Which split is the best of a feature

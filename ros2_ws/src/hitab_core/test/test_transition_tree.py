@@ -15,8 +15,9 @@ from sklearn.tree import DecisionTreeClassifier
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
+from hitab_core.learning import tree_text
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.learning.tree_nodes import CategoryNode, Leaf, ThresholdNode, nodes
+from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, ThresholdNode, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors, prune
 
 CONTINUOUS = Scale()
@@ -143,6 +144,20 @@ def test_both_ends_of_an_arc_lie_beside_examples_among_default_ones():
     assert tree.predict([[-10], [0], [10], [355]]).tolist() == ["Go"] * 4
     assert tree.predict(turned_away).tolist() == ["Turn"] * 3
     assert tree.root_.branch_for(-10) != tree.root_.branch_for(-10.001)
+
+
+def test_one_demonstration_among_default_ones_holds_for_a_side_of_the_circle():
+    shown, kept = [[-20]], [[-4], [0], [5]]
+    states, default = ["Turn", "Go", "Go", "Go"], [False, True, True, True]
+    tree = TransitionTree([DEGREES]).fit(shown + kept, states, default)
+    assert tree.predict([[-20], [-90], [-149.9]]).tolist() == ["Turn"] * 3
+    assert tree.predict([[-19.9], [0], [20], [170], [-150.1]]).tolist() == ["Go"] * 5
+    both = TransitionTree([DEGREES]).fit(
+        [[25], *shown, *kept], ["Turn", *states], [False, *default]
+    )
+    assert (
+        both.predict([[-20], [180], [25], [-19.9], [24.9]]).tolist() == ["Turn"] * 3 + ["Go"] * 2
+    )
 
 
 def test_a_category_that_was_not_seen_gets_the_distribution_of_its_node():
@@ -544,7 +559,7 @@ def a_tree():
 
 def test_a_tree_is_drawn_with_a_line_for_each_branch():
     assert a_tree().as_text(NAMES).splitlines() == [
-        "DirectionTo(ball) in [50, -60)",
+        "DirectionTo(ball) outside -60..50",
         "|   not BallIsKickable",
         "|   |   DistanceTo(ball) <= 4.5: Stop (2)",
         "|   |   DistanceTo(ball) > 4.5: GoSlow (2)",
@@ -552,7 +567,7 @@ def test_a_tree_is_drawn_with_a_line_for_each_branch():
         "|   |   Color = red: Pass 0.667, Stop 0.333 (3)",
         "|   |   Color = blue: Stop (1)",
         "|   |   Color is none of red, blue: Pass 0.5, Stop 0.5 (4)",
-        "DirectionTo(ball) in [-60, 50)",
+        "DirectionTo(ball) in -60..50",
         "|   DistanceTo(ball) <= 3.5: Stop (1)",
         "|   DistanceTo(ball) > 3.5: GoFast (2)",
     ]
@@ -565,11 +580,11 @@ def test_a_tree_that_tests_nothing_is_drawn_in_one_line():
 def test_there_is_a_rule_for_each_leaf():
     rules = a_tree().rules(NAMES)
     assert str(rules[0]) == (
-        "if DirectionTo(ball) in [50, -60) and not BallIsKickable and DistanceTo(ball) <= 4.5: "
+        "if DirectionTo(ball) outside -60..50 and not BallIsKickable and DistanceTo(ball) <= 4.5: "
         "Stop (2 examples)"
     )
     assert str(rules[-2]) == (
-        "if DirectionTo(ball) in [-60, 50) and DistanceTo(ball) <= 3.5: Stop (1 example)"
+        "if DirectionTo(ball) in -60..50 and DistanceTo(ball) <= 3.5: Stop (1 example)"
     )
     assert rules[2].distribution == {"Pass": 2 / 3, "Stop": 1 / 3}
     assert len(rules) == 7
@@ -602,8 +617,8 @@ def test_a_boundary_beside_an_example_is_written_as_on_its_side_of_the_example()
         [[-20], [20], [90]], ["A", "A", "B"], [False, False, True]
     )
     assert [rule.conditions for rule in tree.rules(["x"])] == [
-        ("x in (20, -20)",),
-        ("x in [-20, 20]",),
+        ("x outside -20..20",),
+        ("x in -20..20",),
     ]
     tree = TransitionTree().fit([[1], [2], [3]], ["A", "B", "A"], [True, False, True])
     assert ("x = 2",) in [rule.conditions for rule in tree.rules(["x"])]
@@ -617,19 +632,50 @@ def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
         held = []
         for rule in rules:
             arcs = [
-                tuple(map(float, arc.split("in [")[1].strip(")").split(", ")))
+                ends if word == "in" else ends[::-1]
                 for condition in rule.conditions
-                for arc in condition.split(" or ")
+                for arc in condition.removeprefix("a ").split(" or ")
+                for word, _, numbers in [arc.partition(" ")]
+                for ends in [tuple(map(float, numbers.split("..")))]
             ]
             if not arcs or any((place - s) % 360 < (e - s) % 360 for s, e in arcs):
                 held.append(rule.distribution)
         assert held == [tree.explain([place], ["a"]).distribution]
 
 
+@pytest.mark.parametrize(
+    ("start", "end", "words"),
+    [
+        (-10, 10, "in -10..10 deg"),
+        (10, -10, "outside -10..10 deg"),
+        (-1.5, -6.5, "outside -6.5..-1.5 deg"),
+        (170, -170, "outside -170..170 deg"),
+        (-180, -60, "in -180..-60 deg"),
+        (60, 180, "in 60..180 deg"),
+        (0, 90, "in 0..90 deg"),
+        (-90, 0, "in -90..0 deg"),
+        (59.98, -59.98, "outside -60..60 deg"),
+        (20.01, 20.02, "in 20.01..20.02 deg"),
+        (0, 1e-13, "= 0"),
+        (1e-13, 0, "!= 0"),
+        (60, 60 + 1e-9, "= 60 deg"),
+        (60 + 1e-9, 60, "!= 60 deg"),
+        (180, 180 + 1e-9, "= 180 deg"),
+        (-180 + 1e-9, 180 - 1e-9, "!= 180 deg"),
+    ],
+)
+def test_an_arc_of_radians_is_written_in_degrees_with_the_lower_end_first(start, end, words):
+    turn = Scale(FeatureKind.TOROIDAL, math.tau)
+    around = [math.radians(place) % math.tau for place in (start, end)]
+    node = ArcNode(0, math.tau, *around, (1, 1), Leaf((1, 0)), Leaf((0, 1)))
+    assert tree_text.conditions([(node, 0)], [turn], ["a"]) == (f"a {words}",)
+    assert tree_text.conditions([(node, 0)], [turn], ["a"], ["rad"]) == (f"a {words}",)
+
+
 def test_an_explanation_tells_the_tests_in_order_and_the_features_looked_at():
     explained = a_tree().explain([6, 460, 0, 3], NAMES)
     assert explained.tests == (
-        "DirectionTo(ball) in [50, -60)",
+        "DirectionTo(ball) outside -60..50",
         "not BallIsKickable",
         "DistanceTo(ball) > 4.5",
     )

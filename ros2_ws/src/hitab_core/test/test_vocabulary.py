@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from hitab_core.errors import VocabularyError
+from hitab_core.use import Use, wrong_number
 from hitab_core.vocabulary import check_known, has
 
 
@@ -17,7 +18,7 @@ def test_an_unknown_name_is_told_with_the_known_ones_and_what_was_meant() -> Non
 
 def test_nothing_is_guessed_where_no_name_is_close() -> None:
     assert has(["Stop", "GoFast"], "Turn") == has(["Stop", "GoFast"]) == "(has: GoFast, Stop)"
-    assert has([], "Turn") == "(has none)"
+    assert has([], "Turn") == "(there are none)"
 
 
 def test_of_a_thousand_names_ten_are_listed_the_closest_first() -> None:
@@ -32,3 +33,15 @@ def test_of_a_thousand_names_ten_are_listed_the_closest_first() -> None:
 
 def test_names_are_listed_in_the_order_of_their_numbers() -> None:
     assert has(["b", "a_10", "a_2", "10", "9"]) == "(has: 9, 10, a_2, a_10, b)"
+
+
+def test_a_wrong_number_of_targets_shows_a_use_that_is_right() -> None:
+    def told(text: str, parameters: list[str], things: list[str]) -> str:
+        return wrong_number("feature", Use.parse(text), parameters, things)
+
+    two = ["goal", "ball"]
+    assert told("To", ["X"], two).endswith("1 target, not 0; write, for example, To(ball)")
+    assert told("To(goal, a)", ["X"], two).endswith("not 2; write, for example, To(goal)")
+    assert told("Of(b)", ["X", "Y"], ["a", "b"]).endswith("not 1; write, for example, Of(b, a)")
+    assert told("To", ["X"], []).endswith("1 target, not 0; this domain has no targets")
+    assert told("To(a)", [], ["a"]).endswith("takes no targets, not 1; write To")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hitab_core.wording import quantity
+from hitab_core.wording import quantity, said_of
 
 SOURCES = Path(__file__).parents[2]
 PLURAL = re.compile(r" ([a-z]+ )?[a-z]+s\b")
@@ -19,6 +19,12 @@ def test_one_thing_is_in_the_singular():
     assert quantity(0, "example") == "0 examples"
     assert quantity(2, "process", "processes") == "2 processes"
     assert quantity(1, "process", "processes") == "1 process"
+
+
+def test_a_text_that_begins_with_the_name_does_not_get_it_again():
+    assert said_of("keeper_1", "keeper_1 is idle") == "keeper_1 is idle"
+    assert said_of("keeper_1", "keeper_10 is idle") == "keeper_1: keeper_10 is idle"
+    assert said_of("keeper_1", "unknown mode") == "keeper_1: unknown mode"
 
 
 def modules() -> list[Path]:

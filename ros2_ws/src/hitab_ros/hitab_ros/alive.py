@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from hitab_msgs.msg import Alive
-from rclpy.clock import Clock, ClockType
 
 from hitab_ros import names, qos
 from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.steady_timer import steady_timer
 
 PERIOD_S = 0.5
 """Time between two signs of life, s, by the machine's clock: a paused world is alive, too."""
@@ -28,4 +28,4 @@ def give_signs_of_life(node: GuardedNode, swarm: str = "") -> None:
     def show() -> None:
         publisher.publish(sign)
 
-    node.create_timer(PERIOD_S, show, clock=Clock(clock_type=ClockType.STEADY_TIME))
+    steady_timer(node, PERIOD_S, show)

@@ -6,20 +6,11 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
 from hitab_core import Example, ExampleKind, Use
 from hitab_core.commanding import Order, Report
 from hitab_core.training import TrainingCost
-
-NANOSECONDS = 1_000_000_000
-
-
-def time_of(seconds: float) -> Time:
-    """Return simulated seconds as a stamp."""
-    whole = round(seconds * NANOSECONDS)
-    return Time(sec=whole // NANOSECONDS, nanosec=whole % NANOSECONDS)
 
 
 def example_message(example: Example) -> msg.Example:

@@ -6,10 +6,15 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.guard import Guard
+
+NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
+"""Turns off a service that every node has and nothing uses."""
 
 
 class GuardedNode(Node):
@@ -18,6 +23,11 @@ class GuardedNode(Node):
     Subscriptions, timers, services, clients and guard conditions created on it are guarded,
     including those of a user's robot link. It omits unused standard topics and services by
     default.
+
+    What is to be destroyed before the node is, has to be created with ``temporary=True``. It does
+    not warn of peers with another quality of service: rclpy's executors fail, or end the process,
+    if such an event waits in their queue when its publisher or subscription is destroyed
+    (https://github.com/ros2/rclpy/issues/1644).
 
     Attributes:
         guard: runs the callbacks; its faults belong in the node's status.
@@ -45,11 +55,41 @@ class GuardedNode(Node):
         callback: Callable[..., Any],
         *args: Any,
         checked: bool = True,
+        temporary: bool = False,
         **options: Any,
     ) -> Any:
         """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped."""
         guarded = self.guard.wrap_topic(f"topic {topic}", callback, checked=checked)
+        if temporary:
+            events = SubscriptionEventCallbacks(use_default_callbacks=False)
+            options = {"event_callbacks": events, **options}
         return super().create_subscription(msg_type, topic, guarded, *args, **options)
+
+    def create_publisher(
+        self, msg_type: Any, topic: str, *args: Any, temporary: bool = False, **options: Any
+    ) -> Any:
+        """Create a publisher; see `rclpy.node.Node`."""
+        if temporary:
+            events = PublisherEventCallbacks(use_default_callbacks=False)
+            options = {"event_callbacks": events, **options}
+        return super().create_publisher(msg_type, topic, *args, **options)
+
+    def destroy_subscription(self, subscription: Any) -> bool:
+        """Unsubscribe; see `rclpy.node.Node`."""
+        self._check_temporary(subscription)
+        return bool(super().destroy_subscription(subscription))
+
+    def destroy_publisher(self, publisher: Any) -> bool:
+        """Destroy a publisher; see `rclpy.node.Node`."""
+        self._check_temporary(publisher)
+        return bool(super().destroy_publisher(publisher))
+
+    def _check_temporary(self, end: Any) -> None:
+        executor = self.executor
+        if end.event_handlers and executor is not None and self in executor.get_nodes():
+            raise ValueError(
+                f"{end.topic_name} is destroyed before its node: make it temporary=True"
+            )
 
     def create_timer(
         self, timer_period_sec: float, callback: Callable[..., Any], *args: Any, **options: Any

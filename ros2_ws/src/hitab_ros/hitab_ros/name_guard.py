@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import uuid
+import secrets
 from collections.abc import Sequence
 from typing import Any
 
-from rclpy.node import Node
+from hitab_msgs.msg import Alive
+from rclpy.duration import Duration
+from rclpy.qos import QoSProfile
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from hitab_core import HitabError
 from hitab_ros import names, qos
 from hitab_ros.definitions import refuse_other_definitions
+from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.spinning import FinalError, Spinner
 
 DISCOVERY_S = 0.7
@@ -20,13 +24,16 @@ DEAD_AFTER_S = 2.5
 """How long to wait for a discovered node to publish; killed ones stay discovered for longer."""
 
 _PARTICIPANT = 12  # bytes of an endpoint's identifier that identify the process
+_LONGEST_LIFESPAN_S = 2**31 - 2  # of what DDS can announce
 
 
 class NameTakenError(FinalError):
     """Another node with the same name is up; restarting does not help."""
 
 
-def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type[Any]) -> None:
+def refuse_second_of_name(
+    spinning: Spinner, nodes: Sequence[GuardedNode], status: type[Any]
+) -> None:
     """Look for other nodes for a while, and raise if another process has one of these names.
 
     Args:
@@ -41,13 +48,20 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
         HitabError: the same, if the other one belongs to the same swarm.
         DefinitionsDifferError: if a node defines the project's messages differently.
     """
-    # The identifier of an endpoint that can only be ours reveals which others are ours.
-    marker_topic = f"marker_{uuid.uuid4().hex}"
-    marker = nodes[0].create_publisher(status, marker_topic, 1)
+    # The identifier of an endpoint that can only be ours reveals which others are ours. Its random
+    # part is a setting without effect, since a random name could not be in a security policy.
+    lifespan = Duration(seconds=1 + secrets.randbelow(_LONGEST_LIFESPAN_S))
+    topic = names.in_swarm(nodes[0], names.ALIVE)
+    profile = QoSProfile(depth=1, lifespan=lifespan)
+    marked = nodes[0].create_publisher(Alive, topic, profile, temporary=True)
     spinning.spin_until(lambda: False, DISCOVERY_S)
     refuse_other_definitions(nodes[0])
-    ours = _participants(nodes[0], marker_topic)
-    nodes[0].destroy_publisher(marker)
+    ours = {
+        _participant(end)
+        for end in nodes[0].get_publishers_info_by_topic(marked.topic_name)
+        if end.qos_profile.lifespan == lifespan
+    }
+    nodes[0].destroy_publisher(marked)
     doubtful = {node: others for node in nodes if (others := _participants(node) - ours)}
     if not doubtful:
         return
@@ -60,9 +74,12 @@ def refuse_second_of_name(spinning: Spinner, nodes: Sequence[Node], status: type
         def hear(message: Any, name: str = name) -> None:
             established[name] = message.swarm
 
-        listeners.append((node, node.create_subscription(status, names.STATUS, hear, qos.LATCHED)))
+        listener = node.create_subscription(
+            status, names.STATUS, hear, qos.LATCHED, temporary=True
+        )
+        listeners.append((node, listener))
 
-    def undecided(node: Node) -> bool:
+    def undecided(node: GuardedNode) -> bool:
         if names.own_name(node) in established:
             return False
         return min(_participants(node) - ours, default=ours_first) < ours_first
@@ -92,12 +109,15 @@ def _taken(name: str, other: str, own: str) -> HitabError:
     )
 
 
-def _swarm_of(node: Node) -> str:
+def _swarm_of(node: GuardedNode) -> str:
     return str(node.get_parameter("swarm").value) if node.has_parameter("swarm") else ""
 
 
-def _participants(node: Node, topic: str = names.STATUS) -> set[bytes]:
-    """Return the processes that publish on a topic in a node's namespace."""
-    full = f"{node.get_namespace().rstrip('/')}/{topic}"
-    found = node.get_publishers_info_by_topic(full)
-    return {bytes(info.endpoint_gid)[:_PARTICIPANT] for info in found}
+def _participants(node: GuardedNode) -> set[bytes]:
+    """Return the processes that publish a status in a node's namespace."""
+    topic = f"{node.get_namespace().rstrip('/')}/{names.STATUS}"
+    return {_participant(end) for end in node.get_publishers_info_by_topic(topic)}
+
+
+def _participant(end: TopicEndpointInfo) -> bytes:
+    return bytes(end.endpoint_gid)[:_PARTICIPANT]

@@ -30,6 +30,7 @@ EDIT_EXAMPLES = "edit_examples"
 LIST_EXAMPLES = "list_examples"
 SAVE = "save"
 PERFORM = "perform"
+PERFORM_UNTIL_DONE = "perform_until_done"  # an action
 LOAD_LIBRARY = "load_library"
 DISTRIBUTE = "distribute"
 GET_VOCABULARY = "get_vocabulary"
@@ -54,6 +55,15 @@ PLAY = "play"
 PLACE = "place"
 SNAPSHOT = "snapshot"
 CLOCK = "/clock"  # absolute, as required by ROS
+ROSOUT = "/rosout"  # the same
+
+# Of all robots, whatever their swarm.
+EMERGENCY_STOP = "/emergency_stop"
+VELOCITY_RELAY = "velocity_relay"
+"""Name of the node that passes an agent's velocities on to its robot, in the agent's namespace."""
+
+TELEOP = "cmd_vel_teleop"
+"""Topic of a person who drives a robot by hand, to its relay; in the agent's namespace."""
 
 # Of the swarm.
 ALIVE = "alive"

@@ -22,10 +22,20 @@ class SparingLog:
     """Writes equal texts once, and different texts at a limited rate."""
 
     def __init__(
-        self, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic
+        self,
+        write: Callable[[str], None],
+        clock: Callable[[], float] = time.monotonic,
+        refill_s: float = REFILL_S,
     ) -> None:
-        """Write with ``write``; ``clock`` returns the time in seconds."""
+        """Prepare to write.
+
+        Args:
+            write: writes a line.
+            clock: returns the time in seconds.
+            refill_s: time, s, after which one more line is allowed.
+        """
         self._write = write
+        self._refill_s = refill_s
         self._clock = clock
         self._seen: dict[Hashable, None] = {}
         self._left = float(AT_ONCE)
@@ -44,7 +54,7 @@ class SparingLog:
         if cause in self._seen:
             return
         now = self._clock()
-        self._left = min(AT_ONCE, self._left + (now - self._at) / REFILL_S)
+        self._left = min(AT_ONCE, self._left + (now - self._at) / self._refill_s)
         self._at = now
         if self._left < 1.0:
             self._left_out += 1

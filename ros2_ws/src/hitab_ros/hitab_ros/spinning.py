@@ -26,6 +26,7 @@ from hitab_core import HitabError
 from hitab_ros.exit_codes import FINAL, FINAL_AFTER
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.patience import Patience
 
 _WAKE_S = 0.1
 
@@ -73,15 +74,18 @@ class Spinner:
         return self.exit_code
 
     def spin_until(self, condition: Callable[[], bool], timeout_s: float) -> bool:
-        """Handle events until a condition holds; return whether it did in time."""
-        deadline = time.monotonic() + timeout_s
+        """Handle events until a condition holds; return whether it did in time.
+
+        The time is longer on a busy machine, see `Patience`.
+        """
+        patience = Patience(timeout_s)
         while not self.stopped:
             if condition():
                 return True
-            left = deadline - time.monotonic()
-            if left <= 0:
+            step = patience.step(_WAKE_S)
+            if not step:
                 return False
-            self.spin_once(min(left, _WAKE_S))
+            self.spin_once(step)
         return condition()
 
 
@@ -105,13 +109,14 @@ def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
     try:
         yield spinning
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
         for node in list(spinning.executor.get_nodes()):
             spinning.executor.remove_node(node)
             node.destroy_node()
         spinning.executor.shutdown()
         rclpy.try_shutdown()
+        # Last: Ctrl-C under `ros2 launch` reaches a process twice, from the terminal and from it.
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 Loop = Callable[["Spinner"], int]

@@ -1,15 +1,19 @@
-"""For tests of nodes: an isolated ROS domain."""
+"""For tests of nodes: an isolated ROS domain, and waiting for what nodes do."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import rclpy
-from domain_coordinator import domain_id
 from rclpy.context import Context
+from rclpy.executors import Executor
 from rclpy.signals import SignalHandlerOptions
+
+from hitab_ros.ros_domains import reserved_domain
 
 
 @contextmanager
@@ -17,7 +21,7 @@ def context_of_its_own() -> Iterator[Context]:
     """Yield a context in a ROS domain, on this machine, that no other test uses."""
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     context = Context()
-    with domain_id() as number:
+    with reserved_domain() as number:
         rclpy.init(
             context=context, domain_id=number, signal_handler_options=SignalHandlerOptions.NO
         )
@@ -25,3 +29,39 @@ def context_of_its_own() -> Iterator[Context]:
             yield context
         finally:
             context.try_shutdown()
+
+
+SECONDS = 60.0
+"""More than anything takes that is waited for, on a busy machine too."""
+
+
+def wait_until(condition: Callable[[], Any]) -> None:
+    """Wait, handling no events, until a condition holds.
+
+    Raises:
+        AssertionError: if it does not within a minute.
+    """
+    deadline = time.monotonic() + SECONDS
+    while not condition():
+        assert time.monotonic() < deadline, "it did not happen in time"
+        time.sleep(0.01)
+
+
+def spin_until(
+    executor: Executor, condition: Callable[[], Any], each: Callable[[], Any] = lambda: None
+) -> None:
+    """Handle events until a condition holds.
+
+    Args:
+        executor: of the nodes.
+        condition: to wait for.
+        each: called again and again meanwhile.
+
+    Raises:
+        AssertionError: if it does not within a minute.
+    """
+    deadline = time.monotonic() + SECONDS
+    while not condition():
+        assert time.monotonic() < deadline, "it did not happen in time"
+        each()
+        executor.spin_once(timeout_sec=0.02)

@@ -1,7 +1,5 @@
 """Two versions of a message are not talked over: whoever starts later finds the other."""
 
-import time
-
 import pytest
 from hitab_msgs.msg import AgentStatus, Percept
 from hitab_msgs.srv import SetMode
@@ -9,7 +7,7 @@ from hitab_msgs.srv import SetMode
 from hitab_core import HitabError
 from hitab_ros import definitions, qos
 from hitab_ros.spinning import make_node
-from hitab_ros.testing import context_of_its_own
+from hitab_ros.testing import context_of_its_own, wait_until
 
 STATUS = "hitab_msgs/msg/AgentStatus"
 
@@ -20,10 +18,9 @@ def two():
     with context_of_its_own() as context:
         first, second = (make_node(name, context=context) for name in ("first", "second"))
         first.create_publisher(AgentStatus, "lone/status", qos.LATCHED)
-        deadline = time.monotonic() + 60.0
-        while not (second.count_publishers("lone/status") and "first" in second.get_node_names()):
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait_until(
+            lambda: second.count_publishers("lone/status") and "first" in second.get_node_names()
+        )
         yield first, second
         first.destroy_node()
         second.destroy_node()
@@ -55,10 +52,7 @@ def test_the_own_hash_is_what_ros_announces(two):
 def test_a_node_that_defines_a_service_differently_is_named(two, monkeypatch, part):
     first, second = two
     first.create_service(SetMode, "lone/set_mode", lambda request, response: response)
-    deadline = time.monotonic() + 60.0
-    while "/lone/set_mode" not in dict(second.get_service_names_and_types()):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(lambda: "/lone/set_mode" in dict(second.get_service_names_and_types()))
     definitions.refuse_other_definitions(second)
 
     own, other = definitions.own_hash, "RIHS01_" + "0" * 64

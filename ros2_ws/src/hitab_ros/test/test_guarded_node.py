@@ -6,7 +6,6 @@ Without the guard each of these exceptions leaves the executor, which ends a nod
 from __future__ import annotations
 
 import functools
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,12 +13,11 @@ import pytest
 from hitab_msgs import msg, srv
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_core.errors import HitabError
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.testing import context_of_its_own
-
-SECONDS = 60.0
+from hitab_ros.testing import context_of_its_own, spin_until, wait_until
 
 
 class Pair:
@@ -39,10 +37,7 @@ class Pair:
         return self.node.guard.faults.texts()
 
     def until(self, condition: Callable[[], Any]) -> None:
-        deadline = time.monotonic() + SECONDS
-        while not condition():
-            assert time.monotonic() < deadline, "it did not happen in time"
-            self.executor.spin_once(timeout_sec=0.02)
+        spin_until(self.executor, condition)
 
     def publisher(self, kind: Any, topic: str) -> Any:
         publisher = self.peer.create_publisher(kind, topic, 10)
@@ -179,3 +174,39 @@ def test_the_guard_survives_errors_that_cannot_be_printed_and_a_status_that_fail
     pair.publisher(msg.Command, "command").publish(msg.Command())
     pair.until(lambda: pair.faults)
     assert "topic command failed: Unspeakable" in pair.faults[0]
+
+
+@pytest.mark.parametrize("subscribes", [True, False])
+def test_what_is_temporary_is_destroyed_though_a_peer_does_not_match_it(pair, subscribes):
+    # Otherwise the executor fails: the event that tells of the peer waits in its queue.
+    profiles = [
+        QoSProfile(depth=1, reliability=kind)
+        for kind in (ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT)
+    ]
+    for number in range(10):
+        topic = f"topic_{number}"
+        if subscribes:
+            end = pair.node.create_subscription(
+                msg.Command, topic, print, profiles[0], temporary=True
+            )
+            other = functools.partial(pair.peer.create_publisher, msg.Command, topic)
+        else:
+            end = pair.node.create_publisher(msg.Command, topic, profiles[1], temporary=True)
+            other = functools.partial(pair.peer.create_subscription, msg.Command, topic, print)
+        pair.executor.spin_once(0.0)
+        other(profiles[1] if subscribes else profiles[0])
+        count = pair.node.count_publishers if subscribes else pair.node.count_subscribers
+        wait_until(lambda topic=topic, count=count: count(topic))
+        destroy = pair.node.destroy_subscription if subscribes else pair.node.destroy_publisher
+        destroy(end)
+        for _ in range(5):
+            pair.executor.spin_once(0.0)
+
+
+def test_what_is_not_temporary_is_destroyed_with_its_node_only(pair: Pair) -> None:
+    heard = pair.node.create_subscription(msg.Command, "command", print, 10)
+    sent = pair.node.create_publisher(msg.Command, "command", 10)
+    with pytest.raises(ValueError, match="/command is destroyed before its node"):
+        pair.node.destroy_subscription(heard)
+    with pytest.raises(ValueError, match="/command is destroyed before its node"):
+        pair.node.destroy_publisher(sent)

@@ -37,6 +37,24 @@ def studio(
     run_dir: Annotated[
         Path | None, typer.Option(help="The run folder of the swarm, instead of its name.")
     ] = None,
+    map_topic: Annotated[
+        str,
+        typer.Option(
+            "--map",
+            help="Of real robots: the topic of the map, if there are several.",
+            show_default=False,
+            metavar="TOPIC",
+        ),
+    ] = "",
+    camera: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Of real robots: the topic of a camera, if a robot has several; without a slash "
+            "at its beginning, in the namespace of each. Repeatable.",
+            show_default=False,
+            metavar="TOPIC",
+        ),
+    ] = None,
 ) -> None:
     """Open the console in a browser: the live field, training by clicking, what was learned.
 
@@ -50,10 +68,13 @@ def studio(
       hitab studio keepaway --port 9000 --no-browser
 
       hitab studio --host 0.0.0.0     for other machines, with a token
+
+      hitab studio --camera front/image/compressed --map /map     of real robots
     """
-    from hitab_studio.finding import find_target
+    from hitab_studio.finding import Finder
     from hitab_studio.guard import new_token
     from hitab_studio.launching import startable_swarms
+    from hitab_studio.robots.topics import Options
     from hitab_studio.server import Address, serve
 
     address = Address(host, port, new_token(host, token))
@@ -64,9 +85,10 @@ def studio(
 
     name = swarm or chosen
     serve(
-        lambda: find_target(name, run_dir),
+        Finder(name, run_dir),
         address,
         startable=() if run_dir else startable_swarms(name),
         show=browser,
         ready=ready,
+        options=Options(map_topic, tuple(camera or ())),
     )

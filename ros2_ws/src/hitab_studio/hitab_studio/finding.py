@@ -3,13 +3,32 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hitab_client import RunFolder, RunRecord, SwarmError
+from hitab_client import RunFolder, RunRecord
 from hitab_client.domain_ids import chosen_by_user
-from hitab_client.run_folder import running_swarms
-from hitab_client.swarm_choice import find_meant, meant
+from hitab_client.identity import BY_HAND, is_identity
+from hitab_client.run_folder import Found, running_swarms
+from hitab_client.swarm_choice import meant
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A swarm that is up and may be shown.
+
+    Attributes:
+        swarm: its name.
+        folder: its run folder.
+        since: when it was started, s since the epoch.
+        agents: their number.
+    """
+
+    swarm: str
+    folder: str
+    since: int
+    agents: int
 
 
 @dataclass(frozen=True)
@@ -19,11 +38,15 @@ class Target:
     Attributes:
         domain_id: its ROS domain.
         swarm: its name; empty if unknown.
-        identity: of its present start; empty if unknown.
+        identity: of its present start, or `BY_HAND`: only of nodes that no `hitab up` has started
+            may anything be asked; empty: of any.
         world: whether it has started a world.
+        namespace: of all its nodes; empty: none.
+        folder: its run folder; "" if unknown, as that of a swarm that was started elsewhere.
         agents: the agents that it should have.
         start: a number that differs for each start of the same swarm.
         problem: why no swarm can be chosen to connect to; "" if one can.
+        choices: the swarms among which a person may choose; with this one, if it was found there.
     """
 
     domain_id: int
@@ -33,32 +56,87 @@ class Target:
     problem: str = ""
     identity: str = ""
     world: bool = False
+    namespace: str = ""
+    folder: str = ""
+    choices: tuple[Choice, ...] = field(default=(), compare=False)
 
 
-def find_target(swarm: str | None = None, run_folder: Path | None = None) -> Target:
-    """Return the swarm in this folder, of this name, or the one that is up.
+class Finder:
+    """Finds the swarm to connect to, and stays with it while it is up.
+
+    A swarm that was started elsewhere (another HITAB_HOME, user or computer) is meant only if its
+    identity is given, as on the command line.
 
     Args:
-        swarm: its name.
-        run_folder: of a swarm that was started by this process and is not listed.
+        swarm: its name, identity or run folder; None: the one that is up, or was chosen.
+        run_folder: of a swarm that may be missing from the list of those that are up.
     """
-    own = chosen_by_user()
-    if run_folder is not None:
-        folder = RunFolder(run_folder)
-        record = folder.read()
-        if record is None or folder.supervisor(record) is None:
-            return Target(own or 0, problem=f"No swarm is up in {folder.path}.")
-        return _target(record)
-    if swarm is not None and not meant(swarm, running_swarms()) and os.sep not in swarm:
-        return Target(own or 0, swarm, problem=f'Swarm "{swarm}" is not up.')
-    try:
-        found = find_meant(swarm, own)
-    except SwarmError as error:
-        return Target(own or 0, swarm or "", problem=f"{error}.")
-    return _target(found[1]) if found is not None else Target(own or 0)
+
+    def __init__(self, swarm: str | None = None, run_folder: Path | None = None) -> None:
+        is_path = swarm is not None and os.sep in swarm
+        self._folder = Path(swarm) if is_path and swarm else run_folder
+        self._swarm = None if is_path else swarm
+        self._kept = ""
+        self._kept_name = ""
+
+    def choose(self, folder: str) -> None:
+        """Stay with the swarm in this run folder from now on."""
+        self._kept = folder
+
+    def __call__(self) -> Target:
+        """Return the swarm to connect to now."""
+        own = chosen_by_user()
+        if self._folder is not None:
+            folder = RunFolder(self._folder)
+            record = folder.read()
+            if record is None or folder.supervisor(record) is None:
+                return Target(own or 0, problem=f"No swarm is up in {folder.path}.")
+            return _target(folder, record)
+        up = [*running_swarms()]
+        if self._swarm is not None:
+            up = meant(self._swarm, up)
+        elif own is not None:
+            up = [found for found in up if found[1].domain_id == own]
+        if up:
+            return self._one_of(up, own or 0)
+        self._kept = ""
+        if self._swarm is None:
+            return Target(own or 0, identity=BY_HAND)
+        if is_identity(self._swarm):
+            return Target(own or 0, self._swarm, identity=self._swarm)
+        return Target(own or 0, self._swarm, problem=f'Swarm "{self._swarm}" is not up.')
+
+    def _one_of(self, up: Sequence[Found], domain_id: int) -> Target:
+        """Return the swarm that is kept, or the only one; a problem if a person has to choose.
+
+        If the one that is kept has ended, no other one takes its place by itself: it may come
+        back.
+        """
+        shown = next((found for found in up if str(found[0].path) == self._kept), None)
+        if shown is None and len(up) == 1 and (self._swarm is not None or not self._kept):
+            shown = up[0]
+        choices = tuple(map(_choice, up))
+        if shown is not None:
+            self._kept, self._kept_name = str(shown[0].path), shown[1].swarm
+            return replace(_target(*shown), choices=choices)
+        ended = f"{self._kept_name} has ended. " if self._kept else ""
+        several = "Several swarms are up" if len(up) > 1 else "Another swarm is up"
+        text = f"{ended}{several}. Choose the one to show:"
+        return Target(domain_id, self._swarm or "", problem=text, choices=choices)
 
 
-def _target(record: RunRecord) -> Target:
+def _choice(found: Found) -> Choice:
+    folder, record = found
+    since = folder.started
+    return Choice(
+        record.swarm,
+        str(folder.path),
+        round(since.timestamp()) if since is not None else 0,
+        len(record.agents),
+    )
+
+
+def _target(folder: RunFolder, record: RunRecord) -> Target:
     return Target(
         record.domain_id,
         record.swarm,
@@ -66,10 +144,6 @@ def _target(record: RunRecord) -> Target:
         record.supervisor,
         identity=record.identity,
         world=record.world,
+        namespace=record.namespace,
+        folder=str(folder.path),
     )
-
-
-def describe(target: Target) -> str:
-    """Return its name for people."""
-    name = target.swarm or f"ROS domain {target.domain_id}"
-    return f"{name} ({os.uname().nodename})"

@@ -15,6 +15,7 @@ from hitab_core.drawing.layout import (
     Box,
     Floats,
     bend_arrows,
+    crosses,
     curve,
     least_crossed,
     place_words,
@@ -28,8 +29,14 @@ LINE = 13.0
 WRAP = 26
 """Characters in a line of a label."""
 
-STRETCHES = (1.0, 1.3, 1.6)
-"""Heights that are tried, by the least one, until there is room for all labels."""
+STRETCHES = (1.0, 1.4)
+"""Heights that are tried, by the least one, for the one with room for most labels."""
+
+FEW = 2
+"""Rules listed below a drawing with which no other height is tried."""
+
+TALLER = 3.0
+"""Labels for which there has to be room so that a drawing may be twice as high."""
 
 
 @dataclass(frozen=True)
@@ -92,19 +99,29 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
     lines = sum(text.count("\n") + 1 for text in texts)
     states = len(automaton.labels) + 1
     least = min(620.0, 150.0 + 34.0 * states + 7.0 * lines)
-    numbered: list[int] = []
+    found: list[tuple[int, float, _Layout, list[int]]] = []
     for stretch in STRETCHES:
-        laid = _layout(automaton, drawn, texts, [], least * stretch)
-        numbered = _without_room(laid)
-        if not numbered:
+        laid, numbered = _with_numbers(automaton, drawn, texts, least * stretch)
+        found.append((len(numbered), stretch, laid, numbered))
+        if len(numbered) <= FEW:
             break
-    while numbered:  # the rules of these arrows are listed below the drawing
-        laid = _layout(automaton, drawn, texts, numbered, least)
+    _, _, laid, numbered = min(found, key=lambda one: one[0] + TALLER * (one[1] - 1.0))
+    return _drawn(laid, drawn, texts, numbered, automata)
+
+
+def _with_numbers(
+    automaton: Automaton, drawn: Sequence[Arrow], texts: Sequence[str], height: float
+) -> tuple[_Layout, list[int]]:
+    """Return a layout of this height, and the arrows whose rules are listed below the drawing."""
+    numbered: list[int] = []
+    while True:
+        laid = _layout(automaton, drawn, texts, numbered, height)
         more = [i for i in _without_room(laid) if i not in numbered]
         if not more:
-            break
-        numbered = sorted([*numbered, *more])
-    return _drawn(laid, drawn, texts, numbered, automata)
+            return laid, numbered
+        # The longest half first: then there may be room for the others.
+        more.sort(key=lambda i: -laid.places[i].width * laid.places[i].height)
+        numbered = sorted([*numbered, *more[: (len(more) + 1) // 2]])
 
 
 @dataclass(frozen=True)
@@ -152,7 +169,7 @@ def _layout(
 
 
 def _without_room(laid: _Layout) -> list[int]:
-    """Return the labels that lie on a state, on an earlier label, or outside."""
+    """Return the labels that lie on a state, an earlier label or an arrow, or outside."""
     half = WIDTH / INCH / 2, laid.height / INCH / 2
     found = []
     for i, place in enumerate(laid.places):
@@ -160,16 +177,10 @@ def _without_room(laid: _Layout) -> list[int]:
         outside = (
             abs(place.x) + place.width / 2 > half[0] or abs(place.y) + place.height / 2 > half[1]
         )
-        if outside or any(_touch(place, other) for other in others):
+        crossed = any(crosses(points, place) for points in laid.curves)
+        if outside or crossed or any(map(place.touches, others)):
             found.append(i)
     return found
-
-
-def _touch(one: Box, other: Box) -> bool:
-    return (
-        abs(one.x - other.x) < (one.width + other.width) / 2
-        and abs(one.y - other.y) < (one.height + other.height) / 2
-    )
 
 
 def _drawn(

@@ -5,6 +5,8 @@ Received ROS messages are never changed; everything else here is immutable.
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,9 +16,13 @@ from hitab_core import natural
 from hitab_ros import names
 from hitab_studio.finding import Target
 from hitab_studio.learned import NOTHING
+from hitab_studio.robots.state import Robots
 from hitab_studio.scene import SILENT, Scene, state_shown
 from hitab_studio.situations import Moments
 from hitab_studio.watching import Watched
+
+JOINING_SECONDS = 15.0
+"""Agents that were not heard yet may come as long as others do, and for this long afterwards."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +35,19 @@ class Known:
         world: the last `WorldStatus`.
         scene: the last moment.
         statuses: the last `AgentStatus` of each agent, by name.
+        joined: when an agent was last heard for the first time, or else the connection began, on
+            the monotonic clock, s.
         gone: agents whose node has gone.
         silent: agents whose process gives no sign of life, and `names.WORLD` if the world's gives
             none: the time of the last sign, s, on the monotonic clock.
         groups: the last `CommanderStatus` of each commander, by name.
         watched: more about the viewed agents, by name.
         moments: in which examples were recorded.
+        elsewhere: identities of swarms that were started elsewhere; while there is none from here.
+        emergency: the last `EmergencyStop`; None: none was heard.
         recording: the file of the run being recorded; "" if none is.
         recorded: its number of messages.
+        robots: what is known of real robots; None: there is a world, or nothing was heard yet.
     """
 
     target: Target | None = None
@@ -44,19 +55,33 @@ class Known:
     world: Any = None
     scene: Scene | None = None
     statuses: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
+    joined: float = -math.inf
     gone: frozenset[str] = frozenset()
     silent: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
     moments: Moments = field(default_factory=Moments)
+    elsewhere: tuple[str, ...] = ()
+    emergency: Any = None
     recording: str = ""
     recorded: int = 0
+    robots: Robots | None = None
 
     @cached_property
     def agents(self) -> tuple[str, ...]:
         """Names of the agents that are present or should be."""
         expected = self.target.agents if self.target is not None else ()
         return tuple(sorted({*self.statuses, *expected}, key=natural))
+
+    @cached_property
+    def unheard(self) -> tuple[str, ...]:
+        """Names of the agents that should be there and were never heard."""
+        return tuple(name for name in self.agents if name not in self.statuses)
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether agents that were not heard yet may still come."""
+        return bool(self.unheard) and time.monotonic() < self.joined + JOINING_SECONDS
 
     def answers(self, agent: str) -> bool:
         """Whether an agent is present and gives signs of life."""
@@ -67,10 +92,33 @@ class Known:
         """Whether there is a world, and it gives signs of life."""
         return self.world is not None and names.WORLD not in self.silent
 
+    @property
+    def is_anyone_there(self) -> bool:
+        """Whether an agent or a world answers."""
+        return self.world_answers or any(map(self.answers, self.statuses))
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether an emergency stop of all robots is engaged."""
+        return self.emergency is not None and bool(self.emergency.engaged)
+
+    @property
+    def shown(self) -> Scene | None:
+        """The field that pages show: of the world, else of the robots."""
+        if self.scene is None and self.robots is not None:
+            return self.robots.scene
+        return self.scene
+
     def doing(self) -> dict[str, tuple[str, str]]:
-        """Return the mode and the active state of each agent; `SILENT` if it does not answer."""
+        """Return the mode and the active state of each agent.
+
+        It is `SILENT` if it does not answer, or if nobody says where its robot is now.
+        """
+        lost = self.robots.lost if self.robots is not None else ()
         return {
-            name: (s.mode, state_shown(s.active_path)) if self.answers(name) else (SILENT, "")
+            name: (s.mode, state_shown(s.active_path))
+            if self.answers(name) and name not in lost
+            else (SILENT, "")
             for name, s in self.statuses.items()
         }
 

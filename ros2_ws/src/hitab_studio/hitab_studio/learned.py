@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+from hitab_msgs.srv import GetBehavior
+
 from hitab_client import Learned
 from hitab_core import OWN_FEATURES, START, Example, Use
 
@@ -75,6 +77,11 @@ def _by_name(labels: Sequence[str], values: Sequence[str]) -> Mapping[str, str]:
     """Return what is said of each label, by name; nothing if the agent says nothing at all."""
     pairs = zip(labels, values, strict=True) if values else ()
     return MappingProxyType({Use.parse(label).name: value for label, value in pairs})
+
+
+def is_taken_out(behavior: Learned) -> bool:
+    """Whether this is a hand-written automaton that was taken out of the domain: it is empty."""
+    return behavior.origin == GetBehavior.Response.HAND_WRITTEN and not behavior.states
 
 
 def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:

@@ -59,3 +59,7 @@ class Locks:
         """Release all agents: the browser has gone."""
         for agent in [a for a, h in self._holders.items() if h.session == session]:
             del self._holders[agent]
+
+    def clear(self) -> None:
+        """Release all agents: they have gone."""
+        self._holders.clear()

@@ -15,12 +15,14 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from hitab_client import RosLink
 from hitab_ros import qos
-from hitab_ros.conversions import time_of
+from hitab_ros.stamps import time_of
 from hitab_studio.scene import NO_COLOR, Look, Scene
 
 TOPIC = "/studio/markers"
 FRAME = "field"
 EVERY_SECONDS = 0.1  # simulated or not: no viewer shows more
+LIFETIME_SECONDS = 5
+"""How long viewers show the last moment after the studio has ended."""
 
 STATE_COLORS = (
     "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
@@ -35,6 +37,10 @@ SHAPES = {
 }
 
 
+Doing = Mapping[str, tuple[str, str]]
+"""Mode and active state of agents, by name."""
+
+
 class Markers:
     """Publishes the field while there are subscribers."""
 
@@ -44,13 +50,22 @@ class Markers:
         self._last = -math.inf
         self._count = 0
 
-    def look(self) -> None:
-        """Check whether there are subscribers."""
-        self._heard = self._publisher.get_subscription_count() > 0
+    def look(self, scene: Scene | None, doing: Doing, colors: Mapping[str, int]) -> None:
+        """Check whether there are subscribers, and publish the last moment for them once more.
 
-    def show(
-        self, scene: Scene, doing: Mapping[str, tuple[str, str]], colors: Mapping[str, int]
-    ) -> None:
+        A paused world is silent, but markers last only for `LIFETIME_SECONDS`. Call it several
+        times in that time.
+
+        Args:
+            scene: the last one; None: none was seen.
+            doing: see `show`.
+            colors: see `show`.
+        """
+        self._heard = self._publisher.get_subscription_count() > 0
+        if self._heard and scene is not None:
+            self._publisher.publish(self._array(scene, doing, colors))
+
+    def show(self, scene: Scene, doing: Doing, colors: Mapping[str, int]) -> None:
         """Publish a moment, if there are subscribers and it is due.
 
         Args:
@@ -58,13 +73,14 @@ class Markers:
             doing: mode and active state of each agent, by name.
             colors: of states; agents in a state without one keep their own color.
         """
-        if self._heard and abs(scene.seconds - self._last) >= EVERY_SECONDS:
+        paused = scene.mode == msg.WorldState.PAUSED  # it says something when that changes
+        # A cycle of just that length may come out a little shorter.
+        due = abs(scene.seconds - self._last) > 0.9 * EVERY_SECONDS
+        if self._heard and (paused or due):
             self._last = scene.seconds
             self._publisher.publish(self._array(scene, doing, colors))
 
-    def _array(
-        self, scene: Scene, doing: Mapping[str, tuple[str, str]], colors: Mapping[str, int]
-    ) -> MarkerArray:
+    def _array(self, scene: Scene, doing: Doing, colors: Mapping[str, int]) -> MarkerArray:
         header = Header(frame_id=FRAME, stamp=time_of(scene.seconds))
         markers = [_outline(header, scene)]
         for i, name in enumerate(scene.names):
@@ -81,6 +97,8 @@ class Markers:
             for ns in ("things", "headings", "names")
         ]
         self._count = len(scene.names)
+        for marker in markers:
+            marker.lifetime = Duration(sec=LIFETIME_SECONDS)
         return MarkerArray(markers=[*markers, *gone])
 
 
@@ -100,7 +118,6 @@ def _outline(header: Header, scene: Scene) -> Any:
         scale=Vector3(x=0.08),
         color=_color("#8a93a3"),
         points=[Point(x=x, y=y) for x, y in corners],
-        lifetime=Duration(),
     )
 
 

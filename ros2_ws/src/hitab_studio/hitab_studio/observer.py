@@ -12,15 +12,23 @@ from typing import Any, Protocol
 from hitab_msgs.msg import CommanderStatus
 
 from hitab_client import SignsOfLife, SwarmError
-from hitab_client.identity import is_own
-from hitab_ros import names, qos
+from hitab_client.identity import BY_HAND, is_own
+from hitab_client.recording import Recorder
+from hitab_ros import EmergencySwitch, names, qos
+from hitab_studio.finding import Choice
 from hitab_studio.jobs import Connected
 from hitab_studio.known import Known
 from hitab_studio.markers import Markers
-from hitab_studio.recording import Recorder
+from hitab_studio.robots.state import Robots
+from hitab_studio.robots.topics import Options
+from hitab_studio.robots.watching import RobotWatch
 from hitab_studio.scene import scene_of
 from hitab_studio.situations import Situations
+from hitab_studio.viewing import CAMERA, MAP, Viewing
 from hitab_studio.watching import Watch
+
+SOON = 1.0
+"""s; a world that is there is heard by then."""
 
 
 class Complain(Protocol):
@@ -38,8 +46,9 @@ class Observer:
     Args:
         swarm: the swarm to observe.
         known: what is known at first.
-        focus: the agents that each session views at present; kept up to date by the caller.
+        viewing: what pages show at present; kept up to date by the caller.
         complain: called with errors.
+        options: what a person has chosen of the robots' topics.
 
     Attributes:
         known: what is known now.
@@ -50,15 +59,18 @@ class Observer:
         self,
         swarm: Connected,
         known: Known,
-        focus: Mapping[str, frozenset[str]],
+        viewing: Viewing,
         complain: Complain,
+        options: Options | None = None,
     ) -> None:
         self.known = known
         self.colors: Mapping[str, int] = {}
         self._swarm = swarm
-        self._focus = focus
+        self._viewing = viewing
         self._complain = complain
         target = known.target
+        # It hands on what it hears, as long as it is there: those who stop all may end at once.
+        self._switch = EmergencySwitch(swarm.link.node, hands_on=True, state=known.emergency)
         self._signs = SignsOfLife(
             swarm.link,
             (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
@@ -70,6 +82,8 @@ class Observer:
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(swarm.link)
+        refuse = partial(complain, "")
+        self._robots = RobotWatch(swarm.link, options or Options(), refuse)
         self._shown: object = None
 
     def _know(self, **changes: Any) -> None:
@@ -79,9 +93,10 @@ class Observer:
     def see(self) -> None:
         """Take the newest moment of the world."""
         state = self._swarm.world.state
-        if state is None or state is self._shown:
+        if state is None or state is self._shown or self._swarm.world.stranger is not None:
             return
         self._shown = state
+        self._signs.take_signs_of([names.WORLD])
         before, scene = self.known.scene, scene_of(state)
         self._situations.see(scene)
         if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
@@ -93,13 +108,19 @@ class Observer:
     def look(self) -> None:
         """Update what has changed about the agents."""
         swarm, known = self._swarm, self.known
+        if self._switch.state is not known.emergency:
+            self._know(emergency=self._switch.state)
         if swarm.world.status is not known.world:
             self._know(world=swarm.world.status)
         statuses = swarm.agents.statuses
-        if any(known.statuses.get(name) is not status for name, status in statuses.items()):
-            self._know(statuses=MappingProxyType(dict(statuses)))
+        heard = {name for name, it in statuses.items() if known.statuses.get(name) is not it}
+        if heard:
+            self._signs.take_signs_of(heard)
+            is_new = bool(heard - known.statuses.keys())
+            joined = time.monotonic() if is_new else known.joined
+            self._know(statuses=MappingProxyType(dict(statuses)), joined=joined)
         self._listen()
-        wanted = {agent for agents in self._focus.values() for agent in agents}
+        wanted = {agent for agents in self._viewing.focus.values() for agent in agents}
         for agent in wanted & statuses.keys() - self._watches.keys():
             self._watches[agent] = Watch(
                 swarm.link,
@@ -107,6 +128,7 @@ class Observer:
                 partial(statuses.get, agent),
                 partial(self._learns, agent),
                 partial(self._complain, agent),
+                swarm.agents.prefix,
             )
         for agent in self._watches.keys() - wanted:
             self._watches.pop(agent).close()
@@ -118,6 +140,14 @@ class Observer:
             self._know(watched=MappingProxyType(watched))
         elif any(known.watched[name] is not it for name, it in watched.items()):
             self.known = replace(self.known, watched=MappingProxyType(watched))
+        if known.robots is not None:
+            robots = self._robots.look(
+                viewed=bool(self._viewing.pages),
+                cameras=self._viewing.wanted(CAMERA),
+                map_=bool(self._viewing.wanted(MAP)),
+            )
+            if robots is not known.robots:
+                self.known = replace(self.known, robots=robots)
 
     def _listen(self) -> None:
         """Notice who falls silent and who is heard again."""
@@ -147,6 +177,12 @@ class Observer:
         if (watch := self._watches.get(agent)) is not None:
             do(watch)
 
+    def may_show(self, choices: tuple[Choice, ...]) -> None:
+        """Know which swarms a person may choose."""
+        target = self.known.target
+        if target is not None and choices != target.choices:
+            self._know(target=replace(target, choices=choices))
+
     def keep_house(self) -> None:
         """Find agents that have joined or left."""
         swarm = self._swarm
@@ -155,15 +191,17 @@ class Observer:
         gone = frozenset(
             name
             for name in swarm.agents.statuses
-            if node.count_publishers(names.of_agent(name, names.STATUS)) == 0
+            if node.count_publishers(names.of_agent(name, names.STATUS, swarm.agents.prefix)) == 0
         )
         if gone != self.known.gone:
             self._know(gone=gone)
+        self._leave_alone()
+        self._find_robots()
         for topic in swarm.link.topics_of_type("hitab_msgs/msg/CommanderStatus"):
             if topic not in self._group_topics:
                 self._group_topics.add(topic)
                 swarm.link.subscribe(CommanderStatus, topic, self._take_group, qos.LATCHED)
-        self._markers.look()
+        self._markers.look(self.known.scene, self.known.doing(), self.colors)
         if self._recorder is not None:
             self._recorder.look()
             self._know(recorded=self._recorder.count)
@@ -171,11 +209,39 @@ class Observer:
                 self._complain("", self._recorder.problem, session=self._recording_page)
                 self.stop_recording()
 
+    def _find_robots(self) -> None:
+        """Find the sensors of the robots, if there is no world in which the agents are."""
+        known = self.known
+        target = known.target
+        if known.world is None and known.scene is None and not (target and target.world):
+            if known.robots is None and known.statuses and time.monotonic() > known.joined + SOON:
+                self._know(robots=Robots())
+            if known.statuses:
+                self._robots.find(known.statuses, self._swarm.agents.prefix)
+        elif known.robots is not None:
+            self._robots.close()
+            self._know(robots=None)
+
+    def _leave_alone(self) -> None:
+        """Notice swarms that were started elsewhere, and show nothing of their world."""
+        swarm, known = self._swarm, self.known
+        if swarm.world.stranger is not None and known.scene is not None:
+            self._know(scene=None)
+        if known.target is not None and known.target.identity == BY_HAND:
+            heard = {*swarm.agents.strangers.values(), swarm.world.stranger or ""} - {""}
+            if (elsewhere := tuple(sorted(heard))) != known.elsewhere:
+                self._know(elsewhere=elsewhere)
+
     def _take_group(self, status: CommanderStatus) -> None:
         target = self.known.target
         if target is None or not is_own(status.swarm, target.identity, started_by_it=False):
             return
         self._know(groups=MappingProxyType({**self.known.groups, status.commander: status}))
+
+    def stop_robots(self, engaged: bool, by: str, reason: str) -> list[str]:
+        """Stop all robots, or release them; return who listens."""
+        self._know(emergency=self._switch.set(engaged, by, reason))
+        return self._switch.listeners()
 
     # -- recording; to be called as jobs ----------------------------------------------------
 

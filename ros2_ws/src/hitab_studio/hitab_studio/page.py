@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 from pathlib import Path
+from typing import Any
 
 from nicegui import Client, ui
 from nicegui.element import Element
 
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.actions import Wishes
+from hitab_studio.actions import Wishes, is_urgent, perform
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.views import PANELS, render
@@ -21,8 +22,8 @@ ALSO_EVERY = 2
 """Refreshes between two drawings of what changes all the time, such as curves."""
 
 CANVAS = (
-    'role="application" aria-label="The things in the field. Page Up and Page Down choose one, '
-    'the arrow keys move it, comma and period turn it."'
+    'role="application" aria-label="The things in the field. < and > choose one, the '
+    'arrow keys move it, comma and period turn it."'
 )
 
 
@@ -52,6 +53,7 @@ class Page:
         self._seen: tuple[int, int] = (-1, -1)
         self._count = 0
         self._wishes = Wishes()
+        self._urgent: set[asyncio.Task[None]] = set()
         self._broken: dict[str, str] = {}
         self._build()
 
@@ -61,6 +63,7 @@ class Page:
             f'<script>window.STUDIO_SESSION = "{session.id}";</script>'
             '<link rel="stylesheet" href="/studio/studio.css">'
             '<script type="module" src="/studio/studio.js"></script>'
+            '<script type="module" src="/studio/drafts.js"></script>'
             '<script type="module" src="/studio/field.js"></script>'
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")
@@ -70,12 +73,23 @@ class Page:
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(Panel("overlay"))
+                ui.element("figure").props('id="camera" hidden')
                 ui.element("div").props('id="field-told" role="status"').classes("unseen")
-        ui.on("studio", lambda event: self._wishes.add(event.args))
+        ui.on("studio", lambda event: self._wish(event.args))
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)
         self._performing = asyncio.create_task(self._perform())
         self._client.on_delete(self._wishes.close)
+        session.leave = self._wishes.close
+
+    def _wish(self, data: Any) -> None:
+        """Take a request: it waits for those before it, unless it is urgent."""
+        if not is_urgent(data):
+            self._wishes.add(data)
+            return
+        task = asyncio.create_task(perform(self._session, data))
+        self._urgent.add(task)
+        task.add_done_callback(self._urgent.discard)
 
     async def _perform(self) -> None:
         """Perform the person's actions; one in progress when the page goes is completed."""

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
 from hitab_studio.scene import Palette, Scene, frame, roster
+
+EMPTY = json.dumps(
+    {"t": "roster", "world": "", "size": [20.0, 20.0], "names": [], "kinds": [], "looks": {}}
+    | {"radii": [], "legend": [], "center": [0.0, 0.0], "real": False}
+)
+"""The roster of a field with nothing in it."""
 
 
 class Present:
@@ -14,12 +21,14 @@ class Present:
     Attributes:
         frame: the moment as a binary frame.
         frames: number of frames so far.
+        scans: what scanners of real robots see, as a binary frame.
         roster: the message that names what frames show; empty until there is a moment.
     """
 
     def __init__(self, palette: Palette) -> None:
         self.frame = b""
         self.frames = 0
+        self.scans = b""
         self.roster = ""
         self._palette = palette
         self._roster_key: tuple[Any, ...] = ()
@@ -34,9 +43,16 @@ class Present:
         palette = self._palette
         self.frame = frame(scene, doing, palette)
         self.frames += 1
-        key = (scene.names, scene.size, len(palette.states))
+        key = (scene.names, scene.size, scene.center, scene.real, len(palette.states))
         if key == self._roster_key:
             return False
         self._roster_key = key
         self.roster = roster(scene, palette)
         return True
+
+    def clear(self) -> str:
+        """Show an empty field; return its roster."""
+        self.frame = self.scans = b""
+        self.roster = ""
+        self._roster_key = ()
+        return EMPTY

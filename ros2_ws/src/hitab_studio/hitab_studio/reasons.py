@@ -6,7 +6,7 @@ from jinja2.utils import markupsafe
 
 from hitab_core import START, quantity
 from hitab_ros import names
-from hitab_studio.session import Session
+from hitab_studio.session import REAL, Session
 
 RECORDING = "This is a recording: close it first (Esc)."
 
@@ -26,11 +26,13 @@ def world(session: Session) -> str:
     known = session.shared.store.known
     if session.player is not None:
         return RECORDING
+    if known.robots is not None:
+        return REAL
     if known.world is None:
         return "No world is up."
     if names.WORLD in known.silent:
         return "The world does not respond."
-    return ""
+    return session.shared.generations.why_busy
 
 
 def agent(session: Session) -> str:
@@ -45,7 +47,7 @@ def agent(session: Session) -> str:
     holder = session.shared.locks.holder(name)
     if holder is not None and holder.session != session.id:
         return f"{holder.name} holds {name}: take it over first."
-    return ""
+    return session.shared.generations.why_busy
 
 
 def absence(session: Session, name: str) -> str:
@@ -55,9 +57,11 @@ def absence(session: Session, name: str) -> str:
         return "has ended"
     if name in known.silent:
         return f"has not responded for {quantity(session.seconds_since(name), 'second')}"
-    if name != names.WORLD and name not in known.statuses:
-        return "has not answered yet"
-    return ""
+    if name == names.WORLD or name in known.statuses:
+        return ""
+    if name not in known.agents:
+        return "is not up"
+    return "has not been heard yet" if known.is_waiting else "does not answer"
 
 
 def undoing(session: Session) -> str:
@@ -81,6 +85,14 @@ def retiming(session: Session) -> str:
     training = session.watched.training
     if not _examples(session) or (training is not None and not training.examples):
         return "There is no command yet that could have been due earlier."
+    scene, given = session.shared.store.known.scene, training.examples if training else ()
+    if scene is not None and scene.mode == "paused" and given:
+        last = max(given, key=lambda e: (e.command, -e.number))
+        if last.cycle >= scene.cycle:
+            return (
+                "The world stood still when you gave the last command, so the command was not "
+                "late. If it was wrong, undo it (U)."
+            )
     return agent(session)
 
 

@@ -3,51 +3,21 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
-from mcap.records import Schema
-from mcap.well_known import MessageEncoding
-from mcap_ros2.decoder import DecoderFactory
-from rclpy.serialization import deserialize_message
 
 from hitab_client import SwarmError
-from hitab_core import newer_format
-from hitab_studio.message_text import definition, type_name
-from hitab_studio.recording import FORMAT, METADATA
+from hitab_client.recording import Decode, Received, decoder_for, opened, type_name
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
 KINDS = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
 STATE, STATUS, TRANSITION, EPISODE = KINDS
-
-Decode = Callable[[bytes], Any]
-
-
-def decoder_for(schema: Schema) -> Decode:
-    """Return what reads messages of a schema: by their own definition if ours differs from it.
-
-    A message from before a field was added lacks that attribute.
-
-    Raises:
-        McapError: if the schema cannot be understood.
-    """
-    if schema.data == definition(schema.name).encode():
-        return partial(deserialize_message, message_type=KINDS[schema.name])
-    try:
-        decode = DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
-    except Exception as error:  # the parser raises what its parts raise
-        raise McapError(f"its definition of {schema.name} is damaged: {error}") from None
-    if decode is None:
-        raise McapError(f'its definition of {schema.name} is "{schema.encoding}", not "ros2msg"')
-    return decode
 
 
 @dataclass
@@ -99,34 +69,28 @@ class Recording:
         self._statuses: dict[str, _Line] = {}
         self._events = _Line()
         self.episodes: list[tuple[float, str]] = []
-        try:
-            with path.open("rb") as file:
-                self._read(make_reader(file))
-        except (OSError, McapError, ValueError) as error:
-            raise SwarmError(f"{path.name} cannot be read: {error}") from None
+        with opened(path) as messages:
+            self._read(messages)
         if not self._states.times:
             raise SwarmError(f"{path.name} shows no world: nothing to replay")
         self.start = self._states.times[0]
         self.seconds = self._states.times[-1] - self.start
 
-    def _read(self, reader: Any) -> None:
-        for metadata in reader.iter_metadata():
-            found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
-            if not found.isdecimal() or int(found) > FORMAT:
-                raise SwarmError(f"{self.path.name} {newer_format(found, FORMAT)}")
+    def _read(self, messages: Iterable[Received]) -> None:
         decoders: dict[int, Decode] = {}
-        for schema, channel, message in reader.iter_messages():
-            if schema is None or schema.name not in KINDS:
+        for message in messages:
+            schema = message.schema
+            if schema.name not in KINDS:
                 continue
-            seconds = message.log_time / NANOSECONDS
+            seconds = message.received / NANOSECONDS
             decode = decoders.get(schema.id)
             if decode is None:
-                decode = decoders[schema.id] = decoder_for(schema)
+                decode = decoders[schema.id] = decoder_for(schema, message.type_hash)
             match schema.name:
                 case name if name == STATE:
                     self._states.add(seconds, decode, message.data)
                 case name if name == STATUS:
-                    agent = channel.topic.split("/")[-2]
+                    agent = message.topic.split("/")[-2]
                     self._statuses.setdefault(agent, _Line()).add(seconds, decode, message.data)
                 case name if name == TRANSITION:
                     self._events.add(seconds, decode, message.data)

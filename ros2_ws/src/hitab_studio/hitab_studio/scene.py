@@ -22,6 +22,8 @@ import numpy as np
 from hitab_msgs import msg
 from numpy.typing import NDArray
 
+from hitab_ros.stamps import seconds_of
+
 SILENT = "silent"
 """In place of the mode of an agent that does not answer: what it does is not known."""
 
@@ -64,6 +66,8 @@ class Scene:
         places: x, y, heading, vx, vy, shape (n, 5).
         said: what things say, by index.
         looks: of each kind of thing in it.
+        center: middle of the field, m.
+        real: whether these are real robots, which nobody can put elsewhere.
     """
 
     world: str
@@ -80,6 +84,8 @@ class Scene:
     places: NDArray[np.float64]
     said: Mapping[int, str]
     looks: Mapping[str, Look]
+    center: tuple[float, float] = (0.0, 0.0)
+    real: bool = False
 
     def place_of(self, name: str) -> dict[str, float]:
         """Return the position and motion of a thing."""
@@ -98,6 +104,8 @@ class Scene:
 def scene_of(state: Any) -> Scene:
     """Return what a `WorldState` message shows."""
     entities = state.entities
+    # Recordings from before the state had a header have a stamp alone.
+    stamp = state.header.stamp if hasattr(state, "header") else state.stamp
     places = np.array(
         [(e.x, e.y, e.heading, e.vx, e.vy) for e in entities], dtype=np.float64
     ).reshape(len(entities), 5)
@@ -109,7 +117,7 @@ def scene_of(state: Any) -> Scene:
         episode_cycle=state.episode_cycle,
         mode=state.mode,
         note=state.note,
-        seconds=state.stamp.sec + state.stamp.nanosec * 1e-9,
+        seconds=seconds_of(stamp),
         size=(state.width, state.height),
         names=tuple([e.name for e in entities]),
         kinds=tuple([e.kind for e in entities]),
@@ -165,6 +173,8 @@ def roster(scene: Scene, palette: Palette) -> str:
             "t": "roster",
             "world": scene.world,
             "size": scene.size,
+            "center": scene.center,
+            "real": scene.real,
             "names": scene.names,
             "kinds": scene.kinds,
             "looks": {kind: asdict(look) for kind, look in scene.looks.items()},

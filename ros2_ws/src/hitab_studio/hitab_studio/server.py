@@ -12,10 +12,11 @@ from fastapi import HTTPException, Request, WebSocket
 from fastapi.responses import FileResponse
 
 from hitab_client import SwarmError
-from hitab_studio.finding import Target
+from hitab_client.recording.recordings import recording
+from hitab_studio.finding import Finder
 from hitab_studio.guard import Guard, is_loopback
 from hitab_studio.launching import Startable
-from hitab_studio.recordings import recording
+from hitab_studio.robots.topics import Options
 
 TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"
@@ -74,21 +75,23 @@ class Address:
 
 
 def serve(
-    find: Callable[[], Target],
+    find: Finder,
     address: Address,
     *,
     startable: Sequence[Startable] = (),
     show: bool = False,
     ready: Callable[[], None] | None = None,
+    options: Options | None = None,
 ) -> None:
     """Serve the page until the process is stopped.
 
     Args:
-        find: returns the swarm to connect to.
+        find: finds the swarm to connect to.
         address: where to serve it.
         startable: the swarms that pages may start.
         show: whether to open a browser.
         ready: called once the page can be opened.
+        options: what a person has chosen of the robots' topics.
 
     Raises:
         SwarmError: if the address cannot be used.
@@ -96,18 +99,41 @@ def serve(
     address.check()
     from nicegui import Client, app, ui
 
+    from hitab_studio.actions.stopping import stop_robots
     from hitab_studio.page import STATIC, Page
+    from hitab_studio.robots.serving import add_routes
     from hitab_studio.stream import stream
     from hitab_studio.studio import Studio
 
     logging.getLogger("nicegui").setLevel(logging.ERROR)
-    studio = Studio(find, startable)
+    studio = Studio(find, startable, find.choose, options)
     app.add_static_files("/studio", STATIC, max_cache_age=0)
     app.add_middleware(Guard, host=address.host, token=address.token)
 
     @app.websocket("/field")
     async def field(socket: WebSocket, session: str = "") -> None:
         await stream(studio, socket, session)
+
+    @app.post("/stop-robots")
+    async def stop(request: Request, session: str = "") -> None:
+        """Take an emergency stop, also of a page that this server does not know any more."""
+        known = studio.sessions.get(session)
+        page = known or studio.open(unquote(request.cookies.get(DEMONSTRATOR, "")))
+        try:
+            await stop_robots(page)
+        except SwarmError as error:
+            raise HTTPException(503, str(error)) from None
+        finally:
+            if known is None:
+                studio.close(page)
+
+    @app.post("/leave")
+    def leave(session: str = "") -> None:
+        """Close a page that a person has left, without waiting for it to connect again."""
+        if (page := studio.sessions.get(session)) is not None:
+            page.leave()
+
+    add_routes(app, studio)
 
     @app.get("/recordings/{name}")
     def download(name: str) -> FileResponse:

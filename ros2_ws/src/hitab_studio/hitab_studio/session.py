@@ -13,16 +13,17 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, WorldClient
+from hitab_client.demonstrating import behavior_keys
 from hitab_core import Use, natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
+from hitab_studio.generations import GenerationMaker
 from hitab_studio.jobs import Connected
-from hitab_studio.keys import Keys
 from hitab_studio.launching import Launcher, Startable
 from hitab_studio.locks import Holder, Locks
 from hitab_studio.lost import Lost
 from hitab_studio.messages import Messages, sentence
-from hitab_studio.present import Present
+from hitab_studio.present import EMPTY, Present
 from hitab_studio.reactions import Reactions
 from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
@@ -34,6 +35,7 @@ T = TypeVar("T")
 
 TABS = ("teach", "learned", "examples", "library", "swarm", "record")
 NOTHING = Watched()
+REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
 
 
 @dataclass
@@ -72,6 +74,7 @@ class Shared:
         locks: who holds which agent.
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
+        generations: makes generations of what a team performs.
         reactions: how late each demonstrator's commands come.
         present: the field as it is now.
         sessions: the pages that are open, by their ids.
@@ -83,8 +86,9 @@ class Shared:
         self.link = link
         self.store = Store()
         self.launcher = Launcher(startable, self.store.touch)
+        self.generations = GenerationMaker(link, self.store.touch)
         self.locks = Locks()
-        self.keys = Keys()
+        self.keys = behavior_keys.Keys()
         self.reactions = Reactions()
         self.present = Present(self.store.palette)
         self.sessions: dict[str, Session] = {}
@@ -107,6 +111,7 @@ class Session:
         player: the open recording, if there is one.
         messages: what was done, and what went wrong.
         connected: whether the browser is connected.
+        leave: closes the page, after the request that is being handled.
         sent: the frame that the browser has.
     """
 
@@ -130,6 +135,7 @@ class Session:
         self.compare: tuple[str, Learned] | None = None
         self.player: Player | None = None
         self.connected = False
+        self.leave: Callable[[], None] = lambda: None
         self.sent = b""
         self.messages = Messages()
         self.version = 0
@@ -196,6 +202,15 @@ class Session:
         self.send({"t": "chosen", "names": names})
         self.touch()
 
+    def forget_agents(self) -> None:
+        """View nothing: the agents were of another swarm."""
+        self.close_dialog()
+        self.lost = None
+        self.folds.clear()
+        self.look_at("")
+        if self.player is None:
+            self.choose([])
+
     # -- what the field shows ---------------------------------------------------------------
 
     def frame(self) -> bytes:
@@ -214,8 +229,8 @@ class Session:
         self.send({"t": "replay", "on": self.player is not None})
         if self.player is not None:
             self.show_moment()
-        elif self.shared.present.roster:
-            self.outgoing.append(self.shared.present.roster)
+        else:
+            self.outgoing.append(self.shared.present.roster or EMPTY)
         self.news.set()
 
     def show_moment(self) -> None:
@@ -269,6 +284,10 @@ class Session:
         known = self.shared.store.known
         if self.player is None and known.world is not None and not known.world_answers:
             raise SwarmError("The world does not respond: wait until it answers again.")
+        if known.robots is not None:
+            raise SwarmError(REAL)
+        if why := self.shared.generations.why_busy:
+            raise SwarmError(why)
         return await self.ask(lambda swarm: job(swarm.world), needs=names.WORLD)
 
     async def ask_agent(self, job: Callable[[Connected, str], T]) -> T:
@@ -282,6 +301,8 @@ class Session:
             raise SwarmError("Choose an agent first, in the list or in the field.")
         if not self.shared.store.known.answers(agent):
             raise SwarmError(f"{agent} does not respond: wait until it answers again.")
+        if why := self.shared.generations.why_busy:
+            raise SwarmError(why)
         self.shared.locks.claim(agent, self.holder)
         answer = await self.ask(lambda swarm: job(swarm, agent), agent)
         self.shared.link.refresh(agent)

@@ -7,6 +7,7 @@ from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
 
+from hitab_studio.present import Present
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 
@@ -22,9 +23,10 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         return
     session.connected = True
     studio.store.touch()
+    studio.link.connect(key, on=True)
     session.show_again()
     session.send({"t": "chosen", "names": session.chosen})
-    sending = asyncio.create_task(_send(socket, session))
+    sending = asyncio.create_task(_send(socket, session, studio.present))
     try:
         while True:
             await socket.receive_text()  # ends with the connection
@@ -32,12 +34,13 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         pass
     finally:
         session.connected = False
+        studio.link.connect(key, on=False)
         studio.store.touch()
         sending.cancel()
 
 
-async def _send(socket: WebSocket, session: Session) -> None:
-    session.sent = b""
+async def _send(socket: WebSocket, session: Session, present: Present) -> None:
+    session.sent = seen = b""
     with suppress(WebSocketDisconnect):
         while True:
             await session.news.wait()
@@ -52,3 +55,7 @@ async def _send(socket: WebSocket, session: Session) -> None:
             if newest and newest is not session.sent:
                 session.sent = newest
                 await socket.send_bytes(newest)
+            if session.player is None and (scans := present.scans) != seen:
+                seen = scans
+                if scans:
+                    await socket.send_bytes(scans)

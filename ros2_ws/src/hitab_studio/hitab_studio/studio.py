@@ -16,11 +16,15 @@ from hitab_studio.finding import Target
 from hitab_studio.known import Known, Trouble
 from hitab_studio.launching import Startable
 from hitab_studio.mailbox import Mailbox
+from hitab_studio.robots.topics import Options
 from hitab_studio.scene import Scene, said_message
 from hitab_studio.session import Session, Shared
 from hitab_studio.swarm_link import SwarmLink
 
 REPLAY_SECONDS = 0.1
+
+OF_NO_SWARM = frozenset({"help", "reaction", "release", "rename-recording", "delete-recording"})
+"""Dialogs that stay open when the swarm ends."""
 
 
 class Studio:
@@ -29,13 +33,22 @@ class Studio:
     Args:
         find: returns the swarm to connect to.
         startable: the swarms that pages may start.
+        choose: has another swarm be found from now on, by its run folder.
+        options: what a person has chosen of the robots' topics.
 
     Attributes:
         shared: what the pages share; the other attributes are parts of it.
     """
 
-    def __init__(self, find: Callable[[], Target], startable: Sequence[Startable] = ()) -> None:
-        self.shared = shared = Shared(SwarmLink(find, self._hear), startable)
+    def __init__(
+        self,
+        find: Callable[[], Target],
+        startable: Sequence[Startable] = (),
+        choose: Callable[[str], None] = lambda folder: None,
+        options: Options | None = None,
+    ) -> None:
+        link = SwarmLink(find, self._hear, choose, options)
+        self.shared = shared = Shared(link, startable)
         self.link = shared.link
         self.store = shared.store
         self.locks = shared.locks
@@ -43,6 +56,7 @@ class Studio:
         self.present = shared.present
         self._orders: dict[str, tuple[int, int]] = {}
         self._numbers = 0
+        self._place: tuple[object, ...] = ()
         self._painted = 0
         self._mailbox: Mailbox[Known | Trouble] | None = None
         self._replays: asyncio.Task[None] | None = None
@@ -98,10 +112,15 @@ class Studio:
             return
         before, known = self.store.known, told[-1]
         self.store.take(known)
+        if (known.target != before.target or known.shown is None) and self.present.roster:
+            self._spread([self.present.clear()])
+        if before.target is not None and known.target != before.target:
+            self._close_dialogs(before.target)
+        self._meet(known)
         for session in self.sessions.values():
             session.settle()
-        scene = known.scene
-        moves = scene is not before.scene
+        scene = known.shown
+        moves = scene is not before.shown
         # The field shows what agents do in a paused world, too, and who does not answer.
         does = known.statuses is not before.statuses and scene and scene.mode == "paused"
         falls_silent = known.silent is not before.silent or known.gone != before.gone
@@ -111,8 +130,32 @@ class Studio:
                 messages.append(self.present.roster)
             seen = {id(k.scene): k.scene for k in told if k.scene is not before.scene}
             messages += [said_message(s) for s in seen.values() if s is not None and s.said]
+            self.present.scans = known.robots.scans if known.robots is not None else b""
             self._spread(messages)
         self._spread([json.dumps(order) for order in self._new_orders(known.groups)])
+
+    def _meet(self, known: Known) -> None:
+        """Forget an earlier swarm once another one is there; a restarted one is the same."""
+        target = known.target
+        if target is None or target.problem or not (known.agents or known.scene):
+            return
+        place = (target.domain_id, target.swarm, target.folder)
+        if self._place and place != self._place:
+            self._orders.clear()
+            self.locks.clear()
+            self.shared.chosen_states.clear()
+            for session in self.sessions.values():
+                session.forget_agents()
+        self._place = place
+
+    def _close_dialogs(self, target: Target) -> None:
+        """Close what asks about a swarm that has gone."""
+        for session in self.sessions.values():
+            session.asked = None
+            if session.dialog and session.dialog["kind"] not in OF_NO_SWARM:
+                session.close_dialog()
+                name = target.swarm or "the swarm"
+                session.tell(f"The dialog was closed: {name} is not there any more.", "bad")
 
     def _complain(self, trouble: Trouble) -> None:
         for session in self.sessions.values():

@@ -21,16 +21,20 @@ from functools import partial
 from typing import Any, TypeVar
 
 from hitab_client import SwarmClient, SwarmError, WorldClient
+from hitab_client.identity import BY_HAND
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.finding import Target
 from hitab_studio.jobs import Connected, Job, Jobs, SharedLink
 from hitab_studio.known import Known, Trouble
 from hitab_studio.observer import Observer
+from hitab_studio.robots.topics import Options
+from hitab_studio.viewing import Viewing
 from hitab_studio.watching import Watch
 
 T = TypeVar("T")
 
+NODE = "hitab_studio"
 SPIN_SECONDS = 0.01
 LOOK_SECONDS = 0.05
 FIND_SECONDS = 1.0
@@ -47,16 +51,24 @@ class SwarmLink:
     """Communicates with the swarm for all pages.
 
     Args:
-        find: returns the swarm to connect to.
+        find: returns the swarm to connect to; called in the link's thread.
         tell: called in the link's thread with what is known, whenever that changes, and with
             errors.
+        choose: has a swarm be found from now on, by its run folder; called in the link's thread.
+        options: what a person has chosen of the robots' topics.
     """
 
     def __init__(
-        self, find: Callable[[], Target], tell: Callable[[Known | Trouble], None]
+        self,
+        find: Callable[[], Target],
+        tell: Callable[[Known | Trouble], None],
+        choose: Callable[[str], None] = lambda folder: None,
+        options: Options | None = None,
     ) -> None:
         self._find = find
+        self._options = options
         self._tell = tell
+        self._choose = choose
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="swarm link", daemon=True)
@@ -65,9 +77,10 @@ class SwarmLink:
         self._jobs = Jobs()
         self._connected: Connected | None = None
         self._observer: Observer | None = None
-        self._focus: dict[str, frozenset[str]] = {}
+        self._viewing = Viewing()
         self._colors: Mapping[str, int] = {}
         self._next_look = self._next_find = 0.0
+        self._chosen = False
         self._troubles: dict[str, float] = {}
 
     def start(self) -> None:
@@ -104,14 +117,15 @@ class SwarmLink:
     def focus(self, session: str, agents: Iterable[str]) -> None:
         """View these agents on behalf of a session; none means that it has gone."""
         looked_at = frozenset(agents)
+        self._requests.put(lambda: self._viewing.look_at(session, looked_at))
 
-        def change() -> None:
-            if looked_at:
-                self._focus[session] = looked_at
-            else:
-                self._focus.pop(session, None)
+    def connect(self, session: str, *, on: bool) -> None:
+        """Note that a page is connected from now on, or no longer."""
+        self._requests.put(lambda: self._viewing.connect(session, on=on))
 
-        self._requests.put(change)
+    def lease(self, what: str, agent: str = "") -> None:
+        """Listen to a camera or to the map for a while, since a page shows it."""
+        self._requests.put(lambda: self._viewing.lease(what, agent))
 
     def want(self, agent: str, behavior: str) -> None:
         """Ask a watched agent for a behavior of its library."""
@@ -124,6 +138,16 @@ class SwarmLink:
     def refresh(self, agent: str) -> None:
         """Ask for the examples of an agent again."""
         self._requests.put(lambda: self._with_watch(agent, Watch.refresh))
+
+    def choose(self, folder: str) -> None:
+        """Show the swarm in this run folder from now on, for all pages."""
+
+        def change() -> None:
+            self._choose(folder)
+            self._chosen = True
+            self._next_find = 0.0
+
+        self._requests.put(change)
 
     def paint(self, colors: Mapping[str, int]) -> None:
         """Give states these colors in the markers for other viewers."""
@@ -140,14 +164,28 @@ class SwarmLink:
                 if target.problem:
                     self._wait_for_certainty(target)
                     continue
-                with SharedLink(target.domain_id) as link:
+                with SharedLink(target.domain_id, name=NODE) as link:
                     self._connected = Connected(
                         link,
-                        SwarmClient(link, target.agents, identity=target.identity),
-                        WorldClient(link, identity=target.identity, started_by_it=target.world),
+                        SwarmClient(
+                            link,
+                            target.agents,
+                            prefix=target.namespace,
+                            identity=target.identity,
+                        ),
+                        WorldClient(
+                            link,
+                            prefix=target.namespace,
+                            identity=target.identity,
+                            started_by_it=target.world,
+                        ),
                     )
                     self._observer = Observer(
-                        self._connected, self._known, self._focus, self._trouble
+                        self._connected,
+                        self._known,
+                        self._viewing,
+                        self._trouble,
+                        self._options,
                     )
                     try:
                         self._serve(target)
@@ -157,7 +195,7 @@ class SwarmLink:
             except Exception as error:  # the thread must outlive whatever goes wrong
                 logging.getLogger(__name__).exception("the link to the swarm")
                 why = f"The connection was lost: {what_went_wrong(error)}"
-                self._known = Known(Target(0, problem=why), self._known.revision + 1)
+                self._begin(Target(0, problem=why))
                 self._end(why)
                 self._stopping.wait(FIND_SECONDS)
         self._end(ENDED)
@@ -165,7 +203,11 @@ class SwarmLink:
     def _begin(self, target: Target) -> None:
         """Forget the previous swarm: another one, or another start of it, takes its place."""
         self._next_look = self._next_find = 0.0
-        self._known = Known(target, self._known.revision + 1)
+        self._chosen = False
+        known = self._known  # an emergency stop is not the swarm's: it outlasts it
+        self._known = Known(
+            target, known.revision + 1, emergency=known.emergency, joined=time.monotonic()
+        )
         self._deliver()
 
     def _end(self, why: str) -> None:
@@ -235,10 +277,24 @@ class SwarmLink:
                 job.reply()
 
     def _is_still(self, target: Target) -> bool:
-        """Whether the same swarm is meant; if that cannot be found out at the moment, it is."""
+        """Whether the same swarm is meant; if that cannot be found out at the moment, it is.
+
+        Nodes that were started by hand are meant while any of them answers, whatever else starts,
+        unless a person chooses another swarm.
+        """
         found = [target]
         self._try(lambda: found.append(self._find()))
-        return found[-1] == target
+        now = found[-1]
+        observer = self._observer
+        if observer is None:
+            return now == target and now.choices == target.choices
+        if now == target:
+            observer.may_show(now.choices)
+            return True
+        if target.identity != BY_HAND or self._chosen or not observer.known.is_anyone_there:
+            return False
+        observer.may_show(now.choices)
+        return True
 
     def _take_requests(self) -> None:
         while not self._requests.empty():
@@ -263,6 +319,16 @@ class SwarmLink:
         self._troubles[text] = now + AGAIN_SECONDS
         logging.getLogger(__name__).error("%s", text, exc_info=error)
         self._tell(Trouble(text, session, agent))
+
+    # -- to be called as jobs ---------------------------------------------------------------
+
+    def stop_robots(self, engaged: bool, by: str, reason: str = "") -> list[str]:
+        """Stop all robots, or release them; return who listens.
+
+        Raises:
+            SwarmError: if there is no connection.
+        """
+        return self._observing().stop_robots(engaged, by, reason)
 
     # -- recording; to be called as jobs ----------------------------------------------------
 
@@ -292,4 +358,5 @@ def _silent(name: str) -> str:
 def _gone(target: Target) -> str:
     """Return the error of a job whose swarm has gone."""
     name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
-    return f"{name} went down meanwhile, or was started again: look whether it was done."
+    what = "went down meanwhile, was started again, or is not shown any more"
+    return f"{name} {what}: look whether it was done."

@@ -121,8 +121,10 @@ class Watch:
         status: Callable[[], AgentStatus | None],
         changed: Callable[[], None],
         failed: Callable[[str, Exception], None],
+        prefix: str = "",
     ) -> None:
         self.known = Watched()
+        self._prefix = prefix
         self._link = link
         self._agent = agent
         self._status = status
@@ -141,7 +143,11 @@ class Watch:
         self._questions_of: tuple[Learned | None, int] = (None, 0)
         self._questions_at = math.inf
         self._transitions = link.subscribe(
-            TransitionEvent, names.of_agent(agent, names.TRANSITIONS), self._take_event, qos.EVENTS
+            TransitionEvent,
+            names.of_agent(agent, names.TRANSITIONS, prefix),
+            self._take_event,
+            qos.EVENTS,
+            temporary=True,
         )
 
     def close(self) -> None:
@@ -264,7 +270,7 @@ class Watch:
             return False
         client = self._clients.get(service)
         if client is None:
-            name = names.of_agent(self._agent, service)
+            name = names.of_agent(self._agent, service, self._prefix)
             client = self._clients[service] = self._link.node.create_client(kind, name)
         if not client.service_is_ready():
             return False

@@ -1,14 +1,23 @@
-"""A swarm for the studio's tests: one real node that plays a world and its agents."""
+"""Swarms for the studio's tests: a node that plays a world and its agents, and one a robot."""
 
+import array
 import contextlib
+import math
+import struct
 import threading
+import zlib
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 import rclpy
+from geometry_msgs.msg import Quaternion
 from hitab_msgs import msg, srv
+from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.experimental import EventsExecutor
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_ros import qos
 from hitab_ros.testing import context_of_its_own
@@ -23,22 +32,25 @@ class StandIn:
     Attributes:
         target: what the studio is to find.
         nonsense: whether keeper_2 answers what nobody can read.
+        alive: processes that give signs of life.
     """
 
     def __init__(self, context: Any) -> None:
         self.target = Target(context.get_domain_id(), "stand_in", ("keeper_1", "keeper_2"), 1)
         self.nonsense = False
+        self.alive: tuple[str, ...] = ()
         self._cycle = self._reading = 0
         self._context = context
         self._ending = threading.Event()
         self._node = rclpy.create_node("stand_in", context=context, enable_rosout=False)
         self._state = self._node.create_publisher(msg.WorldState, "/world/state", qos.LATCHED)
+        self._signs = self._node.create_publisher(msg.Alive, "/alive", qos.SIGNS_OF_LIFE)
         self._node.create_timer(0.02, self._show)
-        self._statuses = []
+        self._statuses = {}
         for agent in self.target.agents:
             status = self._node.create_publisher(msg.AgentStatus, f"/{agent}/status", qos.LATCHED)
             status.publish(msg.AgentStatus(agent=agent, mode="idle", domain="stand_in"))
-            self._statuses.append(status)
+            self._statuses[agent] = status
             self._node.create_service(
                 srv.GetVocabulary,
                 f"/{agent}/get_vocabulary",
@@ -52,10 +64,21 @@ class StandIn:
 
     def _show(self) -> None:
         self._cycle += 1
+        for name in self.alive:
+            self._signs.publish(msg.Alive(process=name))
         ball = msg.Entity(name="ball", kind="ball", x=0.001 * self._cycle)
         self._state.publish(
             msg.WorldState(cycle=self._cycle, width=20.0, height=20.0, entities=[ball])
         )
+
+    def belong_to(self, identity: str) -> None:
+        """Say from now on that all of this was started as a swarm with this identity."""
+        self._world = self._node.create_publisher(msg.WorldStatus, "/world/status", qos.LATCHED)
+        self._world.publish(msg.WorldStatus(world="stand_in", swarm=identity))
+        for agent, publisher in self._statuses.items():
+            publisher.publish(
+                msg.AgentStatus(agent=agent, mode="idle", domain="stand_in", swarm=identity)
+            )
 
     def _vocabulary(self, agent: str, answer: Any) -> Any:
         answer.domain = "stand_in"
@@ -92,4 +115,164 @@ def stand_in(monkeypatch, tmp_path) -> Iterator[StandIn]:
     monkeypatch.setenv("HITAB_HOME", str(tmp_path))
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     with context_of_its_own() as context, contextlib.closing(StandIn(context)) as made:
+        yield made
+
+
+ROBOT = "robot_1"
+PERIOD = 0.05
+
+
+def turned(yaw: float) -> Quaternion:
+    return Quaternion(z=math.sin(yaw / 2), w=math.cos(yaw / 2))
+
+
+class RobotStandIn:
+    """A robot and its agent, in a thread of their own; what they publish can be changed.
+
+    Attributes:
+        target: what the studio is to find.
+        odometry, scan, map, picture: what is published; None: nothing is.
+    """
+
+    def __init__(self, context: Any, robot: str = ROBOT, yaw: float = 0.0) -> None:
+        self.target = Target(context.get_domain_id(), "robots", (robot,), 1)
+        self.odometry: Odometry | None = Odometry(child_frame_id="base_link")
+        self.odometry.header.frame_id = "odom"
+        self.scan: LaserScan | None = LaserScan(
+            angle_min=-math.pi, angle_increment=math.pi / 2, range_min=0.1, range_max=5.0
+        )
+        self.scan.header.frame_id = "laser"
+        self.map: OccupancyGrid | None = None
+        self.picture: CompressedImage | None = None
+        self._context = context
+        self._ending, self._agent_ends = threading.Event(), threading.Event()
+        self._agent = rclpy.create_node(
+            "agent",
+            namespace=f"/{robot}",
+            context=context,
+            automatically_declare_parameters_from_overrides=True,
+            parameter_overrides=[rclpy.Parameter("scan.yaw", value=yaw)],
+        )
+        self._status = self._agent.create_publisher(msg.AgentStatus, "status", qos.LATCHED)
+        self._status.publish(msg.AgentStatus(agent=robot, mode="idle", domain="stand_in"))
+        for kind, topic in ((msg.Command, "command"), (Odometry, "odom"), (LaserScan, "scan")):
+            self._agent.create_subscription(kind, topic, lambda _: None, qos_profile_sensor_data)
+        self._agent.create_service(srv.GetVocabulary, "get_vocabulary", self._vocabulary)
+        self._node = rclpy.create_node("robot", namespace=f"/{robot}", context=context)
+        create = self._node.create_publisher
+        self._publishers = {
+            "odometry": create(Odometry, "odom", 10),
+            "scan": create(LaserScan, "scan", qos_profile_sensor_data),
+            "map": create(OccupancyGrid, "/map", qos.LATCHED),
+            "picture": create(CompressedImage, "camera/image_raw/compressed", 1),
+        }
+        self._shown: Any = None
+        self._node.create_timer(PERIOD, self._publish)
+        self._thread = threading.Thread(target=self._spin)
+        self._thread.start()
+
+    @staticmethod
+    def _vocabulary(_: Any, answer: Any) -> Any:
+        answer.domain = "stand_in"
+        return answer
+
+    def listeners(self, what: str) -> int:
+        """Return how many listen to what is published."""
+        return int(self._publishers[what].get_subscription_count())
+
+    def stand(self, x: float, y: float, yaw: float) -> None:
+        """Be there."""
+        odometry = Odometry(child_frame_id="base_link")
+        odometry.header.frame_id = "odom"
+        odometry.pose.pose.position.x, odometry.pose.pose.position.y = x, y
+        odometry.pose.pose.orientation = turned(yaw)
+        self.odometry = odometry
+
+    def see(self, *ranges: float) -> None:
+        """See this behind, at the right, ahead and at the left of the scanner, m."""
+        scan = LaserScan(
+            angle_min=-math.pi, angle_increment=math.pi / 2, range_min=0.1, range_max=5.0
+        )
+        scan.header.frame_id = "laser"
+        scan.ranges = list(ranges)
+        self.scan = scan
+
+    def film(self, data: bytes, claimed: str = "png") -> None:
+        """Have a camera show this."""
+        self.picture = CompressedImage(format=claimed, data=array.array("B", data))
+
+    def draw_map(self, cells: Any, resolution: float, x: float, y: float, yaw: float) -> None:
+        """Publish a map; its cells as an array of shape (height, width)."""
+        grid = OccupancyGrid(data=array.array("b", np.asarray(cells, np.int8).tobytes()))
+        grid.header.frame_id = "map"
+        grid.info.height, grid.info.width = np.shape(cells)
+        grid.info.resolution = resolution
+        grid.info.origin.position.x, grid.info.origin.position.y = x, y
+        grid.info.origin.orientation = turned(yaw)
+        self.map = grid
+
+    @staticmethod
+    def png(width: int, height: int) -> bytes:
+        """Return a red picture."""
+
+        def chunk(kind: bytes, data: bytes) -> bytes:
+            return (
+                struct.pack(">I", len(data))
+                + kind
+                + data
+                + struct.pack(">I", zlib.crc32(kind + data))
+            )
+
+        rows = (b"\0" + b"\xff\0\0" * width) * height
+        return b"\x89PNG\r\n\x1a\n" + b"".join(
+            (
+                chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
+                chunk(b"IDAT", zlib.compress(rows)),
+                chunk(b"IEND", b""),
+            )
+        )
+
+    def _publish(self) -> None:
+        now = self._node.get_clock().now().to_msg()
+        for name, publisher in self._publishers.items():
+            message = getattr(self, name)
+            if message is None or (name == "map" and message is self._shown):
+                continue
+            if name == "map":
+                self._shown = message
+            message.header.stamp = now
+            publisher.publish(message)
+
+    def _spin(self) -> None:
+        executor = EventsExecutor(context=self._context)
+        nodes = {self._agent: self._agent_ends, self._node: self._ending}
+        for node in nodes:
+            executor.add_node(node)
+        while nodes:
+            executor.spin_once(timeout_sec=0.02)
+            for node in [node for node, ends in nodes.items() if ends.is_set()]:
+                del nodes[node]
+                executor.remove_node(node)
+                node.destroy_node()
+        executor.shutdown()
+
+    def end_agent(self) -> None:
+        """End the agent; its robot goes on."""
+        self._agent_ends.set()
+
+    def close(self) -> None:
+        self._agent_ends.set()
+        self._ending.set()
+        self._thread.join()
+
+
+@pytest.fixture
+def robot(monkeypatch, tmp_path) -> Iterator[RobotStandIn]:
+    """Return a robot whose scanner faces left."""
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    with (
+        context_of_its_own() as context,
+        contextlib.closing(RobotStandIn(context, yaw=math.pi / 2)) as made,
+    ):
         yield made

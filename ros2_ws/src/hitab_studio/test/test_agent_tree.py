@@ -5,8 +5,8 @@ from types import SimpleNamespace
 from hitab_studio.views.agent_tree import FEW, tree, unfolded
 
 
-def commander(*subordinates: str) -> SimpleNamespace:
-    return SimpleNamespace(subordinates=subordinates)
+def commander(*subordinates: str, superior: str = "") -> SimpleNamespace:
+    return SimpleNamespace(subordinates=subordinates, superior=superior)
 
 
 def shown(agents, groups, folds=None, agent=""):
@@ -54,3 +54,19 @@ def test_many_agents_without_a_commander_are_gathered_by_what_they_are_called():
     agents = [f"forager_{i}" for i in range(FEW)] + ["ann", "ben"]
     assert shown(agents, {}) == [("forager_…", 0, "closed"), ("ann", 0, ""), ("ben", 0, "")]
     assert len(shown(agents, {}, {"forager_…": True})) == FEW + 3
+
+
+def test_a_commander_stands_under_its_own_before_that_was_heard():
+    groups = {
+        "general_1": commander("staff_1"),
+        "company_1": commander("squad_1", superior="staff_1"),
+    }
+    agents = ["company_1", "general_1", "squad_1", "staff_1"]
+    assert [(name, depth) for name, depth, _ in shown(agents, groups)] == [
+        ("general_1", 0),
+        ("staff_1", 1),
+        ("company_1", 2),
+        ("squad_1", 3),
+    ]
+    elsewhere = {"company_1": commander("squad_1", superior="nobody_here")}
+    assert shown(["company_1"], elsewhere)[0][:2] == ("company_1", 0)

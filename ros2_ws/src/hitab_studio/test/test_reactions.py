@@ -1,38 +1,14 @@
-"""A command counts for what its person saw when it was due, in the world's time."""
+"""The reaction times of the people at the pages are those that are kept on this machine."""
 
 import asyncio
 import json
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
-from hitab_msgs.msg import WorldStatus
 
 from hitab_client import SwarmError, reaction_time
 from hitab_studio.actions import perform
-from hitab_studio.reactions import EARLIER_SECONDS, Due, Reactions, due, earlier
+from hitab_studio.reactions import Reactions
 from hitab_studio.studio import Studio
-
-
-def world(mode: str = "running", pace: str = "realtime", factor: float = 1.0) -> Any:
-    status = WorldStatus(mode=mode, pace=pace, factor=factor)
-    return SimpleNamespace(status=status, speed=3.0)
-
-
-def test_a_reaction_time_is_scaled_by_the_pace_of_the_world_and_is_nothing_while_it_is_paused():
-    assert due(world(), 0.3, 70) == Due(0.3, 70)
-    assert due(world(factor=2.0), 0.3, 70) == Due(pytest.approx(0.6), 70)
-    assert due(world(pace="lockstep"), 0.3, 70) == Due(pytest.approx(0.9), 70)
-    assert due(world("paused"), 0.3, 70) == Due(0.0, 0)
-    without = SimpleNamespace(status=None, speed=1.0)
-    assert due(without, 0.3, 0) == Due(0.3, 0), "a robot's time is that of the person"
-
-
-def test_a_command_is_put_earlier_by_the_pace_of_the_world_even_while_it_is_paused():
-    assert earlier(world(factor=2.0)) == pytest.approx(2 * EARLIER_SECONDS)
-    assert earlier(world("paused", factor=2.0)) == pytest.approx(2 * EARLIER_SECONDS)
-    still = SimpleNamespace(status=WorldStatus(mode="paused", pace="lockstep"), speed=0.0)
-    assert earlier(still) == EARLIER_SECONDS
 
 
 def test_what_is_kept_elsewhere_counts_at_once(tmp_path, monkeypatch):

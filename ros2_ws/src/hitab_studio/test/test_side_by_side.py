@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_studio import recording
+from hitab_client.recording import bag_file
 from hitab_studio.actions import Wishes
 from hitab_studio.actions.registry import ACTIONS
 from hitab_studio.store import Store
@@ -184,11 +184,11 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
 ):
     """Else the error leaves a callback: the node would stop, and nobody know why."""
 
-    class Full(recording.Writer):
+    class Full(bag_file.Writer):
         def add_message(self, *_: Any, **__: Any) -> None:
             raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(recording, "Writer", Full)
+    monkeypatch.setattr(bag_file, "Writer", Full)
 
     async def use(studio: Studio) -> None:
         page, other = studio.open(), studio.open()

@@ -15,13 +15,13 @@ from visualization_msgs.msg import MarkerArray
 
 from hitab_client import Learned
 from hitab_client.errors import SwarmError
+from hitab_client.recording import definition, type_name
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.guard import Guard, is_loopback, new_token
 from hitab_studio.learned import effect, is_contradicted, superseding
 from hitab_studio.locks import Holder, Locks
-from hitab_studio.message_text import definition, type_name
 from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, roster, scene_of
 from hitab_studio.situations import RECENT, Situations
 from hitab_studio.tree_rows import tree_rows

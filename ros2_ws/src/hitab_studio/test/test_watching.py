@@ -16,7 +16,7 @@ class Node:
     def __init__(self) -> None:
         self.asked: list[str] = []
 
-    def subscribe(self, *arguments: Any) -> None:
+    def subscribe(self, *arguments: Any, temporary: bool) -> None:
         return None
 
     @property

@@ -2,14 +2,27 @@
 
 import asyncio
 import contextlib
+import re
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from typing import Any
 
 import pytest
+from hitab_msgs import msg
 
 from hitab_client.errors import SwarmError
+from hitab_client.identity import BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import finding
-from hitab_studio.finding import Target, find_target
+from hitab_studio.actions import perform
+from hitab_studio.finding import Choice, Finder, Target
+from hitab_studio.known import Known
+from hitab_studio.studio import Studio
 from hitab_studio.swarm_link import SwarmLink
+from hitab_studio.views import render
+
+ELSEWHERE = "keepaway-0a1b2c3d"
 
 
 @pytest.fixture(autouse=True)
@@ -35,9 +48,8 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
 
 
 def test_a_swarm_that_is_not_up_is_a_problem_and_not_whatever_is_there(tmp_path):
-    assert 'Swarm "red" is not up.' in find_target("red").problem
-    assert f"No swarm is up in {tmp_path}" in find_target(None, tmp_path).problem
-    assert find_target() == Target(0)
+    assert 'Swarm "red" is not up.' in Finder("red")().problem
+    assert f"No swarm is up in {tmp_path}" in Finder(None, tmp_path)().problem
 
 
 def test_a_target_has_the_identity_of_its_run_folder(tmp_path, monkeypatch):
@@ -46,5 +58,185 @@ def test_a_target_has_the_identity_of_its_run_folder(tmp_path, monkeypatch):
     record = RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
     folder.write(record, register=False)
     monkeypatch.setattr(finding.RunFolder, "supervisor", lambda *_: object())
-    target = find_target(None, tmp_path)
+    target = Finder(None, tmp_path)()
     assert (target.identity, target.world, target.domain_id) == ("red-0a1b2c3d", True, 7)
+
+
+def test_without_a_swarm_from_here_nodes_that_no_command_has_started_are_meant():
+    assert Finder()() == Target(0, identity=BY_HAND)
+
+
+def test_a_swarm_that_was_started_elsewhere_is_meant_if_its_identity_is_given():
+    assert Finder(ELSEWHERE)() == Target(0, ELSEWHERE, identity=ELSEWHERE)
+
+
+@pytest.fixture
+def ups(tmp_path, monkeypatch):
+    """Return a function that says which swarms are up, by the names of their folders."""
+
+    def up(*names: str) -> None:
+        found = []
+        for name in names:
+            folder = RunFolder(tmp_path / name)
+            record = RunRecord(name, "y", 7, "LOCALHOST", ("a",), True, 1, "s", f"{name}-0a1b2c3d")
+            found.append((folder, record))
+        monkeypatch.setattr(finding, "running_swarms", lambda: iter(found))
+
+    return up
+
+
+def test_a_studio_stays_with_its_swarm_whatever_else_starts(ups):
+    find = Finder()
+    ups("red")
+    assert find().swarm == "red"
+    ups("blue", "red")
+    assert find().swarm == "red"
+    assert [choice.swarm for choice in find().choices] == ["blue", "red"]
+    ups("blue")
+    assert "red has ended. Another swarm is up" in find().problem, "red may come back"
+    ups("blue", "red")
+    assert find().swarm == "red"
+    ups()
+    assert find() == Target(0, identity=BY_HAND)
+    ups("blue")
+    assert find().swarm == "blue"
+
+
+def test_among_several_swarms_the_one_that_was_chosen_is_remembered(ups, tmp_path):
+    find = Finder()
+    ups("blue", "red")
+    target = find()
+    assert "Several swarms are up" in target.problem
+    assert [(c.swarm, c.agents) for c in target.choices] == [("blue", 1), ("red", 1)]
+    find.choose(target.choices[1].folder)
+    assert find().swarm == "red"
+    ups("blue", "green", "red")
+    assert find().swarm == "red"
+
+
+def test_swarms_in_other_domains_are_not_offered_if_a_domain_is_given(ups, monkeypatch):
+    ups("blue", "red")
+    monkeypatch.setenv("ROS_DOMAIN_ID", "8")
+    assert Finder()() == Target(8, identity=BY_HAND)
+
+
+def in_a_studio(
+    find: Callable[[], Target],
+    use: Callable[[Studio], Awaitable[None]],
+    choose: Callable[[str], None] = lambda folder: None,
+) -> None:
+    async def run() -> None:
+        studio = Studio(find, choose=choose)
+        await studio.start()
+        try:
+            await use(studio)
+        finally:
+            await studio.stop()
+
+    asyncio.run(asyncio.wait_for(run(), 100.0))
+
+
+async def until(true: Callable[[], Any], what: str) -> None:
+    deadline = time.monotonic() + 60.0
+    while not true():
+        assert time.monotonic() < deadline, what
+        await asyncio.sleep(0.01)
+
+
+@pytest.fixture
+def nodes(stand_in) -> Target:
+    return replace(stand_in.target, swarm="", agents=(), start=0, identity=BY_HAND)
+
+
+def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_said(
+    stand_in, nodes
+):
+    stand_in.belong_to(ELSEWHERE)
+
+    async def use(studio: Studio) -> None:
+        session, store = studio.open(), studio.store
+        await until(lambda: store.known.elsewhere == (ELSEWHERE,), "it is noticed")
+        await until(lambda: store.known.scene is None, "its world is not shown")
+        assert not store.known.statuses
+        assert f"hitab studio {ELSEWHERE}" in render("overlay", session)
+        for ask in (
+            lambda swarm: swarm.agents.perform("keeper_1", ""),
+            lambda swarm: swarm.world.control("pause"),
+        ):
+            with pytest.raises(SwarmError, match=f"{ELSEWHERE}, which was not started from here"):
+                await session.ask(ask)
+
+    in_a_studio(lambda: nodes, use)
+
+
+@pytest.mark.parametrize("identity", [ELSEWHERE, ""])
+def test_whom_no_command_has_started_or_who_was_named_is_shown(stand_in, nodes, identity):
+    stand_in.belong_to(identity)
+
+    async def use(studio: Studio) -> None:
+        await until(lambda: len(studio.store.known.statuses) == 2, "its agents")
+        await until(lambda: studio.store.known.scene, "its world")
+        assert studio.store.known.elsewhere == ()
+
+    in_a_studio(lambda: replace(nodes, identity=identity or BY_HAND), use)
+
+
+def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_chosen(
+    stand_in, nodes
+):
+    stand_in.belong_to("")
+    choice = Choice("red", "/red", 0, 1)
+    targets = [replace(nodes, identity=BY_HAND)]
+    chosen = []
+
+    async def use(studio: Studio) -> None:
+        store = studio.store
+        await until(lambda: store.known.scene, "its world")
+        targets.append(Target(nodes.domain_id, "red", ("a",), 1, "", "red-0", choices=(choice,)))
+        await until(lambda: store.known.target.choices == (choice,), "it is offered")
+        assert store.known.scene is not None
+        session = studio.open()
+        session.choose(["keeper_1"])
+        session.look_at("keeper_1")
+        await perform(session, {"do": "swarm-choose", "name": "/red"})
+        await until(lambda: store.known.target.swarm == "red", "it is shown")
+        assert chosen == ["/red"]
+        assert (session.agent, session.chosen) == ("", [])
+        # Its world may be seen before it says that it is another swarm's.
+        await until(lambda: not studio.present.frame, "no other world is shown")
+        assert store.known.agents == ("a",)
+
+    in_a_studio(lambda: targets[-1], use, chosen.append)
+
+
+def test_swarms_are_offered_with_what_tells_them_apart():
+    async def shown() -> tuple[str, str]:
+        choices = (Choice("red", "/one", 0, 3), Choice("red", "/two", 0, 1))
+        session = Studio(lambda: Target(0)).open()
+        store = session.shared.store
+        store.known = Known(Target(0, problem="Which?", choices=choices))
+        offered = render("overlay", session)
+        world = msg.WorldStatus(world="w", mode="running", pace="realtime", factor=0.3)
+        target = Target(0, "red", ("a", "b"), folder="/one", choices=choices)
+        statuses = {"a": msg.AgentStatus(agent="a")}
+        store.known = Known(target, world=world, statuses=statuses)
+        session.tab = "swarm"
+        return offered, render("top", session) + render("side", session)
+
+    offered, beside = asyncio.run(shown())
+    for text in ("/one", "/two", "3 agents, since", "1 agent, since"):
+        assert text in offered
+    assert "hitab studio" not in offered
+    assert "swarm-start" not in offered
+    assert "/two" in beside
+    assert "/one" not in beside
+    assert "1 of 2 agents" in beside, "as many as the list of agents counts"
+    assert "selected>0.3" in beside
+
+
+def test_there_is_no_pace_without_a_world():
+    async def shown() -> str:
+        return render("top", Studio(lambda: Target(0)).open())
+
+    (selected,) = re.findall(r"selected>([^<]*)", asyncio.run(shown()))
+    assert selected == "no world"

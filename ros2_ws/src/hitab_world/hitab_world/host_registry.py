@@ -31,7 +31,7 @@ class _Host:
         places = set(known)
         self.indices = array("I", (i for i, name in enumerate(self.names) if name in places))
         topic = names.in_swarm(node, roster.host, names.PERCEPTS)
-        self.publisher = node.create_publisher(msg.PerceptBatch, topic, qos.CYCLE)
+        self.publisher = node.create_publisher(msg.PerceptBatch, topic, qos.CYCLE, temporary=True)
         self.percepts = msg.PerceptBatch(roster=roster.number, agents=self.indices)
 
     @property

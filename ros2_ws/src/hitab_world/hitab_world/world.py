@@ -203,7 +203,11 @@ class World(Protocol):
         """Return how the present episode has gone so far."""
 
 
-LOOK, RESTART = "look", "restart"
+LOOK = "look"
+"""What the agents perceive has changed."""
+
+RESTART = "restart"
+"""An episode has begun."""
 
 
 @runtime_checkable

@@ -11,16 +11,18 @@ from rclpy.node import Node
 
 from hitab_core import HitabError, some
 from hitab_ros import GuardedNode, Loop, Spinner, give_signs_of_life, names, refuse_second_of_name
-from hitab_ros.conversions import time_of
+from hitab_ros.diagnostics import Diagnosis, Diagnostics
+from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.attendance import Attendance
 from hitab_world.audience import Audience
 from hitab_world.control import Control
 from hitab_world.course import Course
+from hitab_world.diagnosis import diagnosis_of_world
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
 from hitab_world.world_keeper import WorldKeeper
 from hitab_world.world_services import WorldServices
-from hitab_world.world_topics import NANOSECONDS, WorldTopics
+from hitab_world.world_topics import WorldTopics
 
 STATUS_PERIOD_NS = NANOSECONDS
 FAULTS_PERIOD_NS = NANOSECONDS // 20  # between a change of the faults and its publication
@@ -49,7 +51,8 @@ class WorldNode(GuardedNode):
         Raises:
             HitabError: if a parameter is unusable.
         """
-        super().__init__("world")
+        super().__init__("world", enable_rosout=True, start_parameter_services=True)
+        self._diagnostics = Diagnostics(self, self._diagnoses)
         self.settings = settings = WorldSettings.declare(self)
         self.world = make_world(self, settings.seed)
         self._live_world = self.world if isinstance(self.world, LiveWorld) else None
@@ -145,6 +148,10 @@ class WorldNode(GuardedNode):
             if changed or (self.attendance.silent and self.control.paused):
                 self.course.disturbed = True  # shown again, so that late agents may answer
             self._topics.publish_status()
+            # A node that waits for the time must learn it from a world that is paused, too.
+            self._topics.look_for_viewers()
+            if self._topics.clocked:
+                self._topics.publish_clock()
 
     def _show(self, spinning: Spinner) -> None:
         """Have the agents perceive the present world without acting."""
@@ -259,8 +266,13 @@ class WorldNode(GuardedNode):
         elif topics.viewed:
             topics.publish_state_if_due(at_once=ended is not None)
 
+    def _diagnoses(self) -> list[Diagnosis]:
+        where = self.get_namespace()
+        return [diagnosis_of_world(self.course, self.guard, where, {TURN, STEP})]
+
     def faults_changed(self) -> None:
         """Publish the status soon, at the next turn."""
+        self._diagnostics.soon()
         self._next_status_ns = min(self._next_status_ns, time.monotonic_ns() + FAULTS_PERIOD_NS)
 
 

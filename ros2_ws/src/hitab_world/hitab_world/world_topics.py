@@ -7,13 +7,12 @@ from dataclasses import asdict
 
 from hitab_msgs import msg
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
 
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.conversions import time_of
+from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.course import Course
 from hitab_world.settings import WorldSettings
-
-NANOSECONDS = 1_000_000_000
 
 
 class WorldTopics:
@@ -129,7 +128,9 @@ class WorldTopics:
         entities = self._guard.wrap("the state for viewers", self._entities, otherwise=[])()
         self._state.publish(
             msg.WorldState(
-                stamp=time_of(world.cycle * world.cycle_seconds),
+                header=Header(
+                    stamp=time_of(world.cycle * world.cycle_seconds), frame_id=world.name
+                ),
                 world=world.name,
                 mode=self._mode(),
                 cycle=world.cycle,

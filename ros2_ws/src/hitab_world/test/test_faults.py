@@ -7,11 +7,13 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from domain_coordinator import domain_id
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hitab_msgs import msg, srv
 
 from hitab_ros import names, qos
+from hitab_ros.diagnostics import Level
 from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.ros_domains import reserved_domain
 from hitab_ros.spinning import Spinner, spinner
 from hitab_world.world_node import WorldNode
 
@@ -118,7 +120,7 @@ class Running:
 
 @pytest.fixture
 def running() -> Iterator[Running]:
-    with pytest.MonkeyPatch.context() as patch, domain_id() as number:
+    with pytest.MonkeyPatch.context() as patch, reserved_domain() as number:
         patch.setenv("ROS_DOMAIN_ID", str(number))
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         assert os.environ["ROS_DOMAIN_ID"]
@@ -168,3 +170,30 @@ def test_refused_actions_are_a_fault_as_long_as_they_come(running):
     running.until(lambda: "a: 3 values are no action" in running.status.faults)
     running.world.refused = {}
     running.until(lambda: not running.status.faults)
+
+
+def test_the_diagnosis_tells_missed_deadlines_and_what_stops_the_world(running):
+    arrays: list[DiagnosticArray] = []
+    running.peer.create_subscription(DiagnosticArray, "/diagnostics", arrays.append, 10)
+
+    def shows(level: Level, text: str) -> bool:
+        one = arrays[-1].status[0] if arrays else DiagnosticStatus()
+        return one.level == bytes([level]) and text in one.message
+
+    running.plays()
+    running.until(lambda: shows(Level.OK, "running"))
+    answers = dict(running.answers)
+    running.answers["b"] = running.answers["mute"] = running.peer.create_publisher(
+        msg.Action, "nowhere", qos.CYCLE
+    )
+    running.until(lambda: shows(Level.WARN, "no answer in time from b"))
+    values = {value.key: value.value for value in arrays[-1].status[0].values}
+    assert values["missing agents"] == "1"
+    running.until(lambda: int(value_of(arrays[-1], "missed deadlines")) > 0)
+    running.answers.update(answers)
+    running.world.broken.add("step")
+    running.until(lambda: shows(Level.ERROR, "the physics"))
+
+
+def value_of(array: DiagnosticArray, key: str) -> str:
+    return next(value.value for value in array.status[0].values if value.key == key)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core import Agent, BatchPercepts, WhenUnsure
+from hitab_core import Agent, BatchPercepts, WhenUnsure, action_behaviors
 from hitab_core.running import AgentBatch, BatchMember, Running, RunningAutomaton
 
 WORTH_IT = 8
@@ -86,7 +86,9 @@ class AgentBatches:
     def _cast_anew(self, agents: Sequence[Agent]) -> None:
         groups: dict[Hashable, list[Agent]] = {}
         for agent in agents:
+            # In a batch, basic behaviors raise no flags, as actions do.
             alone = agent.caution.when_unsure is not WhenUnsure.GO_ON
+            alone = alone or bool(action_behaviors(agent.domain))
             if not alone and isinstance(agent.performance, RunningAutomaton | BatchMember):
                 groups.setdefault(_same(agent), []).append(agent)
         for same, alike in groups.items():

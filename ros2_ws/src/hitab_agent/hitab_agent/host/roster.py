@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -20,11 +20,12 @@ from hitab_core import HitabError
 
 @dataclass(frozen=True)
 class Entry:
-    """An agent to run: its name, the class of its node, the node's parameters."""
+    """An agent to run: its name, the class of its node, the node's parameters and remappings."""
 
     name: str
     node: type[AgentNode]
     parameters: Mapping[str, Any]
+    remap: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_roster(host: Node) -> list[Entry]:
@@ -63,10 +64,17 @@ def _read_file(path: Path) -> list[Entry]:
         ) from None
 
 
-def _entry(name: str, node: str = "", parameters: Mapping[str, Any] | None = None) -> Entry:
+def _entry(
+    name: str,
+    node: str = "",
+    parameters: Mapping[str, Any] | None = None,
+    remap: Mapping[str, str] | None = None,
+) -> Entry:
+    if not isinstance(remap, dict | None):
+        raise TypeError(f"the names {remap!r} to use instead of others must be a mapping")
     if not isinstance(name, str) or not isinstance(parameters, dict | None):
         raise TypeError(f"{name!r} must be a name, and its parameters {parameters!r} a mapping")
-    return Entry(name, _node_class(node), parameters or {})
+    return Entry(name, _node_class(node), parameters or {}, remap or {})
 
 
 def _node_class(name: str) -> type[AgentNode]:

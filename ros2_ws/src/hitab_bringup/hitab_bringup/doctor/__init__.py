@@ -1,1 +1,1 @@
-"""Looks for what would hinder HiTAB on this computer."""
+"""Looks for problems that HiTAB would have on this computer."""

@@ -25,7 +25,7 @@ class Finding:
 
 
 def warning(about: str, text: str, way_out: str) -> Finding:
-    """Return a finding that may hinder."""
+    """Return a finding that may cause problems."""
     return Finding(about, text, WARNING, way_out)
 
 

@@ -12,7 +12,6 @@ from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
 
-Behavior = Annotated[str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")]
 Targets = Annotated[
     list[str] | None,
     typer.Argument(help="Targets for its parameters, such as ball.", show_default=False),
@@ -29,7 +28,9 @@ def register(app: typer.Typer) -> None:
 
 def demonstrate(
     agent: AgentName,
-    behavior: Behavior,
+    behavior: Annotated[
+        str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")
+    ] = "",
     targets: Targets = None,
     ago: Annotated[
         float | None,
@@ -46,8 +47,8 @@ def demonstrate(
     The agent records an example: what it perceives and the change of state. Command the behavior
     that it is already performing to say: keep going here. `hitab train` begins a training.
 
-    A command that comes late is recorded with the situation of some time ago, if you say how long:
-    with --ago, or for all commands with `hitab reaction`.
+    A command that comes late is recorded with the situation of some time before you pressed Enter,
+    if you say how long: with --ago, or for all commands with `hitab reaction`.
 
     Examples:
 
@@ -62,29 +63,33 @@ def demonstrate(
     from hitab_client import reaction_time
     from hitab_core import Use
 
+    if not behavior:
+        raise typer.BadParameter(
+            f'"{agent}" is one of two names: give the agent and the behavior, as in '
+            "`hitab demonstrate keeper_1 GoFast`"
+        )
     use = Use.parse(behavior)
     if ago is None:
         ago = reaction_time.of(getpass.getuser()) or None
     else:
         reaction_time.check(ago)
     with connection(swarm) as swarm_up:
-        due = _due(swarm_up, ago) if ago is not None else 0.0
+        due, seen = _due(swarm_up, agent, ago) if ago else (0.0, 0)
+        from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
+
         status = swarm_up.agents.command(
-            agent, use.name, [*use.arguments, *(targets or [])], ago=due
+            agent, use.name, [*use.arguments, *(targets or [])], ago=due, seen=seen
         )
-    path = " > ".join(status.active_path) or use.name
-    console.say(
-        f"{agent} performs {path}; {status.behavior} has "
-        f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
-    )
+    console.say(outcome(agent, use.name, status))
     if status.questions:
         console.say(f"{quantity(status.questions, 'question')}: `hitab questions {agent}`")
 
 
-def _due(swarm_up: Connection, ago: float) -> float:
-    """Return how long ago a command was due, s of simulated time.
+def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
+    """Return how long ago a command was due, s of simulated time, and the cycle that it is before.
 
-    The person gave it before this process was started, which also takes its time.
+    It counts from when the person pressed Enter. What this process takes to start and to find the
+    agent is no reaction of theirs: the world went on meanwhile, and they have not seen that yet.
     """
     import time
 
@@ -92,9 +97,17 @@ def _due(swarm_up: Connection, ago: float) -> float:
 
     from hitab_client import reaction_time
 
-    world = swarm_up.world.wait() if swarm_up.has_world else swarm_up.world.status
-    passed = time.time() - psutil.Process().create_time() if ago else 0.0
-    return reaction_time.simulated(ago + passed, world, swarm_up.world.speed)
+    swarm_up.agents.await_agent(agent)
+    world = swarm_up.world
+    there = swarm_up.has_world or world.is_there()  # perhaps started by hand
+    status = world.wait() if there else world.status
+    due, passed = (
+        reaction_time.simulated(seconds, status, world.speed)
+        for seconds in (ago, time.time() - psutil.Process().create_time())
+    )
+    if status is None:
+        return due + passed, 0  # a robot's cycles are its agent's own
+    return due, world.cycle_before(passed) if passed else 0
 
 
 def perform(
@@ -104,6 +117,8 @@ def perform(
     swarm: SwarmName = None,
 ) -> None:
     """Make an agent perform a behavior from its beginning; without one, stop it.
+
+    A training under way is kept with its examples; `hitab train AGENT` goes on with it.
 
     Examples:
 
@@ -119,7 +134,10 @@ def perform(
             answer = swarm_up.agents.perform(agent, "")
         else:
             answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
+        faults = swarm_up.agents.statuses[agent].faults if use is not None else ()
     console.say(answer.message or f"{agent} performs {use or 'nothing'}")
+    for fault in faults:
+        console.note(f"but: {fault}")
 
 
 def distribute(
@@ -161,7 +179,7 @@ def distribute(
     for name in report.accepted:
         console.say(f"{name}: has it")
     for name, why in report.refused.items():
-        console.say(f"{name}: refuses: {why}")
+        console.say(f"{name}: refuses: {why.removeprefix(f'{name} ')}")
     for name in report.silent:
         console.say(f"{name}: does not answer")
     console.write_json(

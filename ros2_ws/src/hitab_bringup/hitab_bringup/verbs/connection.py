@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -25,6 +25,18 @@ class Connection:
     folder: RunFolder | None = None
     record: RunRecord | None = None
 
+    def note_whose(self, identities: Iterable[str]) -> None:
+        """Say which swarms have answered that were not started from here.
+
+        Args:
+            identities: in the statuses of nodes that have answered.
+        """
+        from hitab_client.swarm_choice import whose
+
+        if self.record is None and not self.agents.identity:
+            for sentence in whose(identities):
+                console.note(sentence)
+
     @property
     def has_world(self) -> bool:
         """Whether `hitab up` has started a world."""
@@ -32,11 +44,15 @@ class Connection:
 
 
 @contextmanager
-def connection(swarm: str | None = None) -> Iterator[Connection]:
-    """Connect to the named swarm, or the one that is up, or any nodes in the ROS domain.
+def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Connection]:
+    """Connect to the named swarm, or the one that is up, or nodes that were started by hand.
+
+    A swarm that was started elsewhere (another HITAB_HOME, user or computer) is meant only if its
+    identity is given, or by a verb that only reads.
 
     Args:
         swarm: its name, identity or run folder.
+        reads: whether the verb changes nothing; it has to call `Connection.note_whose`.
 
     Raises:
         SwarmError: if none is up, or several are and none is named.
@@ -51,19 +67,26 @@ def connection(swarm: str | None = None) -> Iterator[Connection]:
         console.note(none_is_up(domain_id))
 
     from hitab_client import RosLink, SwarmClient, WorldClient
+    from hitab_client.identity import BY_HAND
     from hitab_client.run_processes import RunProcesses
 
     folder, record = found if found else (None, None)
-    identity = record.identity if record else ""
+    identity = record.identity if record else swarm or ("" if reads else BY_HAND)
+    prefix = record.namespace if record else ""
     processes = RunProcesses(record)
     with RosLink(record.domain_id if record else domain_id or 0, console.note) as link:
         if found is None:
             look_elsewhere(link)
         agents = SwarmClient(
-            link, record.agents if record else (), identity=identity, processes=processes
+            link,
+            record.agents if record else (),
+            prefix=prefix,
+            identity=identity,
+            processes=processes,
         )
         world = WorldClient(
             link,
+            prefix=prefix,
             identity=identity,
             started_by_it=record.world if record else False,
             processes=processes,

@@ -1,4 +1,4 @@
-"""The verb that looks for what would hinder: doctor."""
+"""The verb that looks for problems: doctor."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def register(app: typer.Typer) -> None:
 
 
 def doctor(json: JsonPath = None) -> None:
-    """Check this computer, ROS, DDS, and what runs; name what would hinder, and the way out.
+    """Check this computer, ROS, DDS, and what runs; name each problem and its remedy.
 
     The exit status is 1 if there is an error.
 
@@ -41,7 +41,7 @@ def doctor(json: JsonPath = None) -> None:
     counts = {level: sum(f.level == level for f in found) for level in STYLES}
     told = f"{quantity(counts['error'], 'error')}, {quantity(counts['warning'], 'warning')}"
     if json != "-":
-        console.say(told if counts["error"] or counts["warning"] else "nothing would hinder")
+        console.say(told if counts["error"] or counts["warning"] else "no problems found")
     console.write_json(json, [asdict(finding) for finding in found])
     if counts["error"]:
         raise typer.Exit(1)
@@ -73,10 +73,8 @@ def _findings() -> Iterator[Finding]:
 
 
 def _show(finding: Finding) -> None:
-    from rich.text import Text
-
-    line = Text(f"{finding.level:8}", style=STYLES[finding.level])
-    line.append(f"{finding.about:14} {finding.text}", style="default")
+    line = console.line(f"{finding.level:8}", STYLES[finding.level])
+    line.append_text(console.line(f"{finding.about:14} {finding.text}", "default"))
     console.out().print(line, soft_wrap=True)
     if finding.way_out:
-        console.out().print(Text(f"{'':23}{finding.way_out}"), soft_wrap=True)
+        console.out().print(console.line(f"{'':23}{finding.way_out}"), soft_wrap=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Annotated, Any
 
@@ -13,7 +14,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import quantity
+from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
 
 
 class ExamplesGroup(TyperGroup):
@@ -57,14 +58,19 @@ def examples_list(
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.list_examples(agent, automaton)
+        units = _units(swarm_up.agents.vocabulary(agent), answer.features)
     if json != "-":
         late = any(e.ago for e in answer.examples)
-        columns = ("number", "in", *answer.features, "go to", "kind", "command", "cycle")
+        shown = (
+            f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
+            for f, unit in zip(answer.features, units, strict=True)
+        )
+        columns = ("number", "in", *shown, "go to", "kind", "command", "cycle")
         rows = [
             (
                 str(e.number),
                 e.state,
-                *(f"{value:.4g}" for value in e.values),
+                *(_shown(value, unit) for value, unit in zip(e.values, units, strict=True)),
                 e.next_state,
                 e.kind,
                 str(e.command),
@@ -75,6 +81,9 @@ def examples_list(
         ]
         columns = (*columns, "s ago") if late else columns
         title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
+        superseded = sum(e.kind == ExampleKind.SUPERSEDED for e in answer.examples)
+        if superseded:
+            title += f", {superseded} of them superseded and not learned from"
         console.out().print(console.table(columns, rows, title))
     console.write_json(
         json,
@@ -100,6 +109,20 @@ def examples_list(
             ],
         },
     )
+
+
+def _units(words: Any, features: Sequence[str]) -> list[str]:
+    """Return the units of features in use, from the vocabulary of the agent."""
+    known = {
+        Use.parse(name).name: unit
+        for name, unit in zip(words.features, words.feature_units, strict=True)
+    }
+    return [known.get(Use.parse(feature).name, "") for feature in features]
+
+
+def _shown(value: float, unit: str) -> str:
+    """Return a value for people: angles in degrees, as the rules that are learned from them."""
+    return f"{shown_value(value, unit):{'.1f' if unit == RADIANS else '.4g'}}"
 
 
 Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]

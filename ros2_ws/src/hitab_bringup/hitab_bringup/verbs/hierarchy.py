@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -33,6 +33,9 @@ def register(app: typer.Typer) -> None:
 
 
 def tree(
+    commander: Annotated[
+        str, typer.Argument(help="Show only this commander and what is below it.")
+    ] = "",
     watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
     agents: Annotated[
         bool, typer.Option("--agents/--commanders", help="Show every agent, or commanders only.")
@@ -46,18 +49,22 @@ def tree(
 
       hitab tree
 
+      hitab tree squad_3
+
       hitab tree --watch --commanders
     """
     from hitab_client import CommandView
 
-    with connection(swarm) as swarm_up:
+    with connection(swarm, reads=True) as swarm_up:
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         lost = _await_commanders(swarm_up, view)
-        branches = view.tree()
-        if not branches:
+        swarm_up.note_whose(group.swarm for group in view.groups.values())
+        tops = view.tree()
+        if not tops:
             raise _nobody(swarm_up, view, lost)
+        branches = _meant(tops, commander)
         if watch:
-            _watch(swarm_up, view, agents)
+            _watch(swarm_up, view, commander, agents)
             return
         if json != "-":
             for branch in branches:
@@ -79,7 +86,7 @@ def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
 
     why = {name: swarm_up.processes.why_silent(name) for name in swarm_up.record.commanders}
     there = [name for name, silence in why.items() if silence is None or not silence.lasts]
-    view.await_groups(WAIT_SECONDS, there)
+    view.await_groups(WAIT_SECONDS + swarm_up.agents.more_seconds, there)
     view.discover()
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
@@ -99,30 +106,55 @@ def _nobody(swarm_up: Connection, view: CommandView, lost: Sequence[str]) -> Exc
     )
 
 
-def _watch(swarm_up: Connection, view: Any, agents: bool) -> None:
+def _meant(tops: list[Branch], commander: str) -> list[Branch]:
+    """Return the branch of a commander; all branches if none is named.
+
+    Raises:
+        SwarmError: if there is no such commander.
+    """
+    from hitab_client import SwarmError
+    from hitab_core import has
+
+    if not commander:
+        return tops
+    all_ = list(_commanders(tops))
+    found = [branch for branch in all_ if branch.name == commander]
+    if not found:
+        raise SwarmError(
+            f'no commander "{commander}" answers {has((b.name for b in all_), commander)}'
+        )
+    return found
+
+
+def _commanders(branches: Iterable[Branch]) -> Iterator[Branch]:
+    for branch in branches:
+        if branch.is_commander:
+            yield branch
+            yield from _commanders(branch.below)
+
+
+def _watch(swarm_up: Connection, view: CommandView, commander: str, agents: bool) -> None:
     from rich.console import Group
-    from rich.live import Live
 
     def drawn() -> Group:
-        return Group(*(_drawn(branch, agents) for branch in view.tree()))
+        return Group(*(_drawn(branch, agents) for branch in _meant(view.tree(), commander)))
 
-    with Live(drawn(), console=console.out(), screen=False) as live:
+    with console.live(drawn()) as update:
         while True:
             swarm_up.link.spin_until(lambda: False, REFRESH_SECONDS)
             view.discover()
-            live.update(drawn())
+            update(drawn())
 
 
 def _drawn(branch: Branch, agents: bool, onto: Tree | None = None) -> Tree:
     """Return a branch as a tree of lines."""
-    from rich.text import Text
     from rich.tree import Tree
 
-    drawn = Tree(Text(_line(branch), style=_style(branch)))
+    drawn = Tree(console.line(_line(branch), _style(branch)))
     if onto is not None:
         onto.children.append(drawn)
     for fault in branch.faults:
-        drawn.add(Text(fault, style="red"))
+        drawn.add(console.line(fault, "red"))
     leaves = [member for member in branch.below if not member.is_commander]
     for member in branch.below:
         if member.is_commander:
@@ -161,17 +193,15 @@ def _style(branch: Branch) -> str:
 
 def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
     """Return one line per agent, or per behavior if there are many agents."""
-    from rich.text import Text
-
     if len(leaves) <= SHOWN:
-        return [Text(_line(leaf), style=_style(leaf)) for leaf in leaves]
+        return [console.line(_line(leaf), _style(leaf)) for leaf in leaves]
     alike: dict[tuple[str, str], list[Branch]] = {}
     for leaf in leaves:
         alike.setdefault((leaf.behavior or "nothing", _why_not(leaf)), []).append(leaf)
     return [
-        Text(
+        console.line(
             f"{quantity(len(same), 'agent')}, {same[0].name} ...: {doing}{why}",
-            style=_style(same[0]),
+            _style(same[0]),
         )
         for (doing, why), same in alike.items()
     ]
@@ -213,7 +243,8 @@ def order(
         started = swarm_up.record.commanders if swarm_up.record is not None else ()
         if commander in swarm_up.agents.expected:
             _refuse_agent(commander, behavior, started)
-        view.await_groups(WAIT_SECONDS if commander in started else GROUP_SECONDS, (commander,))
+        more = WAIT_SECONDS + swarm_up.agents.more_seconds
+        view.await_groups(more if commander in started else GROUP_SECONDS, (commander,))
         _refuse_agent(commander, behavior, view.groups)
         swarm_up.agents.perform(commander, use.name, [*use.arguments, *(targets or [])])
         name = Use(use.name, (*use.arguments, *(targets or [])))

@@ -61,15 +61,15 @@ def run(
     reports = []
     with connection(swarm) as swarm_up:
         swarm_up.agents.await_agents()
+        without = swarm_up.record is not None and not swarm_up.has_world
+        world = None if without else swarm_up.world
         for lesson in read:
-            player = LessonPlayer(
-                lesson, swarm_up.agents, swarm_up.world, factor=factor, discard=discard
-            )
+            player = LessonPlayer(lesson, swarm_up.agents, world, factor=factor, discard=discard)
             report = _played(player)
             reports.append(report)
-            budget = f" of {report.budget}" if report.budget else ""
+            budget = f" of at most {report.budget}" if report.budget else ""
             console.say(
-                f"{report.lesson}: {report.examples}{budget} examples "
+                f"{report.lesson}: {quantity(report.examples, 'example')}{budget} "
                 f"({report.default_examples} default), {quantity(report.commands, 'command')}, "
                 f"{report.simulated_s:.1f} s of training in {report.wall_s:.1f} s"
             )

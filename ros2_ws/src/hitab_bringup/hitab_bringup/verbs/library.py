@@ -8,8 +8,15 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup.verbs import library_changes
-from hitab_bringup.verbs.library_options import Agent, Library, Name, chosen_folders, opened
+from hitab_bringup.verbs import library_changes, recording
+from hitab_bringup.verbs.library_options import (
+    Agent,
+    Library,
+    Name,
+    chosen_folders,
+    chosen_libraries,
+    opened,
+)
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_core import quantity
@@ -21,7 +28,7 @@ app = typer.Typer(help="Inspect and change libraries of trained behaviors.", no_
 def list_behaviors(
     library: Library = None, agent: Agent = None, swarm: SwarmName = None, json: JsonPath = None
 ) -> None:
-    """List the behaviors of a library.
+    """List the behaviors of a library, or of all libraries of the swarm that is up.
 
     Examples:
 
@@ -29,42 +36,75 @@ def list_behaviors(
 
       hitab library list --agent keeper_1
     """
-    there = opened(library, agent, swarm)
-    there.load(strict=False)
-    data = []
-    for name in there.names():
-        file = there.file(name)
-        automaton = file.automaton
-        data.append(
-            {
-                "name": name,
-                "parameters": list(automaton.parameters),
-                "states": list(automaton.labels),
-                "features": [str(feature) for feature in automaton.features],
-                "examples": len(automaton.examples),
-                "default_examples": sum(e.is_default for e in automaton.examples),
-                "version": file.provenance.version,
-                "created": file.provenance.created,
-                "checksum": file.checksum,
-            }
-        )
+    from hitab_bringup.library_choice import holds_behaviors
+    from hitab_bringup.opened_library import open_library
+    from hitab_core import LibraryError, some
+
+    libraries = chosen_libraries(library, agent, swarm)
+    different = len(libraries) > 1
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    without: list[str] = []
+    problems: list[str] = []
+    for folder, agents in libraries.items():
+        if different and not holds_behaviors(folder):
+            without += agents
+            continue
+        try:
+            there = open_library(folder)
+        except LibraryError as error:
+            if not different:
+                raise
+            problems.append(str(error))
+            continue
+        there.load(strict=False)
+        problems += there.problems.values()
+        for name in there.names():
+            row = _row(name, there.file(name))
+            found.setdefault((name, row["checksum"]), row)["agents"] += agents
+    data = [found[key] for key in sorted(found)]
     if json != "-":
-        columns = ("behavior", "examples", "states", "features", "version", "created")
-        rows = [
-            (
-                row["name"],
-                str(row["examples"]),
-                ", ".join(row["states"]),
-                ", ".join(row["features"]),
-                str(row["version"]),
-                row["created"][:10],
-            )
-            for row in data
-        ]
-        console.out().print(console.table(columns, rows))
-    for problem in there.problems.values():
+        console.out().print(_table(data, with_agents=different))
+    if without:
+        console.note(f"nothing is saved in the libraries of {some(without)}")
+    for problem in problems:
         console.error(problem)
     console.write_json(json, data)
+
+
+def _row(name: str, file: Any) -> dict[str, Any]:
+    """Return what is listed of a behavior file."""
+    automaton = file.automaton
+    return {
+        "name": name,
+        "parameters": list(automaton.parameters),
+        "states": list(automaton.labels),
+        "features": [str(feature) for feature in automaton.features],
+        "examples": len(automaton.examples),
+        "default_examples": sum(e.is_default for e in automaton.examples),
+        "version": file.provenance.version,
+        "created": file.provenance.created,
+        "checksum": file.checksum,
+        "agents": [],
+    }
+
+
+def _table(data: list[dict[str, Any]], *, with_agents: bool) -> Any:
+    from hitab_core import some
+
+    columns = ["behavior", "examples", "states", "features", "version", "created"]
+    rows = [
+        [
+            row["name"],
+            str(row["examples"]),
+            ", ".join(row["states"]),
+            ", ".join(row["features"]),
+            str(row["version"]),
+            row["created"][:10],
+            *([some(row["agents"])] if with_agents else []),
+        ]
+        for row in data
+    ]
+    return console.table([*columns, *(["agents"] if with_agents else [])], rows)
 
 
 @app.command()
@@ -88,7 +128,7 @@ def show(
 
       hitab library show Keepaway --deep --picture keepaway.svg
     """
-    there = opened(library, agent, swarm)
+    there = opened(library, agent, swarm, "" if deep else name)
     loaded = there.load(strict=False)
     automata = [there.file(_known(name, loaded, there.problems)).automaton]
     if deep:
@@ -150,9 +190,11 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
 def diff(
     name: Name,
     before: Annotated[
-        int | None, typer.Argument(help="A version; default: the one before.")
+        int | None, typer.Argument(help="A version; default: the one before.", min=1)
     ] = None,
-    after: Annotated[int | None, typer.Argument(help="Another; default: the newest.")] = None,
+    after: Annotated[
+        int | None, typer.Argument(help="Another; default: the newest.", min=1)
+    ] = None,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
@@ -168,7 +210,7 @@ def diff(
     from hitab_core import LibraryError
     from hitab_core.library import difference
 
-    there = opened(library, agent, swarm)
+    there = opened(library, agent, swarm, name)
     there.load(strict=False)
     versions = there.versions(name)
     if not versions:
@@ -182,3 +224,4 @@ def diff(
 
 
 library_changes.register(app)
+recording.register_in_library(app)

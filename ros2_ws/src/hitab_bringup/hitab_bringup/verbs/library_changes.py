@@ -39,7 +39,7 @@ def register(app: typer.Typer) -> None:
 
 def restore(
     name: Name,
-    version: Annotated[int, typer.Argument(help="Number of the version; see the list.")],
+    version: Annotated[int, typer.Argument(help="Number of the version; see the list.", min=1)],
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,

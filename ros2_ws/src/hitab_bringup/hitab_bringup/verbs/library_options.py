@@ -23,16 +23,40 @@ Library = Annotated[
 ]
 Agent = Annotated[
     str | None,
-    typer.Option("--agent", help="The agent whose library to use; its swarm must be up."),
+    typer.Option("--agent", "-a", help="The agent whose library to use; its swarm must be up."),
 ]
 Name = Annotated[str, typer.Argument(help="Name of a behavior.")]
 
 
-def opened(library: str | None, agent: str | None, swarm: str | None = None) -> Any:
+def opened(
+    library: str | None, agent: str | None, swarm: str | None = None, name: str = ""
+) -> Any:
     """Return the library that the options mean; see `chosen_folder`."""
     from hitab_bringup.opened_library import open_library
 
-    return open_library(chosen_folder(library, agent, swarm))
+    return open_library(chosen_folder(library, agent, swarm, name=name))
+
+
+def chosen_libraries(
+    library: str | None, agent: str | None, swarm: str | None
+) -> dict[Path, list[str]]:
+    """Return the folders that the options mean, each with its agents.
+
+    Without any option, these are all of the swarm that is up if they differ. If they are equal, it
+    is one of them, without agents.
+
+    Raises:
+        LibraryError, SwarmError: as `chosen_folder`.
+    """
+    from hitab_bringup import library_choice as choice
+    from hitab_client.domain_ids import chosen_by_user
+    from hitab_client.swarm_choice import find_meant
+
+    found = None if library or agent else find_meant(swarm, chosen_by_user())
+    used = choice.libraries_in_use(found[0]) if found is not None else {}
+    if not used or choice.are_equal(used):
+        return {chosen_folder(library, agent, swarm): []}
+    return used
 
 
 def chosen_folders(library: str | None, agent: str | None, swarm: str | None) -> list[Path]:
@@ -57,7 +81,12 @@ def chosen_folders(library: str | None, agent: str | None, swarm: str | None) ->
 
 
 def chosen_folder(
-    library: str | None, agent: str | None, swarm: str | None, *, new: bool = False
+    library: str | None,
+    agent: str | None,
+    swarm: str | None,
+    *,
+    new: bool = False,
+    name: str = "",
 ) -> Path:
     """Return the folder of the library that the options mean.
 
@@ -66,6 +95,7 @@ def chosen_folder(
         agent: of the swarm that is up.
         swarm: the swarm, if several are up.
         new: whether a folder that does not exist may be meant.
+        name: of the behavior, if only that matters.
 
     Raises:
         LibraryError, SwarmError: if there is none, or several; naming those that there are.
@@ -80,12 +110,14 @@ def chosen_folder(
         return choice.named_library(library)
     found = find_meant(swarm, chosen_by_user())
     if found is None:
-        raise choice.none_chosen()
+        raise choice.none_chosen(agent)
     folder, record = found
     if agent is not None:
         return choice.library_of_agent(agent, folder, record.swarm)
     libraries = choice.libraries_in_use(folder)
-    chosen = choice.the_only_one(libraries, record.swarm)
+    chosen = choice.the_only_one(libraries, record.swarm, name)
     if len(libraries) > 1:
-        console.note(f"the library of {libraries[chosen][0]}, which the others of the swarm equal")
+        equal = choice.are_equal(libraries)
+        others = ", which the others of the swarm equal" if equal else ""
+        console.note(f"the library of {libraries[chosen][0]}{others}")
     return chosen

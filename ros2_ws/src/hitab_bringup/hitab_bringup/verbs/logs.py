@@ -36,6 +36,15 @@ def logs(
     lines: Annotated[
         int, typer.Option("--lines", "-n", help="Number of lines to begin with; 0: all.", min=0)
     ] = 100,
+    level: Annotated[
+        str,
+        typer.Option(
+            "--level",
+            metavar="LEVEL",
+            help="Only lines of this level or above: debug, info, warn, error or fatal.",
+            show_default=False,
+        ),
+    ] = "debug",
     swarm: SwarmName = None,
 ) -> None:
     """Show what the processes of a swarm have logged, even after it has ended.
@@ -45,14 +54,23 @@ def logs(
       hitab logs
 
       hitab logs keeper_1 --follow
-    """
-    from hitab_bringup.run_logs import logs_of, merged, shown
 
+      hitab logs --level warn
+    """
+    from hitab_bringup.run_logs import LEVELS, at_least, logs_of, merged, shown
+
+    if level not in LEVELS:
+        levels = ", ".join(LEVELS)
+        raise typer.BadParameter(f'"{level}" is not one of {levels}', param_hint="--level")
     folder, record = _run(swarm)
     files = _chosen(name, folder, record)
     console.note(f"from {files[0].path if len(files) == 1 else folder.path / 'logs'}")
     names = len(files) > 1
-    last = merged(file.last(whole=lines == 0, follow=follow) for file in files)
+    # Warnings may be far apart, so all that is kept is searched for them.
+    whole = lines == 0 or level != LEVELS[0]
+    last = at_least(level, merged(file.last(whole=whole, follow=follow) for file in files))
+    if not last:
+        console.note(f"no lines{f' of level {level} or above' if level != LEVELS[0] else ''}")
     for line in shown(last[-lines:] if lines else last, names=names):
         console.say(line)
     while follow:
@@ -61,7 +79,7 @@ def logs(
         if names:  # processes may have been added
             known = {file.path for file in files}
             files += [file for file in logs_of(folder) if file.path not in known]
-        for line in shown(merged(file.more() for file in files), names=names):
+        for line in shown(at_least(level, merged(file.more() for file in files)), names=names):
             console.say(line)
         if not up:
             console.note(f"{folder.path.name} is down")

@@ -42,7 +42,11 @@ def questions(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) 
                 proposed = " (proposed)" if index == question.proposed else ""
                 console.say(f"   {choice}: {question.effects[index]}{proposed}")
         if found.questions:
-            console.say(f"Answer with `hitab answer {agent} {found.questions[0].number}`.")
+            number = found.questions[0].number
+            console.say(
+                f"`hitab answer {agent} {number}` answers as proposed, "
+                f"`hitab answer {agent} {number} CHOICE` otherwise."
+            )
     console.write_json(
         json,
         {
@@ -95,8 +99,11 @@ def answer(
 def caution(
     agent: AgentName,
     when_unsure: Annotated[
-        str, typer.Argument(help="go_on, halt or hand_back.", metavar="WHEN_UNSURE")
-    ],
+        str,
+        typer.Argument(
+            help="go_on, halt or hand_back; without it, show what it does.", metavar="WHEN_UNSURE"
+        ),
+    ] = "",
     support: Annotated[
         float, typer.Option(help="Unsure with fewer examples in the leaf that decides.")
     ] = 0.0,
@@ -114,12 +121,27 @@ def caution(
 
     Examples:
 
+      hitab caution keeper_1
+
       hitab caution keeper_1 halt --distance 3
 
       hitab caution keeper_1 hand_back --support 2
 
       hitab caution keeper_1 go_on
     """
+    from hitab_core import caution_in_words
+
+    if not when_unsure and (support or distance):
+        raise typer.BadParameter("say what it does then, such as `hitab caution AGENT halt`")
     with connection(swarm) as swarm_up:
-        done = swarm_up.agents.set_caution(agent, when_unsure, support=support, distance=distance)
-    console.say(done.message)
+        if when_unsure:
+            done = swarm_up.agents.set_caution(
+                agent, when_unsure, support=support, distance=distance
+            )
+            console.say(done.message)
+            return
+        status = swarm_up.agents.await_agent(agent)
+    words = caution_in_words(status.when_unsure, status.unsure_support, status.unsure_distance)
+    console.say(f"{agent}: {words}")
+    if status.unsure:
+        console.say(f"It is unsure now: {status.unsure}")

@@ -52,9 +52,9 @@ def reaction(
         reaction_time.keep(who, None if forget else seconds)
     now = reaction_time.of(who)
     console.say(
-        f"commands of {who} are recorded with the situation of {now:g} s before"
+        f"each command of {who} counts {now:g} s earlier than it is given"
         if now
-        else f"no reaction time is kept for {who}; commands are recorded as they come"
+        else f"{who} has no reaction time; each command counts when it is given"
     )
 
 

@@ -39,17 +39,35 @@ def status(
 
       hitab status --watch
     """
-    with connection(swarm) as swarm_up:
+    with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
         _await_world(swarm_up)
+        swarm_up.note_whose(_identities(swarm_up))
         if watch:
             _watch(swarm_up)
             return
         silent = _silent(swarm_up)
         data = _status_data(swarm_up, silent)
+        if swarm_up.record is None and not data["agents"] and data["world"] is None:
+            raise _nobody(swarm_up)
         if json != "-":
             console.out().print(_rendered(data, silent))
         console.write_json(json, data)
+
+
+def _nobody(swarm_up: Connection) -> Exception:
+    """Return an error for when nodes that have been found report nothing."""
+    from hitab_client import SwarmError
+    from hitab_client.swarm_choice import reported_on
+    from hitab_core import some
+
+    topics = some(sorted(reported_on(swarm_up.link)))
+    return SwarmError(
+        f"nobody answers in ROS domain {swarm_up.link.node.context.get_domain_id()}"
+        + (f", although there is somebody on {topics}; " if topics else "; ")
+        + "a swarm that starts or ends needs a moment: try again, or start one with "
+        "`hitab up keepaway`"
+    )
 
 
 def _await_world(swarm_up: Connection) -> None:
@@ -64,22 +82,33 @@ def _await_world(swarm_up: Connection) -> None:
 
 
 def _watch(swarm_up: Connection) -> None:
-    from rich.live import Live
-
     from hitab_client import SignsOfLife
 
     started = (*swarm_up.agents.expected, *(["world"] if swarm_up.has_world else []))
     signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
 
+    last: dict[str, Any] = {}
+
     def shown() -> Group:
+        nonlocal last
+        now = {**swarm_up.agents.statuses, "world": swarm_up.world.status}
+        signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
+        last = now
         silent = _silent(swarm_up, signs)
         return _rendered(_status_data(swarm_up, silent), silent)
 
-    with Live(shown(), console=console.out(), screen=False) as live:
+    with console.live(shown()) as update:
         while True:
             swarm_up.link.spin_until(lambda: False, 0.2)
             swarm_up.agents.discover()
-            live.update(shown())
+            update(shown())
+
+
+def _identities(swarm_up: Connection) -> set[str]:
+    """Return the swarms of all that have answered."""
+    world = swarm_up.world.status
+    found = {status.swarm for status in swarm_up.agents.statuses.values()}
+    return found | ({world.swarm} if world is not None else set())
 
 
 def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
@@ -107,6 +136,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
         "swarm": swarm_up.record.swarm if swarm_up.record else None,
         "identity": swarm_up.record.identity if swarm_up.record else None,
         "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
+        "ros_domain": swarm_up.link.node.context.get_domain_id(),
         "agents": agents,
         "missing": [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses],
         "silent": {
@@ -149,7 +179,6 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
 
 def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Group:
     from rich.console import Group
-    from rich.text import Text
 
     from hitab_client.run_processes import sentences
 
@@ -158,14 +187,14 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
     if world is not None:
         pace = world["pace"] + (f" x {world['factor']:g}" if world["pace"] == "realtime" else "")
         lines.append(
-            Text(
+            console.line(
                 f"world {world['world']}: {world['mode']}, {pace}, cycle {world['cycle']}, "
                 f"episode {world['episode']}, {world['missed_deadlines']} missed deadlines"
             )
         )
         for name in world["missing"]:
-            lines.append(Text(f"the world does not hear {name}", style="red"))
-        lines += [Text(text, style="red") for text in _wrong(world)]
+            lines.append(console.line(f"the world does not hear {name}", "red"))
+        lines += [console.line(text, "red") for text in _wrong(world)]
     rows = [
         (
             agent["agent"],
@@ -182,11 +211,11 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
     columns = ("agent", "mode", "behavior", "active", "examples", "library")
     lines.append(console.table(columns, rows))
     if not data["agents"]:
-        lines.append(Text("no agent answers"))
-    lines += [Text(why, style="red") for why in sentences(silent)]
-    lines += [Text(text, style="red") for text in _wrong_with(data["agents"])]
-    if data["run_folder"]:
-        lines.append(Text(f"logs in {data['run_folder']}/logs", style="dim"))
+        lines.append(console.line("no agent answers"))
+    lines += [console.line(why, "red") for why in sentences(silent)]
+    lines += [console.line(text, "red") for text in _wrong_with(data["agents"])]
+    logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
+    lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
     return Group(*lines)
 
 
@@ -202,7 +231,9 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     faults, last = status["faults"], status["last_error"]
     from hitab_core import quantity
 
-    told = [*faults, *([last] if last and last not in faults else [])]
+    # It may have been long ago: what is still so is among the faults.
+    what = "last refusal" if "agent" in status else "last error"
+    told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
 from hitab_core import quantity
+
+if TYPE_CHECKING:
+    from hitab_client import RunFolder, RunRecord
 
 PANEL = "Swarm"
 RunDir = Annotated[
@@ -44,10 +48,26 @@ def up(
             "-l",
             metavar="LIBRARY",
             help="A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to "
-            "save to. Default: folders of their own, which are kept for the next start.",
+            "save to. Default: folders of their own, which are kept for the next start. A "
+            "training that was not saved resumes at the next start with the same library.",
             show_default=False,
         ),
     ] = None,
+    namespace: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Namespace around all of its nodes, so that another swarm with the same agents "
+            "can be up in the same ROS domain. The swarm is then called SWARM_NAME.",
+        ),
+    ] = "",
+    use_sim_time: Annotated[
+        bool,
+        typer.Option(
+            "--use-sim-time",
+            help="All nodes but the world take their time from the world's clock.",
+        ),
+    ] = False,
     run_dir: RunDir = None,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
@@ -62,6 +82,8 @@ def up(
       hitab up keepaway --library my_library
 
       hitab up my_swarm.yaml --pace lockstep --paused
+
+      hitab up keepaway --namespace left
     """
     from hitab_bringup.bringing_up import bring_up
     from hitab_bringup.library_choice import with_library
@@ -71,8 +93,13 @@ def up(
     from hitab_client.shipped import find_file
 
     description = read_swarm(find_file(swarm, "swarms", "swarm"))
+    if namespace:
+        description = description.in_namespace(namespace)
+    if use_sim_time:
+        description = description.with_sim_time()
     if pace and pace not in PACES:
-        raise typer.BadParameter(f'"{pace}" is not one of {", ".join(PACES)}')
+        known = ", ".join(PACES)
+        raise typer.BadParameter(f'"{pace}" is not one of {known}', param_hint="--pace")
     if pace:
         description = description.with_world(pace=pace)
     if paused:
@@ -105,8 +132,13 @@ def down(
     ] = None,
     swarm: SwarmName = None,
     run_dir: RunDir = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Stop all swarms that were started from here.")
+    ] = False,
 ) -> None:
     """Stop a swarm and all its processes.
+
+    What was trained and not saved is named and kept: the next start of the swarm resumes it.
 
     Examples:
 
@@ -114,24 +146,48 @@ def down(
 
       hitab down keepaway
 
+      hitab down --all
+
       hitab down --run-dir my_run
     """
-    from hitab_bringup.supervision import stop
     from hitab_client import RunFolder
-    from hitab_client.run_folder import registry_held
-    from hitab_client.swarm_choice import to_take_down
+    from hitab_client.run_folder import registered_swarms
+    from hitab_client.swarm_choice import to_take_down, told_of_other_homes
 
-    if run_dir is not None:
+    if every and (name or swarm or run_dir):
+        raise typer.BadParameter("it stops all swarms; name none", param_hint="--all")
+    found: list[tuple[RunFolder, RunRecord | None]]
+    if every:
+        found = list(registered_swarms())
+    elif run_dir is not None:
         folder = RunFolder(run_dir)
-        record = folder.read()
+        found = [(folder, folder.read())]
     else:
-        found = to_take_down(name or swarm)
-        if found is None:
-            console.say("no swarm is up")
-            return
-        folder, record = found
-    with console.err().status("stopping"), registry_held():
-        killed = stop(folder)
-    console.say(f"{record.swarm if record else folder.path.name} is down")
+        one = to_take_down(name or swarm)
+        found = [one] if one is not None else []
+    if not found:
+        console.say("no swarm is up")
+        for text in told_of_other_homes():
+            console.note(text)
+    for folder, record in found:
+        _take_down(folder, record)
+
+
+def _take_down(folder: RunFolder, record: RunRecord | None) -> None:
+    from hitab_bringup.supervision import stop
+    from hitab_bringup.unsaved_trainings import left_to_resume
+    from hitab_client.run_folder import registry_held
+
+    name = record.swarm if record else folder.path.name
+    try:
+        with console.err().status("stopping"), registry_held():
+            killed = stop(folder)
+    except KeyboardInterrupt:
+        again = f"`hitab down --run-dir {shlex.quote(str(folder.path))}`"
+        console.note(f"{name} may be ending all the same; {again} ends what is left of it")
+        raise
+    console.say(f"{name} is down")
     if killed:
         console.note(f"killed {quantity(len(killed), 'process', 'processes')} that did not stop")
+    for text in left_to_resume(folder.path):
+        console.note(text)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import sys
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,9 +11,14 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
-from hitab_core import did_you_mean
+from hitab_core import did_you_mean, quantity
+
+if TYPE_CHECKING:
+    from hitab_msgs.msg import AgentStatus
 
 PANEL = "Train"
+UNASKED_MAX = 3
+"""Commands that are discarded without a question: they are quickly given again."""
 
 
 def register(app: typer.Typer) -> None:
@@ -35,7 +41,9 @@ def train(
     ] = None,
     feature: Annotated[
         list[str] | None,
-        typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
+        typer.Option(
+            "--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat. Default: none.'
+        ),
     ] = None,
     state: Annotated[
         list[str] | None,
@@ -68,9 +76,12 @@ def train(
 ) -> None:
     """Begin training an automaton; without one, take over from what was learned.
 
-    First choose the features that the decisions may use. Then command behaviors with `hitab
-    demonstrate`, try what was learned with `hitab test`, take over again with `hitab train AGENT`,
-    and save.
+    First choose the features that the decisions may use: only those that you name are used, and
+    `hitab vocabulary AGENT` lists them. They can be exchanged later. Then command behaviors with
+    `hitab demonstrate`, try what was learned with `hitab test`, take over again with `hitab train
+    AGENT`, and save.
+
+    To go on from the examples of a saved behavior, add --resume; otherwise saving replaces it.
 
     Examples:
 
@@ -243,16 +254,45 @@ def save(
         console.say(f"trimmed because unused: {', '.join(answer.trimmed)}")
 
 
-def discard(agent: AgentName, swarm: SwarmName = None) -> None:
+def discard(
+    agent: AgentName,
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Do not ask, however many examples there are.")
+    ] = False,
+    swarm: SwarmName = None,
+) -> None:
     """Give up a training and its unsaved examples; the agent is idle then.
 
-    What was saved before stays. The examples are kept in the folder of the agent's journals,
-    beside those of earlier trainings.
+    On a terminal it asks first if that is more than a few commands. What was saved before stays.
+    The examples are kept in the folder of the agent's journals, beside those of earlier trainings.
 
-    Example:
+    Examples:
 
       hitab discard keeper_1
+
+      hitab discard keeper_1 --yes
     """
     with connection(swarm) as swarm_up:
+        if not yes and _is_terminal():
+            _ask_to_discard(swarm_up.agents.await_agent(agent))
         answer = swarm_up.agents.discard(agent)
     console.say(answer.message)
+
+
+def _is_terminal() -> bool:
+    return sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def _ask_to_discard(status: AgentStatus) -> None:
+    """Ask whether to discard a training that took more than a few commands.
+
+    Raises:
+        typer.Abort: if not.
+    """
+    if status.examples - status.default_examples > UNASKED_MAX:
+        examples = quantity(status.examples, "unsaved example")
+        typer.confirm(
+            f'Discard the training of "{status.behavior}" with its {examples}?',
+            abort=True,
+            err=True,
+        )

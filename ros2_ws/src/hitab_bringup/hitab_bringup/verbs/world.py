@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,7 +17,11 @@ from hitab_client.command_options import SwarmName
 from hitab_core import quantity
 
 if TYPE_CHECKING:
+    from hitab_msgs.msg import WorldState
+
     from hitab_client import WorldClient
+
+LONG_SECONDS = 1.0  # after which the progress of steps is shown
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.", no_args_is_help=True)
 
@@ -29,6 +35,7 @@ def _control(swarm: str | None, action: str, **fields: object) -> None:
 def _seen(world: WorldClient, change: Callable[[], Any]) -> Any:
     """Change the world, wait until the agents have perceived it, and return the answer."""
     answers = []
+    world.wait()
     world.state_at(0)  # a state from before the change must not pass for one after it
     world.changed(lambda: answers.append(change()))
     return answers[0]
@@ -51,10 +58,34 @@ def step(
     cycles: Annotated[int, typer.Argument(help="Number of cycles.", min=1)] = 1,
     swarm: SwarmName = None,
 ) -> None:
-    """Run some cycles, then pause; ends when they have been run."""
+    """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once."""
     with connection(swarm) as swarm_up:
-        swarm_up.world.step(cycles)
+        world = swarm_up.world
+        world.wait()
+        try:
+            _step(world, cycles)
+        except KeyboardInterrupt:
+            # The world would go on with the rest by itself.
+            stopped = world.control("pause").cycle
+            console.note(f"interrupted; the world is paused at cycle {stopped}")
+            raise typer.Exit(130) from None
     console.say(f"stepped {quantity(cycles, 'cycle')}")
+
+
+def _step(world: WorldClient, cycles: int) -> None:
+    """Step the world and wait for the end; show the progress if it takes long."""
+    began = time.monotonic()
+    with ExitStack() as stack:
+        advance: Callable[[int, int, str], None] | None = None
+
+        def show(left: int) -> None:
+            nonlocal advance
+            if advance is None and time.monotonic() - began > LONG_SECONDS:
+                advance = stack.enter_context(console.progress("stepping", "cycles"))
+            if advance is not None:
+                advance(cycles - left, cycles, "Ctrl-C pauses")
+
+        world.step(cycles, left=show)
 
 
 @app.command()
@@ -86,7 +117,10 @@ def pace(
     _control(swarm, "pace", pace=pace, factor=factor)
 
 
-_FIELD = re.compile(r"(x|y|heading|vx|vy)=(-?[0-9.]+(?:e-?[0-9]+)?)\Z")
+FIELDS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
+"""The fields of a thing that can be set, and their units here."""
+
+_FIELD = re.compile(rf"({'|'.join(FIELDS)})=(-?[0-9.]+(?:e-?[0-9]+)?)\Z")
 
 
 @app.command()
@@ -118,16 +152,44 @@ def place(
             name = word
             placed[name] = {}
         elif match is None or not name:
-            raise typer.BadParameter(f'"{word}": write NAME x=1 y=2 heading=90 vx=0 vy=0')
+            raise typer.BadParameter(_not_a_place(word, name))
         else:
             value = float(match.group(2))
             field = match.group(1)
             placed[name][field] = math.radians(value) if field == "heading" else value
+    for name, fields in placed.items():
+        if not fields:
+            raise typer.BadParameter(f'where to put "{name}"? Write {name} x=1 y=2 heading=90')
     with connection(swarm) as swarm_up:
         answer = _seen(
             swarm_up.world, lambda: swarm_up.world.place(placed, new_episode=new_episode)
         )
+        state = swarm_up.world.state_at(0)
     console.say(answer.message or f"placed {', '.join(placed)}")
+    if outside := list(_off_the_field(state, placed)):
+        console.note(
+            f"{', '.join(outside)}: outside of the field, which goes from x={-state.width / 2:g} "
+            f"to {state.width / 2:g} m and from y={-state.height / 2:g} to {state.height / 2:g} m"
+        )
+
+
+def _not_a_place(word: str, name: str) -> str:
+    """Return an error text for a word that says neither what to place nor where."""
+    field, is_field, value = word.partition("=")
+    if not (name and is_field):
+        return f'"{word}": write NAME x=1 y=2 heading=90 vx=0 vy=0'
+    if field in FIELDS:
+        return f'"{word}": {field} must be a number, not "{value}"'
+    units = ", ".join(f"{known} ({unit})" for known, unit in FIELDS.items())
+    return f'"{word}": {name} has no field "{field}"; its fields are {units}'
+
+
+def _off_the_field(state: WorldState, places: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
+    """Yield the names of what was placed outside of the field."""
+    for name, fields in places.items():
+        x, y = fields.get("x", 0.0), fields.get("y", 0.0)
+        if abs(x) > state.width / 2 or abs(y) > state.height / 2:
+            yield name
 
 
 @app.command()

@@ -19,7 +19,7 @@ from hitab_core.library import bundle_digest
 from hitab_ros import names, qos
 
 NOBODY = "nobody"
-"""Receiver of a distribution that only this program shall hear."""
+"""Receiver of a distribution for this program alone."""
 
 HEAR_SECONDS = 2.0
 SEND_SECONDS = 2.0

@@ -238,15 +238,12 @@ class Bootstrapping:
             self._resume(agent, training, replaces)
 
     def _resume(self, agent: str, training: Learned, replaces: bool) -> None:
-        # Which behaviors were chosen for it is known only if one of them was not commanded.
-        seen = {e.next_state for e in training.examples} | {e.state for e in training.examples}
-        states = training.states if set(training.states) - seen else ()
         try:
             answer = self._swarm.begin(
                 agent,
                 training.name,
                 features=list(training.features),
-                states=list(states),
+                states=list(training.chosen),
                 parameters=list(training.parameters) if training.arguments else [],
                 arguments=list(training.arguments),
                 resume=training.name,
@@ -262,7 +259,7 @@ class Bootstrapping:
 
     def _as_saved(self, agent: str, behavior: str, meant: Generation) -> Learned:
         saved = self._swarm.behavior(agent, behavior)
-        return replace(saved, arguments=meant.arguments, states=())
+        return replace(saved, arguments=meant.arguments)
 
     def _give(
         self, known: Generations, number: int, mates: Sequence[str], evaluation: Evaluation

@@ -65,7 +65,7 @@ def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
 
 
 def mates_of(swarm: SwarmClient, agent: str, to: Sequence[str]) -> list[str]:
-    """Return the team mates, all of whom are there and free."""
+    """Return the team mates, once all are there and free."""
     there = swarm.await_agents()
     for mate in to or swarm.expected:
         swarm.await_agent(mate)

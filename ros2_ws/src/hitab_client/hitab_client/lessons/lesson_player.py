@@ -1,13 +1,15 @@
 """Plays a lesson as a demonstrator would: live, through the public topics and services.
 
-The world is stepped cycle by cycle, as fast as the agents answer, and every condition is checked
-in every cycle, so that a lesson always gives the same examples.
+A simulated world is stepped cycle by cycle, as fast as the agents answer, and every condition is
+checked in every cycle, so that a lesson always gives the same examples. Robots without a world are
+watched as time passes, as a person watches them.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,7 +36,7 @@ from hitab_client.lessons.lesson import (
     Undo,
     Until,
 )
-from hitab_client.lessons.watching import WorldWatch
+from hitab_client.lessons.watching import Watch, WorldWatch
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
@@ -78,21 +80,21 @@ class LessonPlayer:
     Args:
         lesson: the lesson.
         swarm: the agents.
-        world: the world, which the lesson drives.
-        factor: multiple of real time, for watching; 0: as fast as possible.
+        world: the world, which the lesson drives; None: there is none, as with real robots.
+        factor: multiple of real time, for watching a world; 0: as fast as possible.
         discard: whether to give up an unsaved training that an agent has before the lesson.
 
     Attributes:
         report: the cost and outcome so far.
         begun: what the lesson has begun to train and not saved yet, by agent.
-        watch: steps the world and sees what the lesson's conditions ask for.
+        watch: sees what the lesson's conditions ask for, and steps the world if there is one.
     """
 
     def __init__(
         self,
         lesson: Lesson,
         swarm: SwarmClient,
-        world: WorldClient,
+        world: WorldClient | None,
         *,
         factor: float = 0.0,
         discard: bool = False,
@@ -102,11 +104,11 @@ class LessonPlayer:
         self.world = world
         self.report = LessonReport(lesson.name, lesson.budget)
         self.begun: dict[str, str] = {}
-        self.watch = WorldWatch(swarm, world, factor=factor)
+        self.watch = Watch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
         self._discard = discard
 
     def play(self, progress: Progress | None = None) -> LessonReport:
-        """Play all steps, then restore the world's pace and mode.
+        """Play all steps, then restore the pace and mode of the world, if there is one.
 
         Args:
             progress: called before every step.
@@ -116,9 +118,7 @@ class LessonPlayer:
                 took more examples than its budget.
         """
         began = time.monotonic()
-        with as_it_was(self.world):
-            self.world.control(Control.Request.PACE, pace="lockstep")
-            self.world.changed(lambda: self.world.control(Control.Request.PAUSE))
+        with self._paused():
             start = self.watch.now()
             with self.watch:
                 for index, step in enumerate(self.lesson.steps):
@@ -129,6 +129,18 @@ class LessonPlayer:
         self.report.wall_s = round(time.monotonic() - began, 3)
         self._check_budget()
         return self.report
+
+    @contextmanager
+    def _paused(self) -> Iterator[None]:
+        """Have the world wait for the lesson."""
+        world = self.world
+        if world is None:
+            yield
+            return
+        with as_it_was(world):
+            world.control(Control.Request.PACE, pace="lockstep")
+            world.changed(lambda: world.control(Control.Request.PAUSE))
+            yield
 
     def take_back(self) -> list[str]:
         """Discard what the lesson has begun and not saved; return what was done, in sentences."""
@@ -155,11 +167,26 @@ class LessonPlayer:
 
     # -- the steps --------------------------------------------------------------------------
 
+    def _arranged(self) -> WorldClient:
+        """Return the world, in which things can be put somewhere.
+
+        Raises:
+            LessonError: if there is none.
+        """
+        if self.world is None:
+            raise LessonError(
+                "there is no simulated world in which to put things; have the robot drive there "
+                "with `perform:` and `until:`"
+            )
+        return self.world
+
     def _place(self, step: Place) -> None:
-        self.world.changed(lambda: self.world.place(step.things, new_episode=step.new_episode))
+        world = self._arranged()
+        world.changed(lambda: world.place(step.things, new_episode=step.new_episode))
 
     def _new_episode(self, step: NewEpisode) -> None:
-        self.world.changed(lambda: self.world.control(Control.Request.RESET))
+        world = self._arranged()
+        world.changed(lambda: world.control(Control.Request.RESET))
 
     def _begin(self, step: Begin) -> None:
         # Whoever interrupts this must know whether it has begun.

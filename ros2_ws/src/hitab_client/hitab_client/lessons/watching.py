@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from types import TracebackType
 from typing import Self
 
 from hitab_msgs.msg import WorldState
@@ -21,6 +20,7 @@ from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_client.world_view import WorldView, speakers
 from hitab_ros import names
+from hitab_ros.stamps import seconds_of
 
 LOOK_SECONDS = 0.1
 """Between two looks at robots without a world."""
@@ -45,13 +45,8 @@ class Watch:
         self.begin()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._tracker.__exit__(kind, error, trace)
+    def __exit__(self, *error: object) -> None:
+        self._tracker.__exit__(*error)
 
     def begin(self) -> None:
         """Forget what has been said, entered and ended; count the time from now."""
@@ -82,16 +77,17 @@ class Watch:
         }
 
     def _reading(self, agent: str, feature: str) -> float:
-        """Return the value that an agent perceives; NaN: none."""
+        """Return the value that an agent perceives; NaN: none.
+
+        A flag is one of the automaton that uses it as a feature: the outermost one counts.
+        """
         if agent not in self.swarm.statuses:
             self.swarm.await_agent(agent)
         answer = self.swarm.ask(agent, ReadFeatures, names.READ_FEATURES, also=[feature])
-        asked = [
-            value
-            for automaton, value in zip(answer.automata, answer.values, strict=True)
-            if not automaton
-        ]
-        return float(asked[-1])
+        read = list(zip(answer.automata, answer.features, answer.values, strict=True))
+        used = [value for automaton, name, value in read if automaton and name == feature]
+        asked = [value for automaton, _, value in read if not automaton]
+        return float(used[0] if used else asked[-1])
 
     def until(
         self,
@@ -144,7 +140,7 @@ class WorldWatch(Watch):
 
     def now(self) -> float:
         """Return the world's time, s."""
-        return _seconds(self.state)
+        return seconds_of(self.state.header.stamp)
 
     def go_on(self) -> None:
         """Run one cycle, no faster than ``factor`` allows."""
@@ -158,7 +154,8 @@ class WorldWatch(Watch):
         if self._factor:
             now = time.monotonic()
             self._due = max(self._due, now - 0.5)
-            self._due += max(0.0, _seconds(state) - _seconds(earlier)) / self._factor
+            passed = seconds_of(state.header.stamp) - seconds_of(earlier.header.stamp)
+            self._due += max(0.0, passed) / self._factor
             self.swarm.link.spin_until(lambda: False, self._due - now)
 
     def view(self) -> WorldView:
@@ -171,7 +168,3 @@ class WorldWatch(Watch):
             self._ended,
             readings=self._reading,
         )
-
-
-def _seconds(state: WorldState) -> float:
-    return float(state.stamp.sec + state.stamp.nanosec * 1e-9)

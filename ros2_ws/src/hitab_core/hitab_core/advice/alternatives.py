@@ -18,7 +18,8 @@ References:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from typing import TypeVar
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.domain import Scale
@@ -59,6 +60,18 @@ class _Choice:
         return chosen
 
 
+T = TypeVar("T")
+
+
+def finished(steps: Generator[None, None, T]) -> T:
+    """Return the result of something that is done in steps, with nothing done in between."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value  # type: ignore[no-any-return]
+
+
 def alternative_trees(evidence: Evidence) -> tuple[TransitionTree | None, list[TransitionTree]]:
     """Return the tree that is learned from examples, and its alternatives, nearest the root first.
 
@@ -67,9 +80,17 @@ def alternative_trees(evidence: Evidence) -> tuple[TransitionTree | None, list[T
     Raises:
         FeatureValueError, VocabularyError, ValueError: as `TransitionTree.fit`.
     """
+    return finished(growing_alternatives(evidence))
+
+
+def growing_alternatives(
+    evidence: Evidence,
+) -> Generator[None, None, tuple[TransitionTree | None, list[TransitionTree]]]:
+    """Return what `alternative_trees` does; something else can be done between two trees."""
     arguments = ClassifierSpec.parse(evidence.classifier).arguments
     boolean_first = bool(arguments.get("boolean_first", True))
     usual = _Choice(boolean_first)
+    yield
     learned = evidence.learn(usual)
     if learned is None:
         return None, []
@@ -77,6 +98,7 @@ def alternative_trees(evidence: Evidence) -> tuple[TransitionTree | None, list[T
     others = []
     for changed, (candidates, chosen) in enumerate(usual.made):
         for feature in _rivals(candidates, chosen):
+            yield
             tree = evidence.learn(_Choice(boolean_first, changed, feature))
             assert tree is not None
             its = _leaves(tree)

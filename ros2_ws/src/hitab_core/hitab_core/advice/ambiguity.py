@@ -18,13 +18,13 @@ otherwise there, is *decisive* and preferred.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hitab_core.advice.alternatives import alternative_trees
+from hitab_core.advice.alternatives import finished, growing_alternatives
 from hitab_core.advice.evidence import Evidence, answer_kind
 from hitab_core.advice.grounds import Decision, Grounds, Support, parting, situation_in_words
 from hitab_core.advice.nearness import Nearness
@@ -119,7 +119,7 @@ class Ambiguity:
             situations: values of all features, such as what could be placed.
         """
         different = [tuple(map(float, s)) for s in situations if self.differs(s)]
-        return [s for _, s in _by_decisiveness(self._grounds, different)]
+        return [s for _, s in finished(_by_decisiveness(self._grounds, different))]
 
 
 def differ(some: Decision | None, other: Decision | None) -> bool:
@@ -163,14 +163,26 @@ def ambiguities(
     Raises:
         FeatureValueError, VocabularyError, ValueError: as learning from the examples.
     """
-    learned, others = alternative_trees(evidence)
+    searching = searched_ambiguities(evidence, readings=readings, here=here, compose=compose)
+    return [question for question in searching if question is not None]
+
+
+def searched_ambiguities(
+    evidence: Evidence,
+    *,
+    readings: ArrayLike = (),
+    here: ArrayLike | None = None,
+    compose: bool = False,
+) -> Iterator[Ambiguity | None]:
+    """Yield what `ambiguities` returns, and None wherever something else can be done meanwhile."""
+    learned, others = yield from growing_alternatives(evidence)
     if learned is None or not others:
-        return []
+        return
     perceived = Perceived.of(evidence, readings, here)
     usual = Grounds(learned, evidence)
     found = []
     for tree in others:
-        question = _question(usual, Grounds(tree, evidence), perceived, compose)
+        question = yield from _question(usual, Grounds(tree, evidence), perceived, compose)
         if question is not None:
             found.append(question)
     found.sort(key=lambda q: (q.origin, -q.decisive, -q.share))
@@ -178,12 +190,12 @@ def ambiguities(
     for question in found:
         if not any(question.differs(earlier.situation) for earlier in kept):
             kept.append(question)
-    return kept
+            yield question
 
 
 def _question(
     usual: Grounds, other: Grounds, perceived: Perceived, compose: bool
-) -> Ambiguity | None:
+) -> Generator[None, None, Ambiguity | None]:
     """Return the question that two explanations give rise to, if they differ anywhere."""
     evidence, pair = usual.evidence, (usual, other)
     features = sorted({*usual.tree.features_used, *other.tree.features_used})
@@ -191,6 +203,7 @@ def _question(
     def differs(values: Sequence[float]) -> bool:
         return differ(usual.decide(values), other.decide(values))
 
+    yield
     different = np.array([differs(row) for row in perceived.values.tolist()], np.bool_)
     origin = Origin.HERE
     rows = perceived.values[different & perceived.here]
@@ -203,7 +216,8 @@ def _question(
         situations = [s for s in composed(evidence, perceived, features) if differs(s)]
     if not situations:
         return None
-    decisive, situation = _by_decisiveness(pair, situations)[0]
+    yield
+    ((decisive, situation), *_) = yield from _by_decisiveness(pair, situations)
     sides = [decision for grounds in pair if (decision := grounds.decide(situation)) is not None]
     at = parting(*(side.path for side in sides))
     learned, alternative = (
@@ -226,14 +240,20 @@ def _question(
         share=float(here[different].sum() / here.sum()),
         decisive=decisive,
         features=evidence.names,
-        text=f"In {evidence.state} with {where}: {learned}, or {alternative}?",
+        text=f"In {evidence.state} with {where}: {_what(learned, evidence)}, "
+        f"or {_what(alternative, evidence)}?",
         _grounds=pair,
     )
 
 
+def _what(side: Alternative, evidence: Evidence) -> str:
+    doing = "stay" if side.next_state == evidence.state else f"go to {side.next_state}"
+    return f"{doing}, because {side.because}"
+
+
 def _by_decisiveness(
     pair: tuple[Grounds, Grounds], situations: Sequence[tuple[float, ...]]
-) -> list[tuple[float, tuple[float, ...]]]:
+) -> Generator[None, None, list[tuple[float, tuple[float, ...]]]]:
     """Return situations in which two explanations differ, most decisive first.
 
     With each comes the share of these situations that either answer settles. They are tried in the
@@ -249,7 +269,10 @@ def _by_decisiveness(
     contested = nearest[:: len(nearest) // CONTESTED + 1]
     rated = [(0.0, situation) for situation in nearest]
     for i in sorted({round(k * (len(nearest) - 1) / (TRIED - 1)) for k in range(TRIED)}):
-        settled = min(_settled(right, nearest[i], contested) for right in pair)
+        shares = []
+        for right in pair:
+            shares.append((yield from _settled(right, nearest[i], contested)))
+        settled = min(shares)
         rated[i] = (settled, nearest[i])
         if settled == 1.0:
             break
@@ -258,7 +281,7 @@ def _by_decisiveness(
 
 def _settled(
     right: Grounds, situation: tuple[float, ...], contested: Sequence[tuple[float, ...]]
-) -> float:
+) -> Generator[None, None, float]:
     """Return in which share of situations all is right, once the answer was that.
 
     It is if the tree decides there as it should, and no alternative clearly decides otherwise.
@@ -271,9 +294,13 @@ def _settled(
     decision = right.decide(situation)
     assert decision is not None
     evidence = right.evidence.with_answer(situation, decision.next_state)
-    tree, others = alternative_trees(evidence)
+    tree, others = yield from growing_alternatives(evidence)
     assert tree is not None
-    after, rivals = Grounds(tree, evidence), [Grounds(other, evidence) for other in others]
+    after, rivals = Grounds(tree, evidence), []
+    for other in others:
+        yield
+        rivals.append(Grounds(other, evidence))
+    yield
     settled = 0
     for values in contested:
         then, wanted = after.decide(values), right.decide(values)

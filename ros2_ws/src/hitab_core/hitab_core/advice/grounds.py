@@ -22,6 +22,7 @@ from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, ThresholdNode
 from hitab_core.learning.tree_text import Step
+from hitab_core.wording import DEGREES
 
 CLEAR = 0.6
 """How far from the other side's nearest example a clear value is, in gaps between the sides."""
@@ -90,7 +91,7 @@ class Grounds:
                 float(weights[~default].sum()), float(weights[default].sum())
             )
             if not isinstance(node, Leaf):
-                branch_of = _branches(node, evidence.values[:, node.feature])
+                branch_of = branches_of(node, evidence.values[:, node.feature])
                 self._gaps[id(node)] = _gaps(node, evidence.values[:, node.feature], weights > 0)
                 known = weights[branch_of >= 0].sum()
                 for i, branch in enumerate(node.branches):
@@ -129,11 +130,8 @@ class Grounds:
     def words(self, path: Sequence[Step]) -> str:
         """Return the conditions on a path with their units, such as ``Range <= 2 m and Far``."""
         evidence = self.evidence
-        features = dict.fromkeys(node.feature for node, _ in path)
-        texts = tree_text.conditions(path, evidence.scales, evidence.names)
-        return " and ".join(
-            text + _unit(evidence, f) for text, f in zip(texts, features, strict=True)
-        )
+        units = [_unit(evidence, feature) for feature in range(len(evidence.names))]
+        return " and ".join(tree_text.conditions(path, evidence.scales, evidence.names, units))
 
     def _is_clear(self, node: Node, branch: int | None, value: float) -> bool:
         if isinstance(node, ThresholdNode):
@@ -176,14 +174,17 @@ def situation_in_words(
         else:
             half = scale.kind is FeatureKind.TOROIDAL and value > scale.period / 2
             number = value - scale.period if half else value
-            texts.append(f"{name} = {number:.6g}{_unit(evidence, f)}")
+            unit = _unit(evidence, f)
+            if tree_text.in_degrees(scale):
+                number, unit = round(math.degrees(number), 1) + 0.0, DEGREES
+            texts.append(f"{name} = {number:.6g}{f' {unit}' if unit else ''}")
     return ", ".join(texts)
 
 
 def _unit(evidence: Evidence, feature: int) -> str:
     measured = evidence.scales[feature].kind in (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
     unit = evidence.units[feature]
-    return f" {unit}" if unit and measured else ""
+    return unit if measured else ""
 
 
 def _test(node: ThresholdNode | ArcNode | CategoryNode) -> tuple[object, ...]:
@@ -194,7 +195,7 @@ def _test(node: ThresholdNode | ArcNode | CategoryNode) -> tuple[object, ...]:
     return (node.feature, *node.categories)
 
 
-def _branches(node: Node, column: Floats) -> Floats:
+def branches_of(node: Node, column: Floats) -> Floats:
     """Return the branch of each value; -1 where it is missing, -2 if there is none."""
     assert not isinstance(node, Leaf)
     found = []
@@ -214,11 +215,11 @@ def _gaps(node: Node, column: Floats, there: Booleans) -> list[tuple[float, floa
         low, high = values[values <= node.threshold], values[values > node.threshold]
         return [(low.max(initial=-math.inf), high.min(initial=math.inf))]
     if isinstance(node, ArcNode):
-        return [_around(values, end, node.period) for end in (node.start, node.end)]
+        return [around(values, end, node.period) for end in (node.start, node.end)]
     return []
 
 
-def _around(values: Floats, end: float, period: float) -> tuple[float, float]:
+def around(values: Floats, end: float, period: float) -> tuple[float, float]:
     """Return the last value before a place on the circle, and the first at or after it."""
     from_end = (values - end) % period
     return float(values[from_end.argmax()]), float(values[from_end.argmin()])

@@ -14,7 +14,7 @@ from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import nodes
 from hitab_core.transition_function import LearnedTransition
-from hitab_core.wording import quantity, some
+from hitab_core.wording import numbered, quantity, some
 
 NEAREST = 3
 """How many neighbors of an example are named."""
@@ -35,7 +35,7 @@ def mistake(
     chance = float(around.mistaken[row])
     odds = dict(zip(around.labels, around.probabilities[row].tolist(), strict=True))
     instead = max(odds.keys() - {example.next_state}, key=lambda label: (odds[label], label))
-    evidence, change = [], f"what {example.state} decides is learned without it"
+    evidence, change = [], f"{example.state} is learned again without it"
     if tried:
         before, after = case.taught(place), case.taught(place, example)
         evidence += _agreement(case, place, example, before, after)
@@ -44,13 +44,17 @@ def mistake(
     against = [other for other in near if place.said(other) != example.next_state]
     if against:
         named = [_called(place, other) for other in against]
-        evidence.append(
-            f"of the {len(near)} nearest to it, {len(against)} "
-            f"{'says' if len(against) == 1 else 'say'} otherwise: {some(named)}"
-        )
+        similar = quantity(len(near), "most similar example")
+        if len(against) < len(near):
+            says = "says" if len(against) == 1 else "say"
+            evidence.append(f"of the {similar}, {len(against)} {says} otherwise: {some(named)}")
+        elif len(near) == 1:
+            evidence.append(f"the most similar example says otherwise: {named[0]}")
+        else:
+            evidence.append(f"the {similar} say otherwise: {some(named)}")
         evidence.append(f"the nearest of these {_difference(case, place, row, against[0])}")
     evidence.append(
-        f"{chance:.0%} likely a mistake; where it is, {instead} is expected with "
+        f"{chance:.0%} likely a mistake; if it is one, {instead} was meant with "
         f"{odds[instead]:.0%}"
     )
     return _removal(case, place, example, instead, answers, chance, evidence, change)
@@ -72,8 +76,7 @@ def retraction(
     accuser = place.accuser(row)
     instead = place.said(accuser)
     evidence = [
-        f"the command to {origin.next_state} (example {origin.number}) was put right: from "
-        f"{place.state} you commanded {instead}",
+        f"you put {origin.next_state} (example {origin.number}) right afterwards, with {instead}",
         f"the situation then {_difference(case, place, row, accuser)}",
         f"{chance:.0%} likely a mistake",
     ]
@@ -125,20 +128,20 @@ def sparse(
         nearest = place.own[deciders[0]]
         where = halfway(correction.features, nearest.features, case.scales)
         evidence = [
-            f"that it went to {correction.wrong} rests on "
-            f"{some([_called(place, d) for d in deciders])}, which "
-            f"{'is' if len(deciders) == 1 else 'are'} {chance:.0%} likely meant",
-            f"the nearest {_difference(case, place, row, deciders[0])}",
+            f"where you corrected it, it went to {correction.wrong} because of "
+            f"{some([_called(place, d) for d in deciders])}",
+            f"the nearest of these {_difference(case, place, row, deciders[0])}",
+            f"{'it is' if len(deciders) == 1 else 'these are'} {chance:.0%} likely meant",
         ]
     elif correction.wrong == correction.state:
         evidence = [f"no example says when to leave {correction.state} in such a situation"]
     else:
-        evidence = [f"no example says that it goes to {correction.wrong} there"]
+        evidence = [f"no example says to go to {correction.wrong} there"]
     if where is None:
         change = f"the correction itself makes it go to {correction.right} there"
     else:
         shown = _values(case, where, correction.features)
-        change = f"one more command where {shown} places the boundary"
+        change = f"one more command where {shown} shows where to change"
     numbers = tuple(sorted(place.own[d].number for d in deciders))
     commands = sorted({place.own[d].command for d in deciders if place.own[d].command})
     return Proposal(
@@ -160,10 +163,7 @@ def contradiction(group: Sequence[Example]) -> Proposal:
     by_label: dict[str, list[int]] = {}
     for example in group:
         by_label.setdefault(example.next_state, []).append(example.number)
-    said = [
-        f"{quantity(len(n), 'example')} ({some([str(i) for i in n])}) to {label}"
-        for label, n in by_label.items()
-    ]
+    said = [f"{label} ({numbered('example', n)})" for label, n in by_label.items()]
     most = max(len(n) for n in by_label.values())
     leading = [label for label, n in by_label.items() if len(n) == most]
     return Proposal(
@@ -175,8 +175,8 @@ def contradiction(group: Sequence[Example]) -> Proposal:
         None,
         (),
         1.0,
-        (f"in {group[0].state}, seeing the same values, {' but '.join(said)}",),
-        "with one next state the robot does not choose at random there",
+        (f"in {group[0].state}, in the same situation, you commanded {' and '.join(said)}",),
+        "then the robot no longer chooses at random there",
     )
 
 
@@ -202,8 +202,8 @@ def halfway(
 
 def _called(place: Place, row: int) -> str:
     if place.is_correction(row):
-        return f"your correction to {place.said(row)}"
-    return f"example {place.own[row].number} to {place.said(row)}"
+        return f"{place.said(row)} (your correction)"
+    return f"{place.said(row)} (example {place.own[row].number})"
 
 
 def _features(place: Place, row: int) -> tuple[float, ...]:
@@ -221,7 +221,7 @@ def _difference(case: Case, place: Place, row: int, other: int) -> str:
         for f in range(len(mine))
         if mine[f] != its[f] and not (math.isnan(mine[f]) and math.isnan(its[f]))
     ]
-    return f"differs in {some(different, most=3)}" if different else "saw the same values"
+    return f"had {some(different, most=3)}" if different else "was the same"
 
 
 def _values(case: Case, values: Sequence[float], usual: Sequence[float]) -> str:
@@ -261,10 +261,9 @@ def _agreement(
     shown = f"the other {quantity(len(place.own) - 1, 'example')}"
     if place.corrected:
         shown += f" and your {quantity(len(place.corrected), 'correction')}"
-    fewer = (
-        f", by {quantity(rules[1], 'rule')} instead of {rules[0]}" if rules[1] < rules[0] else ""
-    )
-    return [f"without example {example.number} {shown} agree{fewer}"]
+    if agreed_before:
+        return [f"without it, fewer rules explain {shown}"]
+    return [f"without it, {shown} fit together"]
 
 
 def _rules(function: LearnedTransition | None) -> int:
@@ -283,4 +282,4 @@ def _change(
         if was != will:
             shown = _values(case, at.features, [math.nan] * len(at.features))
             return f"in {place.state}, where {shown}, it goes to {will} instead of {was}"
-    return f"what {place.state} decides stays the same where it was shown or corrected"
+    return f"{place.state} decides the same as before where you have shown something"

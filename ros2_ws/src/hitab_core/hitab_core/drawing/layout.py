@@ -1,7 +1,8 @@
 """Where to draw the states of an automaton and the words on its arrows. Lengths are in inches.
 
 States lie on an ellipse, Start at the top, in the order with the fewest crossings. Labels are
-moved along their arrows until they cover neither states nor other labels.
+moved along their arrows, beside them, until they cover neither states nor other labels and no
+arrow crosses them.
 """
 
 from __future__ import annotations
@@ -35,6 +36,13 @@ class Box:
         """Return the fraction of points, shape (n, 2), that lie inside."""
         near = np.abs(points - (self.x, self.y)) <= (self.width / 2, self.height / 2)
         return float(near.all(axis=1).mean())
+
+    def touches(self, other: Box) -> bool:
+        """Whether the two have a place in common."""
+        return (
+            abs(self.x - other.x) < (self.width + other.width) / 2
+            and abs(self.y - other.y) < (self.height + other.height) / 2
+        )
 
 
 def on_ellipse(n: int, width: float, height: float) -> list[tuple[float, float]]:
@@ -159,6 +167,16 @@ def _roomy(box: Box) -> Box:
     return Box(box.x, box.y, box.width + 4 * GAP, box.height + 4 * GAP)
 
 
+COARSE = 4
+"""Of the points on an arrow, every one of so many is enough to find places for words."""
+
+CLEAR = 0.02
+"""Inches that words are kept away from arrows when they are placed by coarse points."""
+
+BESIDE = (0.04, 0.1, 0.2, 0.4)
+"""Inches between an arrow and its words, of which less is better."""
+
+
 def place_words(
     sizes: Sequence[tuple[float, float]],
     curves: Sequence[Floats],
@@ -166,7 +184,7 @@ def place_words(
     width: float,
     height: float,
 ) -> list[Box]:
-    """Return where the words of each arrow go.
+    """Return where the words of each arrow go: beside it, and where no other arrow crosses them.
 
     Args:
         sizes: width and height of the words of each arrow.
@@ -174,9 +192,12 @@ def place_words(
         states: where the states are.
         width, height: of the panel around the origin.
     """
+    if not sizes:
+        return []
+    every = np.array(curves)[:, ::COARSE]
     candidates = [_candidates(size, points) for size, points in zip(sizes, curves, strict=False)]
     alone = [
-        _costs_alone(places, size, i, np.array(curves), states, width, height)
+        _costs_alone(places, size, i, every, states, width, height)
         for i, (places, size) in enumerate(zip(candidates, sizes, strict=True))
     ]
     chosen = [int(costs.argmin()) for costs in alone]
@@ -186,7 +207,8 @@ def place_words(
             costs = alone[i].copy()
             for j, c in enumerate(chosen):
                 if j != i:
-                    costs += 40.0 * _overlaps(places, sizes[i], _box(candidates[j][c], sizes[j]))
+                    overlaps = _overlaps(places, sizes[i], _box(candidates[j][c], sizes[j]))
+                    costs += 40.0 * overlaps + 10.0 * (overlaps > 0.0)
             chosen[i] = int(costs.argmin())
         if chosen == before:
             break
@@ -195,21 +217,49 @@ def place_words(
     ]
 
 
+def crosses(points: Floats, box: Box) -> bool:
+    """Whether an arrow, by points on it of shape (n, 2), goes through a box."""
+    half = np.array([[box.width / 2, box.height / 2]])
+    return bool(_crossings(np.array([[box.x, box.y]]), half, points[None])[0, 0])
+
+
+def _crossings(places: Floats, half: Floats, curves: Floats) -> NDArray[np.bool_]:
+    """Return whether boxes are crossed by arrows, shape (places, arrows).
+
+    Each piece of an arrow is clipped to the box's slabs, as by Liang and Barsky.
+
+    Args:
+        places: middles of the boxes, shape (n, 2).
+        half: half of their size, shape (1, 2).
+        curves: points on the arrows, shape (m, k, 2).
+    """
+    begin = curves[None, :, :-1]
+    step = curves[None, :, 1:] - begin
+    step = np.where(np.abs(step) < 1e-9, 1e-9, step)
+    middle = places[:, None, None]
+    into, out = (middle - half - begin) / step, (middle + half - begin) / step
+    first = np.minimum(into, out).max(axis=3)
+    last = np.maximum(into, out).min(axis=3)
+    crossed: NDArray[np.bool_] = (np.maximum(first, 0.0) <= np.minimum(last, 1.0)).any(axis=2)
+    return crossed
+
+
 def _box(place: Floats, size: tuple[float, float]) -> Box:
     x, y = place.tolist()
     return Box(x, y, *size)
 
 
 def _candidates(size: tuple[float, float], points: Floats) -> Floats:
-    """Return places, shape (n, 2), for words of this size on and close to an arrow."""
+    """Return places, shape (n, 2), for words of this size beside an arrow."""
     n = len(points)
-    along = points[n // 5 : n - n // 5]
-    direction = points[-1] - points[0]
-    normal = np.array([direction[1], -direction[0]]) / (np.hypot(*direction) or 1.0)
-    extent = float(abs(normal) @ size)
-    places: Floats = np.concatenate(
-        [along + side * extent * normal for side in (0.0, 0.2, -0.2, 0.45, -0.45, 0.6, -0.6)]
-    )
+    inner = slice(n // 8, n - n // 8, 2)
+    along = points[inner]
+    direction = np.gradient(points, axis=0)[inner]
+    normal = np.stack([direction[:, 1], -direction[:, 0]], axis=1)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True) + 1e-12
+    reach = (np.abs(normal) @ np.array(size))[:, None] / 2
+    sides = [side * (reach + beside) for beside in BESIDE for side in (1.0, -1.0)]
+    places: Floats = np.concatenate([along + side * normal for side in sides])
     return places
 
 
@@ -232,15 +282,22 @@ def _costs_alone(
 ) -> Floats:
     """Return the cost of each place, ignoring the other words."""
     half = np.array(size) / 2
-    away = np.abs(curves[None] - places[:, None, None, :])
-    covered = (away <= half).all(axis=3).mean(axis=2)  # of each arrow, by place
+    crossed = _crossings(places, half[None] + CLEAR, curves).sum(axis=1)
+    # How far each arrow is from the edge of the words: they belong to the nearest one.
+    away = np.maximum(np.abs(curves[None] - places[:, None, None, :]) - half, 0.0)
+    distances = np.hypot(away[..., 0], away[..., 1]).min(axis=2)
+    near = distances[:, own]
+    others = np.delete(distances, own, axis=1)
+    mistaken = np.maximum(near - others.min(axis=1), 0.0) if others.size else 0.0
     outside = np.maximum(np.abs(places) + half - (width / 2, height / 2), 0.0).sum(axis=1)
     middle = np.hypot(*(places - curves[own, curves.shape[1] // 2]).T)
+    covered = [_overlaps(places, size, state) for state in states]
     costs: Floats = (
-        60.0 * sum(_overlaps(places, size, state) for state in states)
+        sum(60.0 * area + 10.0 * (area > 0.0) for area in covered)
         + 200.0 * outside
-        + 6.0 * (covered.sum(axis=1) - covered[:, own])
-        + 0.5 * (covered[:, own] == 0)
+        + 10.0 * crossed
+        + 6.0 * mistaken
+        + 3.0 * near
         + 0.3 * middle
     )
     return costs

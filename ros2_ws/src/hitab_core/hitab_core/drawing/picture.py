@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,9 @@ from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.drawing.graph import Arrow, Way, arrows
 from hitab_core.drawing.layout import (
     Box,
+    Floats,
     bend_arrows,
+    crosses,
     curve,
     least_crossed,
     place_words,
@@ -64,13 +67,15 @@ def draw_automata(automata: Sequence[Automaton], path: Path | str) -> Path:
         from matplotlib.figure import Figure
     except ImportError:
         raise HitabError("pictures need matplotlib, which is not installed; install it") from None
-    sizes = [_panel_size(automaton) for automaton in automata]
+    measure = text_sizes()
+    panels = [lay_out(automaton, measure) for automaton in automata]
+    sizes = [(panel.width, panel.height) for panel in panels]
     columns = math.ceil(math.sqrt(len(automata)))
     rows = [range(i, min(i + columns, len(automata))) for i in range(0, len(automata), columns)]
     widths = [max(sizes[i][0] for i in range(c, len(automata), columns)) for c in range(columns)]
     heights = [max(sizes[i][1] for i in row) for row in rows]
     figure = Figure(figsize=(sum(widths), sum(heights)), facecolor="white")
-    canvas = FigureCanvasAgg(figure)
+    FigureCanvasAgg(figure)
     grid = figure.add_gridspec(
         len(rows),
         columns,
@@ -87,7 +92,7 @@ def draw_automata(automata: Sequence[Automaton], path: Path | str) -> Path:
     for r, row in enumerate(rows):
         for c, i in enumerate(row):
             axes = figure.add_subplot(grid[r, c])
-            _Panel(axes, canvas, widths[c], heights[r]).draw(automata[i], names)
+            _Panel(axes, widths[c], heights[r]).draw(panels[i], names)
     stable = {"Date": None} if path.suffix == ".svg" else None
     try:
         with rc_context({"svg.hashsalt": "hitab", "svg.fonttype": "none"}):
@@ -120,44 +125,117 @@ def _wrapped(way: Way) -> str:
     return text
 
 
-def _panel_size(automaton: Automaton) -> tuple[float, float]:
-    """Return the width and height of a panel that has room for all its labels."""
-    texts = [words(arrow) for arrow in arrows(automaton) if not arrow.is_loop]
-    lines = sum(text.count("\n") + 1 for text in texts if text)
+Measure = Callable[[str, float], tuple[float, float]]
+"""Returns the width and height of a text in a font size, in inches."""
+
+GROWTH = (1.0, 1.15, 1.3, 1.5, 1.75)
+"""Sizes of a panel that are tried, until nothing lies on anything else."""
+
+_TITLE_HEIGHT = 0.5
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Where everything of one automaton is drawn; lengths in inches, around the middle.
+
+    Attributes:
+        width, height: with the title above.
+        states: the boxes of the states.
+        arrows: those that are drawn, those with words first.
+        bends: of the arrows.
+        curves: points on the arrows.
+        words: of the first arrows, one text each.
+        places: of the words.
+    """
+
+    automaton: Automaton
+    width: float
+    height: float
+    states: Mapping[str, Box]
+    arrows: Sequence[Arrow]
+    bends: Sequence[float]
+    curves: Sequence[Floats]
+    words: Sequence[str]
+    places: Sequence[Box]
+
+    @property
+    def collisions(self) -> int:
+        """Number of words that lie on a state or other words, or that an arrow crosses."""
+        found = 0
+        for i, place in enumerate(self.places):
+            others = [*self.states.values(), *self.places[:i]]
+            found += any(place.touches(other) for other in others) or any(
+                crosses(points, place) for points in self.curves
+            )
+        return found
+
+
+def lay_out(automaton: Automaton, measure: Measure) -> Panel:
+    """Return where to draw an automaton, in a panel with room for all its words."""
+    tried = []
+    for growth in GROWTH:
+        tried.append(_laid(automaton, measure, growth))
+        if not tried[-1].collisions:
+            break
+    return min(tried, key=lambda panel: panel.collisions)
+
+
+def _laid(automaton: Automaton, measure: Measure, growth: float) -> Panel:
+    drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
+    drawn.sort(key=lambda arrow: words(arrow) == "")
+    texts = [text for arrow in drawn if (text := words(arrow))]
+    lines = sum(text.count("\n") + 1 for text in texts)
     side = 3.2 + 0.28 * (len(automaton.states) + 1) + 0.075 * lines
     longest = max((len(line) for text in texts for line in text.split("\n")), default=0)
-    return (1.3 * side + 0.02 * longest, side)
+    width, height = growth * (1.3 * side + 0.02 * longest), growth * side
+    pairs = [(arrow.source, arrow.target) for arrow in drawn]
+    sizes = [measure(text, _WORD_SIZE) for text in texts]
+    inner = height - _TITLE_HEIGHT
+    boxes = state_boxes(
+        least_crossed([START, *automaton.labels], pairs),
+        width,
+        inner,
+        lambda text: measure(text, _STATE_SIZE),
+        margin=0.6 * max((size[0] for size in sizes), default=0.0),
+    )
+    bends = bend_arrows(boxes, pairs, width, inner)
+    curves = [curve(boxes[s], boxes[t], b) for (s, t), b in zip(pairs, bends, strict=True)]
+    places = place_words(sizes, curves, [*boxes.values()], width, inner)
+    return Panel(automaton, width, height, boxes, drawn, bends, curves, texts, places)
+
+
+def text_sizes() -> Measure:
+    """Return what measures texts as they are drawn."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(1.0, 1.0))
+    canvas: Any = FigureCanvasAgg(figure)
+    renderer = canvas.get_renderer()
+
+    def measure(text: str, size: float) -> tuple[float, float]:
+        shown = figure.text(0, 0, text, fontsize=size, linespacing=1.1)
+        extent = shown.get_window_extent(renderer)
+        shown.remove()
+        return extent.width / figure.dpi + 0.05, extent.height / figure.dpi + 0.05
+
+    return measure
 
 
 class _Panel:
-    """One automaton on axes in inches, with the origin in the middle."""
+    """Draws one automaton on axes in inches, with the origin in the middle."""
 
-    def __init__(self, axes: Any, canvas: Any, width: float, height: float) -> None:
+    def __init__(self, axes: Any, width: float, height: float) -> None:
         self._axes = axes
-        self._renderer = canvas.get_renderer()
-        self._width, self._height = width, height - 0.5  # the title is above
+        self._height = height - _TITLE_HEIGHT  # the title is above
         axes.set_xlim(-width / 2, width / 2)
         axes.set_ylim(-self._height / 2, height - self._height / 2)
         axes.set_axis_off()
 
-    def draw(self, automaton: Automaton, drawn_too: set[str]) -> None:
-        drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
-        drawn.sort(key=lambda arrow: words(arrow) == "")
-        states = least_crossed(
-            [START, *automaton.labels], [(arrow.source, arrow.target) for arrow in drawn]
-        )
-        texts = [text for arrow in drawn if (text := words(arrow))]
-        sizes = [self._size(text, _WORD_SIZE) for text in texts]
-        boxes = state_boxes(
-            states,
-            self._width,
-            self._height,
-            lambda text: self._size(text, _STATE_SIZE),
-            margin=0.6 * max((size[0] for size in sizes), default=0.0),
-        )
-        title = automaton.name
-        if automaton.parameters:
-            title += f"({', '.join(automaton.parameters)})"
+    def draw(self, panel: Panel, drawn_too: set[str]) -> None:
+        title = panel.automaton.name
+        if panel.automaton.parameters:
+            title += f"({', '.join(panel.automaton.parameters)})"
         self._axes.text(
             0,
             self._height / 2 + 0.22,
@@ -168,14 +246,10 @@ class _Panel:
             fontsize=_TITLE_SIZE,
             fontweight="bold",
         )
-        outlines = {state: self._state(state, boxes[state], drawn_too) for state in states}
-        pairs = [(arrow.source, arrow.target) for arrow in drawn]
-        bends = bend_arrows(boxes, pairs, self._width, self._height)
-        curves = [curve(boxes[s], boxes[t], b) for (s, t), b in zip(pairs, bends, strict=True)]
-        places = place_words(sizes, curves, [*boxes.values()], self._width, self._height)
-        for arrow, bend in zip(drawn, bends, strict=True):
-            self._arrow(arrow, bend, boxes, outlines)
-        for text, place in zip(texts, places, strict=True):
+        outlines = {name: self._state(name, box, drawn_too) for name, box in panel.states.items()}
+        for arrow, bend in zip(panel.arrows, panel.bends, strict=True):
+            self._arrow(arrow, bend, panel.states, outlines)
+        for text, place in zip(panel.words, panel.places, strict=True):
             self._axes.text(
                 place.x,
                 place.y,
@@ -186,15 +260,7 @@ class _Panel:
                 color=_INK,
                 zorder=4,
                 linespacing=1.1,
-                bbox={"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.88},
             )
-
-    def _size(self, text: str, size: float) -> tuple[float, float]:
-        shown = self._axes.text(0, 0, text, fontsize=size, linespacing=1.1)
-        extent = shown.get_window_extent(self._renderer)
-        shown.remove()
-        dpi = self._axes.figure.dpi
-        return extent.width / dpi + 0.05, extent.height / dpi + 0.05
 
     def _state(self, state: str, box: Box, drawn_too: set[str]) -> Any:
         from matplotlib.patches import FancyBboxPatch

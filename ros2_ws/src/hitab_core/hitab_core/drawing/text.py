@@ -16,7 +16,7 @@ def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:
         automaton: to show.
         trees: also draw the tree of each state, with the number of examples at each leaf.
 
-    Example:
+    Examples:
         >>> from hitab_core import LearningAgent, plain_domain
         >>> cart = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
         >>> agent = LearningAgent(cart).train("Shuttle")

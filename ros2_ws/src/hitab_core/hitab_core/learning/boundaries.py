@@ -4,6 +4,15 @@ It lies half-way between them, with one exception. Between a default example and
 it lies immediately beside the demonstrated one, at the next representable number on the default's
 side, so that the behavior is kept everywhere else (paper, section 3, footnote 1).
 
+On a line, a demonstration holds for all values farther from the default example, too. On a circle
+it would hold for its own value only, which hardly ever occurs again, since the default example
+would reach it from the other side as well. So a demonstration within a quarter of the circle from
+the default example holds for that side of the circle: a command to turn left for a ball 20 degrees
+to the left, among default examples for a ball straight ahead, means 20 to 160 degrees. The default
+example reaches to the place opposite to it and as far past that as it reaches towards the
+demonstration. Default examples that lie farther away, or on both sides, leave only what was
+demonstrated.
+
 Several examples may share a value: a value is default here if all its examples are. So a boundary
 is placed beside a value only if some example there is not default and every example at the
 neighbouring value is.
@@ -45,6 +54,7 @@ def end_between(
     *,
     before_is_default: bool = False,
     after_is_default: bool = False,
+    kept: float = math.inf,
 ) -> float:
     """Return an end of an arc, in ``(before, after]`` on the circle.
 
@@ -55,6 +65,8 @@ def end_between(
             which may lead through zero.
         period: the length of the circle.
         before_is_default, after_is_default: whether all examples at that value are default ones.
+        kept: how far the other way it is from the default example, across all of its side, to the
+            nearest demonstrated one; infinite: the default example reaches all around the circle.
     """
     if before_is_default == after_is_default:
         gap = after - before if before < after else after - before + period
@@ -67,6 +79,11 @@ def end_between(
             end = 0.0
     else:
         end = math.nextafter(after if after > 0 else period, 0.0)
+    reach, gap = period / 2 + kept, (after - before) % period
+    if before_is_default != after_is_default and reach < gap:
+        on_this_side = on_circle(before + reach if before_is_default else after - reach, period)
+        if 0 < (on_this_side - before) % period < gap:  # not rounded away
+            end = on_this_side
     reached = end <= after
     apart = (before < end and reached) if before < after else (before < end or reached)
     return end if apart else after

@@ -22,9 +22,7 @@ from hitab_core.learning.transition_tree import TransitionTree
 class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     """`TransitionTree` with scikit-learn's input checks, errors and tags.
 
-    Parameters:
-        scales, min_samples_leaf, max_depth, prune, confidence, boolean_first: see
-            `TransitionTree`.
+    Its parameters are those of `TransitionTree`.
 
     Attributes:
         tree_: the fitted `TransitionTree`.
@@ -41,6 +39,7 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
         prune: bool = False,
         confidence: float = 0.25,
         boolean_first: bool = True,
+        all_around: bool = False,
     ) -> None:
         """Store the parameters; `fit` checks them."""
         self.scales = scales
@@ -49,6 +48,7 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
         self.prune = prune
         self.confidence = confidence
         self.boolean_first = boolean_first
+        self.all_around = all_around
 
     def fit(self, X: ArrayLike, y: ArrayLike, default: ArrayLike | None = None) -> Self:
         """Learn from examples; see `TransitionTree.fit`."""

@@ -27,6 +27,7 @@ References:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -166,13 +167,22 @@ def split_continuous(examples: Examples, min_branch: float = 1) -> Split | None:
     return _two_way(examples, groups.group_of <= best, Threshold(threshold))
 
 
-def split_toroidal(examples: Examples, period: float, min_branch: float = 1) -> Split | None:
+def split_toroidal(
+    examples: Examples, period: float, min_branch: float = 1, *, all_around: bool = False
+) -> Split | None:
     """Return the best split by an arc, if any.
 
     An end of an arc lies between two values that are neighbours on the circle; the inside is the
     side without the node's first example. All pairs of ends are compared, so the time grows with
     the square of the number of ends. Ends within a run of one class are skipped where they cannot
     gain most (Fayyad and Irani, 1992; their argument holds for each end by itself).
+
+    Args:
+        examples: as in `split_by`.
+        period: the length of the circle.
+        min_branch: as in `split_by`.
+        all_around: whether default examples reach all around the circle, as they did in earlier
+            versions; see `hitab_core.learning.boundaries`.
     """
     groups = _Groups.of(examples)
     k = len(groups.values)
@@ -192,19 +202,28 @@ def split_toroidal(examples: Examples, period: float, min_branch: float = 1) -> 
         return None
     last_outside, last_inside = int(ends[found[0]]), int(ends[found[1]])
 
-    def end(place: int) -> float:
+    def end(place: int, other: int) -> float:
         before, after = (place + origin) % k, (place + 1 + origin) % k
+        values, is_default = groups.values, groups.is_default
+        kept = math.inf
+        if is_default[after] and not all_around:
+            kept = (values[(other + 1 + origin) % k] - values[after]) % period
+        elif is_default[before] and not all_around:
+            kept = (values[before] - values[(other + origin) % k]) % period
         return end_between(
-            groups.values[before],
-            groups.values[after],
+            values[before],
+            values[after],
             period,
-            before_is_default=groups.is_default[before],
-            after_is_default=groups.is_default[after],
+            before_is_default=is_default[before],
+            after_is_default=is_default[after],
+            kept=kept,
         )
+
+    arc = Arc(end(last_outside, last_inside), end(last_inside, last_outside), period)
 
     places = (groups.group_of - origin) % k
     inside = (places > last_outside) & (places <= last_inside)
-    return _two_way(examples, inside, Arc(end(last_outside), end(last_inside), period))
+    return _two_way(examples, inside, arc)
 
 
 def _best_arc(up_to: Counts, totals: Counts, min_branch: float) -> tuple[int, int] | None:
@@ -254,16 +273,19 @@ def split_categorical(examples: Examples, min_branch: float = 1) -> Split | None
     return examples.split(test, groups.counts, parts)
 
 
-def split_by(examples: Examples, scale: Scale, min_branch: float = 1) -> Split | None:
+def split_by(
+    examples: Examples, scale: Scale, min_branch: float = 1, *, all_around: bool = False
+) -> Split | None:
     """Return the best split by a feature of this scale; None if there is none.
 
     Args:
         examples: the node's examples that have a value of the feature.
         scale: of the feature.
         min_branch: the fewest examples a branch may have, above 0.
+        all_around: see `split_toroidal`.
     """
     if scale.kind is FeatureKind.TOROIDAL:
-        return split_toroidal(examples, scale.period, min_branch)
+        return split_toroidal(examples, scale.period, min_branch, all_around=all_around)
     if scale.kind is FeatureKind.BOOLEAN:
         return split_boolean(examples, min_branch)
     if scale.kind is FeatureKind.CATEGORICAL:

@@ -70,6 +70,18 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     return learn_tree
 
 
+def earlier(classifier: str) -> str:
+    """Return what a classifier of a file meant when default examples reached around circles.
+
+    Raises:
+        VocabularyError: if the text does not name a classifier.
+    """
+    spec = ClassifierSpec.parse(classifier)
+    if spec.name != TREE:
+        return classifier
+    return str(ClassifierSpec(TREE, {"all_around": True, **spec.arguments}))
+
+
 def takes_missing(classifier: str) -> bool:
     """Return whether a classifier learns from examples that lack values.
 
@@ -132,7 +144,7 @@ def learn_transitions(
         TrainingError: if an example does not have one value per feature, or, naming the state, if
             the classifier cannot learn from its examples.
 
-    Example:
+    Examples:
         >>> examples = [Example("Start", (9.0,), "GoFast"), Example("GoFast", (1.0,), "Stop")]
         >>> functions = learn_transitions(examples, [Scale()])
         >>> {state: function.labels for state, function in functions.items()}

@@ -49,9 +49,8 @@ class TransitionTree:
     boundary between a default and a demonstrated example lies beside the latter
     (`hitab_core.learning.boundaries`). `hitab_core.learning.splits` lists and rates the splits.
 
-    A missing value (None or NaN), in an example or in a question, is no error: an example without
-    a value of a tested feature counts in every branch in part (`tree_growth`), and so does the
-    answer (`missing_values`).
+    A missing value (None or NaN) is no error: an example without a value of a tested feature
+    counts in every branch in part (`tree_growth`), and so does the answer (`missing_values`).
 
     The same examples in the same order give the same tree on any machine. The order matters only
     between equally good arcs of a toroidal feature.
@@ -66,6 +65,7 @@ class TransitionTree:
         confidence: of pruning, in (0, 0.5]; smaller values prune more.
         boolean_first: whether ties between features are broken in favor of boolean and
             categorical ones.
+        all_around: as in `hitab_core.learning.splits.split_toroidal`; for old files.
         feature_names: names of the features, for errors.
 
     Attributes:
@@ -74,7 +74,7 @@ class TransitionTree:
         scales_: how the values of each feature compare.
         root_: the tree, see `hitab_core.learning.tree_nodes`.
 
-    Example:
+    Examples:
         >>> tree = TransitionTree(feature_names=["DistanceTo(ball)"])
         >>> tree.fit([[9.0], [1.0], [4.0]], ["GoFast", "Stop", "GoFast"])
         TransitionTree(feature_names=['DistanceTo(ball)'])
@@ -94,6 +94,7 @@ class TransitionTree:
         prune: bool = False,
         confidence: float = 0.25,
         boolean_first: bool = True,
+        all_around: bool = False,
         feature_names: Sequence[str] | None = None,
     ) -> None:
         """Store the parameters; `fit` checks them."""
@@ -103,6 +104,7 @@ class TransitionTree:
         self.prune = prune
         self.confidence = confidence
         self.boolean_first = boolean_first
+        self.all_around = all_around
         self.feature_names = feature_names
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
@@ -165,12 +167,9 @@ class TransitionTree:
         n_columns = np.shape(X)[1] if np.ndim(X) == 2 else 0
         scales = tuple(self.scales) if self.scales is not None else (Scale(),) * n_columns
         check_scales(scales, self.feature_names)
-        values = feature_values(X, scales, self.feature_names, may_miss=True)
-        values = values + 0.0  # a copy, no negative zeros
+        values = feature_values(X, scales, self.feature_names, may_miss=True) + 0.0  # no -0.0
         labels = np.asarray(y)
-        is_default = np.zeros(len(values), np.bool_)
-        if default is not None:
-            is_default = np.asarray(default, dtype=np.bool_)
+        is_default = np.asarray([False] * len(values) if default is None else default, np.bool_)
         if len(values) == 0 or not labels.shape == is_default.shape == (len(values),):
             raise ValueError(
                 f"expected at least one example, each with a label and whether it is a default "
@@ -191,6 +190,7 @@ class TransitionTree:
             scales,
             min_samples_leaf=self.min_samples_leaf,
             max_depth=self.max_depth,
+            all_around=self.all_around,
             choose=choose or partial(choose_split, boolean_first=self.boolean_first),
         )
         if self.prune:

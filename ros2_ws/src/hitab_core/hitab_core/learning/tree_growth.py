@@ -62,6 +62,7 @@ def grow(
     *,
     min_samples_leaf: int = 1,
     max_depth: int | None = None,
+    all_around: bool = False,
     choose: Choose = choose_split,
 ) -> Node:
     """Return the root of a tree that separates all examples that differ.
@@ -80,6 +81,7 @@ def grow(
             have; for a categorical feature, at least two branches must have as many. 1: any, see
             `LEAST_FRACTION`.
         max_depth: the most tests on a path.
+        all_around: see `hitab_core.learning.splits.split_toroidal`.
         choose: chooses among the features' best splits, once for each node that has several
             classes, level by level, and on a level in the order of the branches.
     """
@@ -93,7 +95,12 @@ def grow(
         if place.weights is not None and min_samples_leaf == 1:
             fewest = LEAST_FRACTION
         candidates = [
-            split_by(_seen_through(place, X[:, f], classes, default, n_classes), scale, fewest)
+            split_by(
+                _seen_through(place, X[:, f], classes, default, n_classes),
+                scale,
+                fewest,
+                all_around=all_around,
+            )
             for f, scale in enumerate(scales)
         ]
         chosen = choose(candidates, scales)

@@ -1,9 +1,11 @@
 """A transition tree in words: conditions, one rule per leaf, and a drawing.
 
 Numbers are rounded to six digits. A number just beside a short one, such as a threshold next to an
-example, is written as the short one, and ``<`` or a bracket gives the side. Arcs are written
-``[start, end)``, upwards, within half a circle on either side of zero: ``[-10, 10)`` degrees
-contains zero, ``[170, -170)`` contains 180.
+example, is written as the short one, and ``<`` or ``>=`` gives the side. Arcs are written within
+half a circle on either side of zero, so that the lower end comes first: ``in -10..10``, and
+``outside -10..10`` for the rest of the circle, which contains 180 degrees. Angles of features in
+radians are written in degrees, to a tenth if that tells them apart. The exact numbers are in the
+files.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from dataclasses import dataclass
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode
-from hitab_core.wording import quantity
+from hitab_core.wording import DEGREES, quantity
 
 Step = tuple[ThresholdNode | ArcNode | CategoryNode, int | None]
 """A node on a path and the branch taken there; None for a category that was not seen."""
@@ -61,19 +63,35 @@ def distribution(counts: Sequence[float], labels: Sequence[str]) -> dict[str, fl
     return {label: n / total for label, n in zip(labels, counts, strict=True) if n}
 
 
+def in_degrees(scale: Scale) -> bool:
+    """Whether the values of a feature go around once in 2π, so that they are angles in radians."""
+    return scale.kind is FeatureKind.TOROIDAL and math.isclose(scale.period, math.tau)
+
+
 def conditions(
-    path: Sequence[Step], scales: Sequence[Scale], names: Sequence[str]
+    path: Sequence[Step],
+    scales: Sequence[Scale],
+    names: Sequence[str],
+    units: Sequence[str] = (),
 ) -> tuple[str, ...]:
-    """Return the conditions on a path, with all tests of a feature merged into one."""
+    """Return the conditions on a path, with all tests of a feature merged into one.
+
+    Args:
+        path: the tests.
+        scales: of the features.
+        names: of the features.
+        units: of the features, to be written behind numbers; empty: none. Degrees always are.
+    """
     by_feature: dict[int, list[Step]] = {}
     for step in path:
         by_feature.setdefault(step[0].feature, []).append(step)
     return tuple(
-        _condition(steps, scales[feature], names[feature]) for feature, steps in by_feature.items()
+        _condition(steps, scales[feature], names[feature], units[feature] if units else "")
+        for feature, steps in by_feature.items()
     )
 
 
-def _condition(steps: Sequence[Step], scale: Scale, name: str) -> str:
+def _condition(steps: Sequence[Step], scale: Scale, name: str, unit: str) -> str:
     low, high = -math.inf, math.inf
     arcs: list[Interval] = [(0.0, math.inf)]
     for node, branch in steps:
@@ -87,10 +105,10 @@ def _condition(steps: Sequence[Step], scale: Scale, name: str) -> str:
         else:
             low = node.threshold
     if scale.kind is FeatureKind.TOROIDAL:
-        return f"{name} {_arcs(arcs, scale.period)}"
+        return f"{name} {_arcs(arcs, scale, unit)}"
     if scale.kind is FeatureKind.BOOLEAN:
         return name if low > 0 else f"not {name}"
-    return _range(low, high, name)
+    return _range(low, high, name) + (f" {unit}" if unit else "")
 
 
 def _range(low: float, high: float, name: str) -> str:
@@ -142,21 +160,36 @@ def _common(some: Sequence[Interval], others: Sequence[Interval]) -> list[Interv
     return sorted(interval for interval in common if interval[0] < interval[1])
 
 
-def _arcs(intervals: list[Interval], period: float) -> str:
-    if len(intervals) > 1 and intervals[0][0] == 0.0 and intervals[-1][1] == period:
+def _arcs(intervals: list[Interval], scale: Scale, unit: str) -> str:
+    if len(intervals) > 1 and intervals[0][0] == 0.0 and intervals[-1][1] == scale.period:
         intervals = [*intervals[1:-1], (intervals[-1][0], intervals[0][1])]
+    behind = DEGREES if in_degrees(scale) else unit
+    return " or ".join(_arc(start, end, scale, behind) for start, end in intervals)
 
-    return " or ".join(_arc(start, end, period) for start, end in intervals)
 
-
-def _arc(start: float, end: float, period: float) -> str:
-    (first, first_side), (last, last_side) = (
-        _short(place - period if place > period / 2 else place, 1e-12 * period)
-        for place in (start, end)
-    )
+def _arc(start: float, end: float, scale: Scale, unit: str) -> str:
+    first, last = (_place(place, scale) for place in (start, end))
+    behind = f" {unit}" if unit else ""
     if first == last:
-        return f"= {first}" if (end - start) % period < period / 2 else f"!= {first}"
-    return f"in {'(' if first_side > 0 else '['}{first}, {last}{']' if last_side > 0 else ')'}"
+        equal = "=" if (end - start) % scale.period < scale.period / 2 else "!="
+        return f"{equal} {first}{behind if first != '0' else ''}"
+    if in_degrees(scale):
+        tenths = [f"{round(float(place), 1) + 0.0:g}" for place in (first, last)]
+        first, last = tenths if tenths[0] != tenths[1] else (first, last)
+    if first == _place(scale.period / 2, scale):
+        first = f"-{first}"  # half-way around is written below zero where an arc begins
+    low, high = float(first), float(last)
+    return f"in {first}..{last}{behind}" if low < high else f"outside {last}..{first}{behind}"
+
+
+def _place(place: float, scale: Scale) -> str:
+    """Return a place on a circle, within half of it on either side of zero."""
+    half = scale.period / 2
+    signed, half_text = (place - scale.period if place > half else place), f"{half:.6g}"
+    if in_degrees(scale):
+        signed, half_text = math.degrees(signed), "180"
+    text, _ = _short(signed, 1e-12 * scale.period)
+    return half_text if text == f"-{half_text}" else text
 
 
 def _ways_on(node: ThresholdNode | ArcNode | CategoryNode, scale: Scale) -> list[int | None]:

@@ -11,7 +11,7 @@ from hitab_core.domain import Domain, Scale
 from hitab_core.errors import HitabError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
-from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.learning.transition_learning import earlier, learn_transitions
 from hitab_core.library.behavior_file import BehaviorFile, feature_record, file_name, scale_of
 from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
 from hitab_core.library.digests import checksum, learned_digest
@@ -105,8 +105,13 @@ class _Reader:
         readable, readings = self._readings()
         examples = self._examples([str(state) for state in states], scales, readings)
         self._stop_if_wrong()
-        functions = self._learn(examples, features, scales)
-        trees = {state: function.digest() for state, function in functions.items()}
+        functions, trees = self._learn(content["classifier"], examples, features, scales)
+        if trees != content["trees"]:  # perhaps an earlier version has saved it
+            classifier = earlier(content["classifier"])
+            former = self._learn(classifier, examples, features, scales)
+            if former[1] == content["trees"]:
+                functions, trees = former
+                content = {**content, "classifier": classifier}
         if not self._accepting:
             self._check_trees(trees)
             self._check_uses({s.name for s in states if s.name not in FLAGS})
@@ -289,16 +294,21 @@ class _Reader:
         return examples
 
     def _learn(
-        self, examples: Sequence[Example], features: Sequence[Use], scales: Sequence[Scale]
-    ) -> Mapping[str, LearnedTransition]:
+        self,
+        classifier: str,
+        examples: Sequence[Example],
+        features: Sequence[Use],
+        scales: Sequence[Scale],
+    ) -> tuple[Mapping[str, LearnedTransition], dict[str, str]]:
+        """Return what is learned for each state, and its digest."""
+        names = [str(use) for use in features]
         try:
-            return learn_transitions(
-                examples, scales, self._content["classifier"], [str(use) for use in features]
-            )
+            functions = learn_transitions(examples, scales, classifier, names)
         except HitabError as error:
             self._complaints.add(("classifier",), f"nothing can be learned: {error}")
             self._complaints.raise_any()
             raise
+        return functions, {state: function.digest() for state, function in functions.items()}
 
     def _check_trees(self, learned: Mapping[str, str]) -> None:
         stated = self._content["trees"]

@@ -10,6 +10,7 @@ from hitab_core.domain import Domain
 from hitab_core.hierarchy import Uses, circular
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.vocabulary import has
+from hitab_core.wording import quantity
 
 
 def misfits(
@@ -110,8 +111,8 @@ def _complaints(
             )
         elif len(parameters) != len(state.arguments):
             complaints.append(
-                f"{place}, which takes {len(parameters)} target(s) "
-                f"({', '.join(parameters) or 'none'}), not {len(state.arguments)}; "
+                f"{place}, which takes {quantity(len(parameters), 'target')}, "
+                f"not {len(state.arguments)}; "
                 "train one of the two again"
             )
     return complaints

@@ -16,7 +16,8 @@ from hitab_core.automaton import Automaton
 from hitab_core.running.batch_automaton import NOTHING, BatchAutomaton, BatchLevel, draws_of
 from hitab_core.running.batch_senses import BatchSenses
 from hitab_core.running.observing import Change
-from hitab_core.running.running_automaton import Condition, RunContext, RunningBasicBehavior
+from hitab_core.running.running_automaton import Condition, RunContext
+from hitab_core.running.running_basic import RunningBasicBehavior
 from hitab_core.use import Use
 
 

@@ -7,12 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
+from hitab_core.action_behavior import ActionBehavior
 from hitab_core.automaton import FLAGS, OWN_NAMES, START, Automaton
 from hitab_core.domain import BasicBehavior
 from hitab_core.errors import NoValueError
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.observing import Change, Observe, guest
-from hitab_core.running.senses import Senses, resolved
+from hitab_core.running.running_basic import RunningAction, RunningBasicBehavior
+from hitab_core.running.senses import Senses
 from hitab_core.transition_function import Decide, TransitionFunction
 from hitab_core.use import Use
 
@@ -76,47 +78,12 @@ class RunContext:
     def perform(self, use: Use, above: RunningAutomaton | None = None) -> Running:
         """Return a performance of ``use``, not started; all arguments must be targets."""
         behavior = self.repertoire.get(use.name)
+        if isinstance(behavior, ActionBehavior):
+            return RunningAction(self.repertoire.domain, self.body, behavior, use)
         if isinstance(behavior, BasicBehavior):
-            return RunningBasicBehavior(self, behavior, use)
+            return RunningBasicBehavior(self.repertoire.domain, self.body, behavior, use)
         bindings = dict(zip(behavior.parameters, use.arguments, strict=True))
         return RunningAutomaton(self, behavior, bindings, above, str(use))
-
-
-class RunningBasicBehavior:
-    """A basic behavior being performed; a one-shot one pulses once per start."""
-
-    __slots__ = ("_one_shot", "_pulse", "_pulsed", "_start", "_stop", "raised")
-
-    def __init__(self, context: RunContext, behavior: BasicBehavior, use: Use) -> None:
-        domain, body = context.repertoire.domain, context.body
-        self._start = resolved(behavior.start, body, domain, use)
-        self._pulse = resolved(behavior.pulse, body, domain, use)
-        self._stop = resolved(behavior.stop, body, domain, use)
-        self._one_shot = behavior.one_shot
-        self._pulsed = False
-        self.raised: set[str] = set()
-
-    @property
-    def active_path(self) -> list[str]:
-        """Nothing: a basic behavior has no states."""
-        return []
-
-    def start(self) -> None:
-        """Start performing."""
-        self._pulsed = False
-        self._start()
-
-    def tick(self) -> None:
-        """Pulse once; a one-shot behavior only the first time."""
-        if self._one_shot:
-            if self._pulsed:
-                return
-            self._pulsed = True
-        self._pulse()
-
-    def stop(self) -> None:
-        """Stop performing."""
-        self._stop()
 
 
 class Level(NamedTuple):

@@ -30,8 +30,8 @@ class TrainingCost:
         wall_seconds: that the person took; pauses of more than `PAUSE_SECONDS` count as none.
         simulated_seconds: of the world, between the steps of the person.
         commands: that were given.
-        examples: that were learned from in the end.
-        wasted: examples that were recorded, and deleted, undone or superseded.
+        examples: that there were in the end, as a list of them shows; superseded ones included.
+        wasted: examples that were recorded and not learned from: deleted, undone or superseded.
         undos: of anything.
         structures: sets of features that were tried.
         proposals: of the agent that were accepted.
@@ -84,7 +84,7 @@ def training_cost(records: Iterable[Mapping[str, Any]]) -> TrainingCost | None:
         _passed(walls, PAUSE_SECONDS),
         _passed(simulated, PAUSE_SECONDS),
         told.count("command"),
-        learned,
+        len(log),
         max(0, len(begin["examples"]) + log.recorded - learned),
         told.count("undo"),
         1 + told.count("features"),

@@ -12,6 +12,7 @@ from hitab_core.learning.transition_learning import learner
 from hitab_core.repertoire import Repertoire
 from hitab_core.use import NAME, NAME_RULE, Use
 from hitab_core.vocabulary import check_known
+from hitab_core.wording import quantity
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class Curriculum:
         Raises:
             VocabularyError: if a text is not a use of a behavior or feature.
 
-        Example:
+        Examples:
             >>> wanted = Curriculum.parse("GoTo", ["DistanceTo(A)"], [], ["A"], ["ball"], "tree")
             >>> wanted.features
             (Use(name='DistanceTo', arguments=('A',)),)
@@ -101,8 +102,8 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
         raise VocabularyError(f'"{name}" has a parameter twice; give each a name of its own')
     if len(curriculum.parameters) != len(curriculum.arguments):
         raise VocabularyError(
-            f'"{name}" has {len(curriculum.parameters)} parameter(s) but '
-            f"{len(curriculum.arguments)} target(s) to train with"
+            f'"{name}" has {quantity(len(curriculum.parameters), "parameter")} but '
+            f"{quantity(len(curriculum.arguments), 'target')} to train with; give one for each"
         )
     for argument in curriculum.arguments:
         check_known("target", argument, repertoire.domain.targets)

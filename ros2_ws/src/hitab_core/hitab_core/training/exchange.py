@@ -32,7 +32,7 @@ def exchanged(
     Args:
         examples: with values of ``before``.
         before: the features of their values.
-        features: that their values shall be of.
+        features: of the new values.
         readable: names of their readings.
         name: of the automaton, for errors.
 
@@ -78,7 +78,7 @@ def realigned(
     Args:
         examples: with readings of ``names``.
         names: of their readings.
-        readable: names of the readings that they shall have; NaN where there is none.
+        readable: names of the new readings; NaN where there is none.
     """
     if tuple(names) == tuple(readable):
         return tuple(examples)

@@ -8,7 +8,7 @@ situation of that time.
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -128,7 +128,7 @@ class Moments:
             del kept[:first]
 
     def due(self, ago: float, seen: int = 0) -> Moment:
-        """Return the moment at which a command was due.
+        """Return the moment nearest to when a command was due.
 
         Args:
             ago: how long before what the demonstrator saw, s of simulated time.
@@ -155,7 +155,7 @@ class Moments:
             )
         if seen:
             base = next((m.time for m in reversed(kept) if m.cycle <= seen), kept[0].time)
-        return moment_before(kept, base - ago)
+        return nearest(kept, base - ago)
 
     def since(self, time: float) -> list[Moment]:
         """Return the moments from a time on, s."""
@@ -191,11 +191,15 @@ class Moments:
         return tuple(m for i, m in enumerate(reversed(chosen)) if i % step == 0)[::-1]
 
 
-def moment_before(moments: Sequence[Moment], time: float) -> Moment:
-    """Return the last of some moments that is not after a time; the first if all are."""
+def nearest(moments: Sequence[Moment], time: float) -> Moment:
+    """Return the one of some moments that is nearest to a time; the later one of two as near.
+
+    One moment too early costs more than one too late: nothing may have happened yet.
+    """
+    after = bisect_left(moments, time, key=lambda moment: moment.time)
+    around = moments[max(after - 1, 0) : after + 1]
     # Times are sums of steps that no number holds exactly.
-    place = bisect_right(moments, time + STEP_SECONDS / 10, key=lambda moment: moment.time)
-    return moments[max(place - 1, 0)]
+    return min(reversed(around), key=lambda moment: round(abs(moment.time - time), 6))
 
 
 def state_of(active: str) -> str:

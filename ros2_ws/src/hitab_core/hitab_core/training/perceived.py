@@ -23,11 +23,15 @@ from hitab_core.training.moments import (
     STEP_SECONDS,
     Moment,
     Moments,
-    moment_before,
+    nearest,
     readable,
     state_of,
 )
+from hitab_core.training.responses import responded
 from hitab_core.use import Use
+
+TIMERS = tuple(use for use in OWN_FEATURES if use.name not in FLAGS)
+"""Nobody responds to how a timer is set back."""
 
 BLAMED_SECONDS = 1.0
 """A change of state that was longer before a correction was due is not what is corrected."""
@@ -144,6 +148,7 @@ class Perceived:
         cycle: int,
         ago: float,
         seen: int,
+        corrects: str = "",
     ) -> Moment:
         """Return the moment for which a command is meant.
 
@@ -152,6 +157,7 @@ class Perceived:
             features: of the automaton in training.
             cycle: of the world, now.
             ago, seen: see `Moments.due`.
+            corrects: see `responded`.
 
         Raises:
             TrainingError: if that moment is not kept.
@@ -163,6 +169,13 @@ class Perceived:
             entered = self._entered
             if entered is not None and due.time <= entered.time:
                 due = entered  # no command was due before the one that the person gave before it
+            if ago:
+                scale_of = running.context.repertoire.scale_of
+                columns = {
+                    self._column[use]: scale_of(use) for use in features if use not in TIMERS
+                }
+                moments = self._since_entered()
+                due = responded(moments, due, ago, columns, corrects)
             if latest is not None and due.time < latest.time:
                 return due
         # The present one, with the values that the next decision would use.
@@ -171,6 +184,13 @@ class Perceived:
         for feature, value in zip(features, values, strict=True):
             readings[self._column[feature]] = value
         return Moment(cycle, self.time, state_of(running.active), tuple(readings))
+
+    def _since_entered(self) -> Sequence[Moment]:
+        """Return what a command can respond to, after what was responded to before it."""
+        entered, kept = self._entered, self.moments.since(-math.inf)
+        if entered is None:
+            return (*kept[:1], *kept)
+        return (entered, *(moment for moment in kept if moment.time > entered.time))
 
     def in_moment(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
         """Return the values of features in a moment; NaN where there is none."""
@@ -258,7 +278,7 @@ class Perceived:
 
         Args:
             examples: of the training.
-            features: whose values the corrections shall have.
+            features: of the corrections' values.
         """
         by_command = {e.command: e for e in examples if not e.is_default}
         for command, (at, wrong, right) in self._corrected.items():
@@ -313,9 +333,15 @@ class Perceived:
             )
         time, moments = self._windows[command]
         longest = time - moments[0].time
-        if not 0.0 <= ago <= longest + STEP_SECONDS:
+        if not ago >= 0.0:
             raise TrainingError(
-                f"what was {ago:g} s before example {example} was recorded is not kept; give a "
-                f"number from 0 to {longest:.2g}"
+                f"a command cannot have been due {-ago:g} s after it was given; give a number "
+                f"from 0 to {longest:.2g}"
             )
-        return moment_before(moments, time - ago)
+        if ago > longest + STEP_SECONDS:
+            raise TrainingError(
+                f"{ago:g} s is too long ago: what was perceived in the last {longest:.2g} s "
+                f"before example {example} is kept; give a number from 0 to {longest:.2g}, or "
+                "delete the example and demonstrate it again"
+            )
+        return nearest(moments, time - ago)

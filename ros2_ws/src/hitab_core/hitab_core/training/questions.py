@@ -2,109 +2,39 @@
 
 There are four kinds of questions. Two commands in the same situation contradict each other; an
 example made the agent do what was then corrected, and was perhaps a mistake; the examples say too
-little somewhere; several explanations fit the examples. Each is found again from the examples as
+little somewhere, as on the side of a circle where a command was not shown; several explanations
+fit the examples. Each is found again from the examples as
 they are (`hitab_core.advice`), so an answer that changes them ends its question, and undoing the
 answer asks it again.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import StrEnum
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from hitab_core.advice.ambiguity import Ambiguity, ambiguities
-from hitab_core.advice.evidence import Evidence, answer_kind
+from hitab_core.advice.ambiguity import Ambiguity, searched_ambiguities
 from hitab_core.advice.mistakes import contradictions, propose, suspects
-from hitab_core.advice.proposals import Correction, Proposal, ProposalKind
+from hitab_core.advice.proposals import Proposal, ProposalKind
+from hitab_core.advice.sides import UnshownSide, unshown_sides
 from hitab_core.automaton import START
-from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example
+from hitab_core.example import Example, ExampleKind
+from hitab_core.training import question_texts
+from hitab_core.training.question import (
+    KEEP,
+    REMOVE,
+    Choice,
+    Material,
+    Question,
+    QuestionKind,
+    added,
+)
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
 
-REMOVE, KEEP = "remove", "keep"
-
-
-class QuestionKind(StrEnum):
-    """What a question is about."""
-
-    CONTRADICTION = "contradiction"
-    MISTAKE = "mistake"
-    SPARSE = "sparse"
-    AMBIGUITY = "ambiguity"
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One answer to a question.
-
-    Attributes:
-        name: what the person says.
-        effect: what it does, for people.
-        record: the step of the training that it is, as the journal records it; None: nothing is
-            changed, and the question is not asked again.
-    """
-
-    name: str
-    effect: str
-    record: Mapping[str, Any] | None
-
-
-@dataclass(frozen=True)
-class Question:
-    """A question to the demonstrator.
-
-    Attributes:
-        number: unique within the training.
-        kind: what it is about.
-        text: the question.
-        state: label of the state whose decision it is about.
-        examples: numbers of the examples that it is about.
-        choices: what can be answered; the first one is proposed.
-        situation: values of the automaton's features in which to decide; NaN: any. Empty: none.
-        key: what makes it the same question again.
-    """
-
-    number: int
-    kind: QuestionKind
-    text: str
-    state: str
-    examples: tuple[int, ...]
-    choices: tuple[Choice, ...]
-    situation: tuple[float, ...] = ()
-    key: tuple[Any, ...] = field(default=(), repr=False)
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The key as plain data, for the journal."""
-        return tuple(map(str, self.key))
-
-
-@dataclass(frozen=True)
-class Material:
-    """What questions are found from.
-
-    Attributes:
-        examples: of the training.
-        scales, names, units: of the features.
-        classifier: that learns from them.
-        labels: of the states, without Start.
-        corrections: of what the automaton did by itself.
-        perceived: the features' values in what was perceived, each with the state of that time.
-    """
-
-    examples: tuple[Example, ...]
-    scales: tuple[Scale, ...]
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    classifier: str
-    labels: tuple[str, ...]
-    corrections: tuple[Correction, ...] = ()
-    perceived: tuple[tuple[str, tuple[float, ...]], ...] = ()
+CORRECTED = 2
+"""How many other commands a correction outweighs evenly."""
 
 
 class Questions:
@@ -145,11 +75,37 @@ class Questions:
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        self._look_at(examples)
-        if not self._searched:
-            self._known = [*self._known, *self._found(material(), self._known)]
-            self._searched = True
+        for _ in self.search(material, examples):
+            pass
         return self._unless_dismissed(self._known)
+
+    def search(
+        self, material: Callable[[], Material], examples: tuple[Example, ...]
+    ) -> Iterator[None]:
+        """Look for questions, for `find`, in steps between which something else can be done.
+
+        If the examples change meanwhile, the search ends; begin another one.
+
+        Args:
+            material, examples: see `find`.
+
+        Raises:
+            TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
+        """
+        self._look_at(examples)
+        if self._searched:
+            return
+        found: list[tuple[tuple[float, ...], Question]] = []
+        for ranked in self._found(material(), self._known):
+            if ranked is not None:
+                found.append(ranked)
+            yield
+            if self._about is not examples:
+                return
+        found.sort(key=lambda ranked: ranked[0])
+        if not self._searched:
+            self._known = [*self._known, *(question for _, question in found)]
+            self._searched = True
 
     def get(self, number: int, found: Sequence[Question]) -> Question:
         """Return an open question.
@@ -180,39 +136,51 @@ class Questions:
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(self, given: Material, known: Sequence[Question]) -> list[Question]:
-        """Return those that take long to find, besides those that are known."""
-        found: list[Question] = []
+    def _found(
+        self, given: Material, known: Sequence[Question]
+    ) -> Iterator[tuple[tuple[float, ...], Question] | None]:
+        """Yield those that take long to find, besides those that are known, with their rank.
+
+        The least rank is the most useful: what made the robot do the wrong thing, then what was
+        not shown where it did, then what was shown on one side only, then what has several
+        explanations. None is yielded in between.
+        """
+        numbers: set[int] = set()
         contradicted = {number for question in known for number in question.examples}
-        proposals = propose(
-            given.examples, given.scales, given.corrections, None, given.names
-        ) + suspects(given.examples, given.scales, given.names)
+        proposals = propose(given.examples, given.scales, given.corrections, None, given.names)
+        yield None
+        proposals += suspects(given.examples, given.scales, given.names)
+        yield None
         for proposal in proposals:
             if contradicted.isdisjoint(proposal.examples):
                 question = self._of_proposal(proposal, given)
-                if question is not None and question.number not in {q.number for q in found}:
-                    found.append(question)
+                if question is not None and question.number not in numbers:
+                    numbers.add(question.number)
+                    sparse = question.kind is QuestionKind.SPARSE
+                    yield (sparse, not proposal.corrections, -proposal.score), question
         for state in (START, *given.labels):
-            evidence = Evidence.of(
-                state, given.examples, given.scales, given.names, given.units, given.classifier
-            )
+            evidence = given.evidence(state)
             if len(set(evidence.next_states)) < 2:
                 continue
             here = [at == state for at, _ in given.perceived]
-            for ambiguity in ambiguities(
-                evidence, readings=[values for _, values in given.perceived], here=here
-            ):
-                found.append(self._of_ambiguity(ambiguity, given))
-        return found
+            readings = [values for _, values in given.perceived]
+            for side in unshown_sides(evidence, readings, here):
+                yield (1, True, -side.share), self._of_side(side, given)
+            yield None
+            for ambiguity in searched_ambiguities(evidence, readings=readings, here=here):
+                if ambiguity is None:
+                    yield None
+                    continue
+                rank = (2, ambiguity.origin, -ambiguity.decisive, -ambiguity.share)
+                yield rank, self._of_ambiguity(ambiguity)
 
     def _contradictions(self, examples: tuple[Example, ...]) -> list[Question]:
         by_number = {example.number: example for example in examples}
         found = []
         for proposal in contradictions(examples):
             group = [by_number[number] for number in proposal.examples]
-            newest_first = dict.fromkeys(e.next_state for e in reversed(group))
             choices = []
-            for label in newest_first:
+            for label in _weighed(group):
                 wrong = {e.command or -e.number for e in group if e.next_state != label}
                 gone = [e.number for e in examples if (e.command or -e.number) in wrong]
                 choices.append(
@@ -227,7 +195,7 @@ class Questions:
                 Question(
                     self._number(key),
                     QuestionKind.CONTRADICTION,
-                    f"{'; '.join(proposal.evidence)}: which holds?",
+                    question_texts.commanded(group),
                     proposal.state,
                     proposal.examples,
                     tuple(choices),
@@ -235,25 +203,23 @@ class Questions:
                     key,
                 )
             )
-        return found
+        return sorted(found, key=lambda question: -max(question.examples))
 
     def _of_proposal(self, proposal: Proposal, given: Material) -> Question | None:
-        text = "; ".join(proposal.evidence)
         if proposal.kind is ProposalKind.MISTAKE:
             key = (QuestionKind.MISTAKE, proposal.examples)
             choices = [
                 Choice(
                     REMOVE,
-                    proposal.change,
+                    question_texts.removed(proposal),
                     {"do": "delete", "numbers": list(proposal.examples)},
                 ),
                 Choice(KEEP, "changes nothing", None),
             ]
-            text = f"Was {numbered('example', proposal.examples)} a mistake? {_sentence(text)}"
             return Question(
                 self._number(key),
                 QuestionKind.MISTAKE,
-                text,
+                question_texts.mistaken(proposal, given.examples),
                 proposal.state,
                 proposal.examples,
                 tuple(choices),
@@ -266,22 +232,30 @@ class Questions:
         return Question(
             self._number(where),
             QuestionKind.SPARSE,
-            f"What is right in {proposal.state} here? {_sentence(text)}",
+            question_texts.unshown(proposal, given.evidence(proposal.state)),
             proposal.state,
             proposal.examples,
-            tuple(
-                Choice(
-                    label,
-                    "adds an example",
-                    added(proposal.state, proposal.place, label),
-                )
-                for label in dict.fromkeys(labels)
-            ),
+            _commands(proposal.state, proposal.place, labels),
             proposal.place,
             where,
         )
 
-    def _of_ambiguity(self, ambiguity: Ambiguity, given: Material) -> Question:
+    def _of_side(self, side: UnshownSide, given: Material) -> Question:
+        own = [e.number for e in given.examples if e.state == side.state and e.is_learned]
+        # Who does not want to be asked means the side; an answer leads to another place there.
+        key = (QuestionKind.SPARSE, side.state, given.names[side.feature], side.next_state)
+        return Question(
+            self._number((*key, side.situation)),
+            QuestionKind.SPARSE,
+            side.text,
+            side.state,
+            tuple(own[row] for row in side.shown),
+            _commands(side.state, side.situation, (side.next_state, side.state, *given.labels)),
+            side.situation,
+            key,
+        )
+
+    def _of_ambiguity(self, ambiguity: Ambiguity) -> Question:
         key = (QuestionKind.AMBIGUITY, *ambiguity.key)
         return Question(
             self._number(key),
@@ -289,46 +263,33 @@ class Questions:
             ambiguity.text,
             ambiguity.state,
             (),
-            tuple(
-                Choice(
-                    side.next_state,
-                    f"adds an example: {side}",
-                    added(ambiguity.state, ambiguity.situation, side.next_state),
-                )
-                for side in (ambiguity.learned, ambiguity.other)
+            _commands(
+                ambiguity.state,
+                ambiguity.situation,
+                [side.next_state for side in (ambiguity.learned, ambiguity.other)],
             ),
             ambiguity.situation,
             key,
         )
 
 
-def added(state: str, situation: Sequence[float], next_state: str) -> Mapping[str, Any]:
-    """Return the step of a training that adds an example, as the journal records it."""
-    values = [None if math.isnan(value) else value for value in situation]
-    kind = answer_kind(state, next_state).value
-    return {
-        "do": "add",
-        "state": state,
-        "features": values,
-        "next_state": next_state,
-        "kind": kind,
-    }
+def _commands(state: str, situation: Sequence[float], labels: Sequence[str]) -> tuple[Choice, ...]:
+    """Return the answers that say what to do in a situation, one for each different label."""
+    return tuple(
+        Choice(label, question_texts.answered(state, label), added(state, situation, label))
+        for label in dict.fromkeys(labels)
+        if label != START
+    )
 
 
-def choice_of(question: Question, name: str) -> Choice:
-    """Return a choice by its name; empty: the proposed one.
+def _weighed(group: Sequence[Example]) -> list[str]:
+    """Return the next states of examples in the same situation, that which most speaks for first.
 
-    Raises:
-        TrainingError: if there is none of this name.
+    A correction counts for `CORRECTED` others, since the person has seen what these led to. Of
+    those with the same weight, the one that was commanded last comes first.
     """
-    if not name:
-        return question.choices[0]
-    for choice in question.choices:
-        if choice.name == name:
-            return choice
-    there = [choice.name for choice in question.choices]
-    raise TrainingError(f'question {question.number} has no choice "{name}" {has(there, name)}')
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}." if text else ""
+    weights: dict[str, int] = {}
+    for example in reversed(group):
+        weight = CORRECTED if example.kind is ExampleKind.CORRECTION else 1
+        weights[example.next_state] = weights.get(example.next_state, 0) + weight
+    return sorted(weights, key=lambda label: -weights[label])

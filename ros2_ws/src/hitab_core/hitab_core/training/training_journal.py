@@ -18,7 +18,7 @@ from hitab_core.training.example_journal import ExampleJournal, archive, records
 from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
 
-FILE_NAME = "training.jsonl"
+JOURNAL_FILE = "training.jsonl"
 
 
 class TrainingJournal:
@@ -38,7 +38,7 @@ class TrainingJournal:
             folder: where it is; None: nowhere.
             domain: name of the agent's domain.
         """
-        self._path = None if folder is None else folder / FILE_NAME
+        self._path = None if folder is None else folder / JOURNAL_FILE
         self.damage = ""
         self._domain = domain
         self._file: ExampleJournal | None = None
@@ -96,16 +96,26 @@ class TrainingJournal:
 
         Those of which nothing is known, or whose journals are damaged, are left out.
         """
+        return [cost for cost in self._all_costs() if cost.automaton == automaton]
+
+    def trained(self) -> list[str]:
+        """Return the automata of whose trainings it is known what they cost."""
+        return sorted({cost.automaton for cost in self._all_costs()})
+
+    def _all_costs(self) -> list[TrainingCost]:
         if self._path is None:
             return []
-        costs = []
-        for path in self._path.parent.glob(f"{self._path.stem}*{self._path.suffix}"):
-            records = records_in(path)
-            with suppress(HitabError, KeyError, TypeError, ValueError):
-                cost = training_cost(records) if records else None
-                if cost is not None and cost.automaton == automaton:
-                    costs.append(cost)
+        paths = self._path.parent.glob(f"{self._path.stem}*{self._path.suffix}")
+        costs = [cost for cost in map(_cost_in, paths) if cost is not None]
         return sorted(costs, key=lambda cost: cost.began)
+
+    def unsaved(self) -> TrainingCost | None:
+        """Return what the training under way has cost so far, whichever process it is in.
+
+        None: there is none, it is saved already, or its journal is damaged.
+        """
+        cost = _cost_in(self._path) if self._path is not None else None
+        return cost if cost is not None and not cost.finished else None
 
     def discard(self) -> None:
         """Archive the journal of a training that is given up.
@@ -203,3 +213,11 @@ class TrainingJournal:
         )
         session.replay(rest)
         return session
+
+
+def _cost_in(path: Path) -> TrainingCost | None:
+    """Return what a training cost; None: there is none, nothing is known, or it is damaged."""
+    records = records_in(path)
+    with suppress(HitabError, KeyError, TypeError, ValueError):
+        return training_cost(records) if records else None
+    return None

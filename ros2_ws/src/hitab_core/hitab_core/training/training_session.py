@@ -5,9 +5,10 @@ Source: the paper, section 3, "Training with HiTAB".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.errors import TrainingError, VocabularyError
@@ -19,13 +20,26 @@ from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import Direction, Edit, ExampleLog, these
 from hitab_core.training.exchange import exchanged
 from hitab_core.training.perceived import Perceived
-from hitab_core.training.questions import Material, Question, Questions, choice_of
+from hitab_core.training.question import Material, Question, choice_of
+from hitab_core.training.questions import Questions
 from hitab_core.training.training_record import prepared
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
+from hitab_core.wording import some
 
 Journal = Callable[[Mapping[str, Any]], None]
 """Writes a record to disk before it returns."""
+
+
+REMEMBERED = 1000
+"""Maximum number of commands that are recognized when they come again."""
+
+
+class Request(NamedTuple):
+    """A numbered command, which may come again if its acknowledgement was lost."""
+
+    demonstrator: str
+    number: int
 
 
 def _forget(record: Mapping[str, Any]) -> None:
@@ -49,6 +63,7 @@ class TrainingSession:
 
     Attributes:
         perception: what the agent perceived lately, and around each command.
+        requests: the latest commands it has obeyed that were numbered, before a crash too.
     """
 
     def __init__(
@@ -80,6 +95,7 @@ class TrainingSession:
         self.log = ExampleLog(examples)
         self.testing = False
         self.asked = Questions()
+        self.requests: deque[Request] = deque(maxlen=REMEMBERED)
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -151,6 +167,11 @@ class TrainingSession:
         if not self._left:
             self.perception.keep(self.running, cycle, time, jumped=jumped)
 
+    @property
+    def has_perceived(self) -> bool:
+        """Whether anything is known of what was before a command."""
+        return self.perception.moments.latest is not None
+
     def check_on(self, context: RunContext) -> None:
         """Check that the training could continue with another repertoire.
 
@@ -173,6 +194,9 @@ class TrainingSession:
                 self._make(edit)
             if record["do"] == "command":
                 self.perception.keep_around(int(record["examples"][0]["command"]), record)
+                if "request" in record:
+                    demonstrator, number = record["request"]
+                    self.requests.append(Request(str(demonstrator), int(number)))
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
@@ -187,7 +211,13 @@ class TrainingSession:
             self.running.set_transitions(self.automaton().transitions)
 
     def command(
-        self, state: Use, cycle: int = 0, *, ago: float = 0.0, seen: int = 0
+        self,
+        state: Use,
+        cycle: int = 0,
+        *,
+        ago: float = 0.0,
+        seen: int = 0,
+        request: Request | None = None,
     ) -> list[Example]:
         """Perform a behavior now and record the resulting examples.
 
@@ -195,9 +225,10 @@ class TrainingSession:
             state: the behavior with its arguments, or a flag.
             cycle: of the world, stored with the examples.
             ago: how long before what the demonstrator saw the command was due, s of simulated
-                time. The examples are of the situation of that time and leave the state that was
-                active then.
+                time, as far as a person knows. The examples are of what happened about then
+                (`hitab_core.training.responses`) and leave the state that was active then.
             seen: the world's cycle that the demonstrator saw; 0: the last one.
+            request: who commands it and with which number, to recognize it when it comes again.
 
         Returns:
             The recorded examples: one, plus a default example unless the behavior is one-shot or
@@ -217,7 +248,8 @@ class TrainingSession:
         self._check_state(state)
         label = str(state)
         perception, chosen, running = self.perception, self.curriculum.features, self.running
-        due = perception.due(running, chosen, cycle, ago, seen)
+        corrects = label if self._taken_over else ""
+        due = perception.due(running, chosen, cycle, ago, seen, corrects)
         again = label == due.state
         taught = self.log.preview(
             due.state,
@@ -232,7 +264,12 @@ class TrainingSession:
         edit = self.log.addition(taught)
         around = perception.around(due, running.active if self._taken_over else "", label)
         # On disk first: acknowledged examples must survive a crash.
-        self._write({"do": "command", "examples": [example_record(e) for e in taught], **around})
+        record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
+        if request is not None:
+            record["request"] = list(request)
+        self._write(record)
+        if request is not None:
+            self.requests.append(request)
         self.log.make(edit)
         self._taken_over = False
         perception.keep_around(taught[0].command, around)
@@ -266,6 +303,10 @@ class TrainingSession:
         self._write({"do": "train"})
         self._taken_over = self.testing
         self.testing = False
+
+    def search(self) -> Iterator[None]:
+        """Look for questions in steps; see `Questions.search`."""
+        return self.asked.search(self._material, self.log.examples)
 
     def questions(self) -> list[Question]:
         """Return what the agent asks the demonstrator; this can take a tenth of a second.
@@ -401,6 +442,14 @@ class TrainingSession:
     def _check_features(self, features: Sequence[Use]) -> None:
         chosen = replace(self.curriculum, features=tuple(features))
         check_curriculum(chosen, self.context.repertoire)
+        unread = [use for use in features if use not in self.readable]
+        if unread and not self.log.examples:
+            raise TrainingError(
+                f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
+                "with so many features, a training reads some only if they are chosen when it "
+                f"begins; begin again with it (`hitab train AGENT {self.curriculum.name} -f "
+                f'"{unread[0]}"`)'
+            )
 
     def _exchange(self, features: tuple[Use, ...]) -> Edit:
         before = self.curriculum.features

@@ -3,28 +3,33 @@
 from hitab_studio.actions import (
     answering,
     arranging,
+    bootstrapping,
     correcting,
     exchanging,
     launching,
     looking,
     recording,
     saving,
+    stopping,
     teaching,
     timing,
 )
-from hitab_studio.actions.registry import Wishes, perform
+from hitab_studio.actions.registry import Wishes, is_urgent, perform
 
 __all__ = [
     "Wishes",
     "answering",
     "arranging",
+    "bootstrapping",
     "correcting",
     "exchanging",
+    "is_urgent",
     "launching",
     "looking",
     "perform",
     "recording",
     "saving",
+    "stopping",
     "teaching",
     "timing",
 ]

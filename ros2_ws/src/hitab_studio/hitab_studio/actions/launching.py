@@ -17,6 +17,23 @@ async def swarm_start(session: Session, data: Data) -> None:
     launcher.run("up", name)
 
 
+@action("swarm-choose")
+async def swarm_choose(session: Session, data: Data) -> None:
+    """Show another swarm that is up, on all pages."""
+    target = session.shared.store.known.target
+    chosen = (
+        next((c for c in target.choices if c.folder == data["name"]), None) if target else None
+    )
+    if chosen is None:
+        raise SwarmError("That swarm is not up any more.")
+    if why := session.shared.generations.why_busy:
+        raise SwarmError(why)
+    session.shared.link.choose(chosen.folder)
+    for other in list(session.shared.sessions.values()):
+        if other is not session:
+            other.tell(f"{session.holder.name} has chosen {chosen.swarm}")
+
+
 @action("swarm-stop-dialog")
 async def swarm_stop_dialog(session: Session, data: Data) -> None:
     """Ask whether the swarm is to be stopped."""
@@ -39,6 +56,6 @@ async def launch_dismiss(session: Session, data: Data) -> None:
 
 def _name(session: Session) -> str:
     target = session.shared.store.known.target
-    if target is None or not target.swarm:
+    if target is None or not target.folder:
         raise SwarmError("No swarm is up that could be stopped.")
     return target.swarm

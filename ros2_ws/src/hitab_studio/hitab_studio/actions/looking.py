@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hitab_studio import reasons
-from hitab_studio.actions.registry import Data, action
+from hitab_studio.actions.registry import Data, action, refuse
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
 from hitab_studio.session import TABS, Session
 
@@ -112,7 +112,7 @@ async def message_close(session: Session, data: Data) -> None:
 @action("why", repeats=True)
 async def why(session: Session, data: Data) -> None:
     """Say why something does nothing at present."""
-    session.tell(str(data["reason"])[:MOST_REASON])
+    refuse(session, str(data["reason"])[:MOST_REASON], "good")
 
 
 @action("escape", repeats=True)

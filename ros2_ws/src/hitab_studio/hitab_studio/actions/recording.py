@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 from hitab_client import SwarmError
-from hitab_studio import recordings
+from hitab_client.recording import recordings
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.replay import Player, Recording
 from hitab_studio.session import Session

@@ -17,22 +17,35 @@ ACTIONS: dict[str, Action] = {}
 REPEATED: set[str] = set()
 """Actions that fast clicking repeats."""
 
+URGENT: set[str] = set()
+"""Actions that wait for no other one."""
 
-def action(name: str, *, repeats: bool = False) -> Callable[[Action], Action]:
+
+def action(
+    name: str, *, repeats: bool = False, urgent: bool = False
+) -> Callable[[Action], Action]:
     """Register a function as the action with this name.
 
     Args:
         name: used by pages.
         repeats: whether a double click performs it twice; otherwise once.
+        urgent: whether it is performed at once, whatever the page has asked for before.
     """
 
     def register(function: Action) -> Action:
         ACTIONS[name] = function
         if repeats:
             REPEATED.add(name)
+        if urgent:
+            URGENT.add(name)
         return function
 
     return register
+
+
+def is_urgent(data: Any) -> bool:
+    """Whether a request of a page is to be handled at once."""
+    return isinstance(data, Mapping) and data.get("do") in URGENT
 
 
 class Wishes:
@@ -84,17 +97,26 @@ def _same(one: Data, other: Data) -> bool:
     return {**one, "seen": 0} == {**other, "seen": 0}
 
 
+def refuse(session: Session, why: str, kind: str = "bad") -> None:
+    """Say why something was not done: in the dialog that asks for it, else as a message."""
+    if session.dialog:
+        session.dialog["refused"] = why
+    else:
+        session.tell(why, kind)
+
+
 async def perform(session: Session, data: Data) -> None:
     """Handle a request of a page; show errors on it."""
     wanted = ACTIONS.get(str(data.get("do")))
     if wanted is None:
         session.tell(f"unknown action {data.get('do')}", "bad")
         return
+    session.dialog.pop("refused", None)
     try:
         await wanted(session, data)
     except HitabError as error:
-        session.tell(str(error), "bad")
+        refuse(session, str(error))
     except Exception as error:
         logging.getLogger(__name__).exception("action %s", data.get("do"))
-        session.tell(f"That did not work: {error}", "bad")
+        refuse(session, f"That did not work: {error}")
     session.touch()

@@ -7,7 +7,6 @@ from typing import Any
 from hitab_msgs.srv import GetBehavior
 
 from hitab_client import DistributionReport, SwarmError, learned_of
-from hitab_core import quantity
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.session import Session
@@ -151,62 +150,3 @@ async def distribute(session: Session, data: Data) -> None:
         f"{behavior}: {len(report.accepted)} of {len(receivers)} have it",
         "good" if report.complete else "bad",
     )
-
-
-@action("round-dialog")
-async def round_dialog(session: Session, data: Data) -> None:
-    """Explain a round of behavior bootstrapping before it starts."""
-    training = session.watched.training
-    if training is None:
-        raise SwarmError("A round begins with a training: train the first version.")
-    others = [a for a in session.agents if a != session.agent]
-    session.dialog = {
-        "kind": "round",
-        "agent": session.agent,
-        "training": training,
-        "receivers": others,
-        "done": [],
-    }
-
-
-@action("round")
-async def bootstrap(session: Session, data: Data) -> None:
-    """Save, distribute and start, begin a new episode, train further: one round."""
-    training = session.dialog["training"]
-    name, done = training.name, session.dialog["done"]
-    receivers = list(session.dialog["receivers"])
-    arguments = dict(zip(training.parameters, training.arguments, strict=False))
-
-    def say(text: str) -> None:
-        done.append(text)
-        session.touch()
-
-    def kept(swarm: Connected, agent: str) -> Any:
-        return swarm.agents.save(agent, keep_unused=True)
-
-    say((await session.ask_agent(kept)).message)
-    report = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.distribute(
-            agent, name, arguments=list(arguments.values()), receivers=receivers, start=True
-        )
-    )
-    mates = quantity(len(receivers), "team mate")
-    say(f"{len(report.accepted)} of {mates} took it in and perform it")
-    if not report.complete:
-        lacking = ", ".join([*report.refused, *report.silent])
-        raise SwarmError(f"The round stops here, since {lacking} did not take {name} in.")
-    answer = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.begin(
-            agent,
-            name,
-            features=list(training.features),
-            states=[],
-            parameters=list(arguments),
-            arguments=list(arguments.values()),
-            resume=name,
-        )
-    )
-    say(answer.message)
-    await session.ask_world(lambda world: world.control("reset"))
-    say("A new episode begins: train further among team mates that can do this much.")
-    session.tab = "teach"

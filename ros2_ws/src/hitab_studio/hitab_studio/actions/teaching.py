@@ -6,13 +6,12 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError, is_answered
+from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError, demonstrating, is_answered
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
-from hitab_studio.reactions import due
 from hitab_studio.session import Asked, Session, parameters_of
 
 
@@ -68,15 +67,13 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     def job(swarm: Connected, agent: str) -> None:
         nonlocal sent
         sent = True
-        if swarm.agents.await_agent(agent).mode == "testing":
-            # One keystroke: a command also takes over.
-            swarm.agents.set_mode(agent, "training")
-        when = due(swarm.world, reaction, seen)
-        swarm.agents.command(
+        demonstrating.command(
+            swarm.agents,
+            swarm.world,
             agent,
             behavior,
-            ago=when.ago,
-            seen=when.seen,
+            reaction=reaction,
+            seen=seen,
             sequence=number,
             seconds=seconds,
             demonstrator=demonstrator,
@@ -151,7 +148,7 @@ async def toggle(session: Session, data: Data) -> None:
         or (status.mode == "performing" and session.watched.training is None)
     ):
         raise SwarmError(f"{session.agent or 'no agent'} is not being trained: begin a training.")
-    mode = "testing" if status.mode == "training" else "training"
+    mode = demonstrating.other_mode(status)
     await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
 
 
@@ -203,6 +200,7 @@ async def new(session: Session, data: Data) -> None:
         "kind": "new",
         "agent": session.agent,
         "resume": str(data.get("resume", "")),
+        "name": str(data.get("name", "")),
         "parameter": "",
     }
     session.shared.link.probe(session.agent, on=True)

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from hitab_client import SwarmError, reaction_time
+from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
-from hitab_studio.reactions import earlier
 from hitab_studio.session import Session
 
 RETIME = "retime"
@@ -77,8 +77,11 @@ async def reaction_measured(session: Session, data: Data) -> None:
 
 def _told(seconds: float) -> str:
     if seconds:
-        return f"your commands count {seconds:g} s earlier from now on"
-    return "your commands count from now on when you press the key"
+        return (
+            f"from now on your commands count for what the field showed {seconds:g} s before you "
+            "pressed the key"
+        )
+    return "from now on your commands count for what the field shows when you press the key"
 
 
 @action("earlier", repeats=True)
@@ -86,14 +89,7 @@ async def due_earlier(session: Session, data: Data) -> None:
     """Have the last command be due a little earlier than it is at present."""
 
     def job(swarm: Connected, agent: str) -> str:
-        examples = swarm.agents.list_examples(agent).examples
-        last = max(examples, key=lambda e: (e.command, -e.number), default=None)
-        if last is None:
-            raise SwarmError("There is no command yet that could have been due earlier.")
-        ago = round(last.ago + earlier(swarm.world), 3)
-        swarm.agents.edit_examples(agent, RETIME, [last.number], ago=ago)
-        now = {e.number: e for e in swarm.agents.list_examples(agent).examples}[last.number]
-        return f"{now.state} → {now.next_state} was due {now.ago:.2g} s earlier"
+        return put_earlier(swarm.agents, swarm.world, agent)
 
     session.tell(await session.ask_agent(job))
 
@@ -106,7 +102,10 @@ async def retime(session: Session, data: Data) -> None:
         ago = float(text)
     except ValueError:
         raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
-    await session.ask_agent(
-        lambda swarm, agent: swarm.agents.edit_examples(agent, RETIME, [number], ago=ago)
-    )
-    session.tell(f"the command of example {number} was due {ago:g} s earlier")
+
+    def job(swarm: Connected, agent: str) -> float:
+        swarm.agents.edit_examples(agent, RETIME, [number], ago=ago)
+        examples = swarm.agents.list_examples(agent).examples
+        return next((e.ago for e in examples if e.number == number), ago)  # that of a cycle
+
+    session.tell(f"example {number}: {await session.ask_agent(job):.2f} s ago")

@@ -29,6 +29,7 @@ export function draw(field) {
     const [px, py] = field.toScreen(x, y);
     screen.set([px, py, heading], 3 * i);
   }
+  field.robots.drawScans(c);
   if (field.trails) drawTrails(field, c);
   drawOrders(field, c, screen, time);
   drawThings(field, c, screen);
@@ -42,7 +43,9 @@ export function draw(field) {
 // Returns the box of the text below the ground.
 function drawGround(field, c) {
   const [w, h] = field.roster.size;
-  const [left, top] = field.toScreen(-w / 2, h / 2);
+  const [mx, my] = field.roster.center;
+  const [west, east, south, north] = [mx - w / 2, mx + w / 2, my - h / 2, my + h / 2];
+  const [left, top] = field.toScreen(west, north);
   const { scale } = field.view;
   const [width, height] = [w * scale, h * scale];
   c.fillStyle = field.colors.field;
@@ -51,17 +54,18 @@ function drawGround(field, c) {
   c.strokeStyle = field.colors.grid;
   const step = [1, 2, 5, 10, 20, 50, 100, 200].find((s) => s * scale >= 42) || 500;
   c.beginPath();
-  for (let x = Math.ceil(-w / 2 / step) * step; x <= w / 2; x += step) {
+  for (let x = Math.ceil(west / step) * step; x <= east; x += step) {
     const px = Math.round(field.toScreen(x, 0)[0]) + 0.5;
     c.moveTo(px, top);
     c.lineTo(px, top + height);
   }
-  for (let y = Math.ceil(-h / 2 / step) * step; y <= h / 2; y += step) {
+  for (let y = Math.ceil(south / step) * step; y <= north; y += step) {
     const py = Math.round(field.toScreen(0, y)[1]) + 0.5;
     c.moveTo(left, py);
     c.lineTo(left + width, py);
   }
   c.stroke();
+  field.robots.drawMap(c);
   c.strokeStyle = field.colors.line;
   c.lineWidth = 1.5;
   c.strokeRect(left, top, width, height);
@@ -156,7 +160,7 @@ function dart(c, x, y, size, angle) {
 // The knobs by which a finger or a mouse turns what is chosen.
 function drawHandles(field, c, screen) {
   field.handles = [];
-  if (field.replay) return;
+  if (field.fixed) return;
   for (const name of field.chosen) {
     const i = field.index?.get(name);
     if (i === undefined || i >= field.now.n || !field.looks[i].faces) continue;

@@ -3,9 +3,11 @@
 import { MANY, draw } from "./drawing.js";
 import { cancelDrag, listen } from "./pointing.js";
 import { playReactionGame } from "./reaction.js";
+import { Robots } from "./robots.js";
 import { openStream } from "./stream.js";
 
 const ROOM = 122; // px; below the field, for two rows of behaviors
+const ABOVE = 92; // px; for a banner and the legend
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
 const TRAIL = 90;
@@ -15,7 +17,7 @@ class Field {
   constructor(canvas, session) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
-    this.roster = { names: [], kinds: [], radii: [], size: [20, 20], legend: [] };
+    this.roster = { names: [], kinds: [], radii: [], size: [20, 20], center: [0, 0], legend: [] };
     this.now = this.before = null;
     this.shown = 0; // the cycle that is nearest to what was drawn last
     this.chosen = new Set();
@@ -29,6 +31,8 @@ class Field {
     this.arrows = []; // to what is out of sight, on the screen
     this.drawn = this.frames = 0;
     this.below = ROOM;
+    this.above = ABOVE;
+    this.robots = new Robots(this);
     this.recolor();
     listen(this);
     openStream(session, (message) => this.take(message));
@@ -42,6 +46,7 @@ class Field {
   take(message) {
     if (message.t === "frame") this.takeFrame(message);
     else if (message.t === "roster") this.takeRoster(message);
+    else if (message.t === "scans") this.robots.take(message);
     else if (message.t === "say") this.takeCalls(message.said);
     else if (message.t === "order") this.orders.push({ ...message, until: performance.now() + 2200 });
     else if (message.t === "replay") this.replay = message.on;
@@ -52,18 +57,21 @@ class Field {
   }
 
   takeRoster(roster) {
-    const size = this.roster.size;
+    const { size, real } = this.roster;
     if (roster.names.join() !== this.roster.names.join()) {
       this.cancelDrag(); // what is dragged is another thing by now, or none
       this.before = this.now = null;
       this.trails = this.trails && new Map();
     }
-    this.roster = roster;
+    this.roster = { center: [0, 0], ...roster };
+    if (!roster.real) this.robots.clear();
     this.looks = roster.kinds.map((kind) => roster.looks[kind]);
     // From the lowest layer to the highest, each in the order of the roster.
     this.order = [...roster.names.keys()].sort((a, b) => this.looks[a].layer - this.looks[b].layer);
     this.index = new Map(roster.names.map((name, i) => [name, i]));
-    if (this.view.fitted || size[0] !== roster.size[0]) this.fit();
+    // What robots see of the world grows: that is no other field.
+    const another = !real !== !roster.real || (!real && size[0] !== roster.size[0]);
+    if (this.view.fitted || another) this.fit();
     document.getElementById("field-empty")?.setAttribute("hidden", "");
   }
 
@@ -108,7 +116,7 @@ class Field {
     this.canvas.height = Math.max(1, clientHeight * ratio);
     this.canvas.style.width = `${clientWidth}px`;
     this.canvas.style.height = `${clientHeight}px`;
-    if (clientWidth !== this.width) this.below = ROOM;
+    if (clientWidth !== this.width) [this.above, this.below] = [ABOVE, ROOM];
     this.width = clientWidth;
     this.height = clientHeight;
     this.ratio = ratio;
@@ -120,22 +128,30 @@ class Field {
     const [w, h] = this.roster.size;
     const [top, bottom] = this.margins();
     const scale = Math.min((this.width - 40) / w, (this.height - top - bottom) / h);
-    this.view = { scale, x: this.width / 2, y: top + (this.height - top - bottom) / 2, fitted: true };
+    const [x, y] = this.roster.center;
+    const [mx, my] = [this.width / 2, top + (this.height - top - bottom) / 2];
+    this.view = { scale, x: mx - x * scale, y: my + y * scale, fitted: true };
     this.redraw();
   }
 
   // What may lie over the field at its top and bottom: the same with and without an agent that is
   // chosen, so that the field stays where it is.
   margins() {
-    return [Math.min(92, 0.25 * this.height), Math.min(this.below, 0.25 * this.height)];
+    const low = this.roster.real ? 0.36 : 0.25; // of the window: a camera is high
+    return [Math.min(this.above, 0.25 * this.height), Math.min(this.below, low * this.height)];
   }
 
-  // Makes room for more rows of behaviors, but never under the pointer.
+  // Makes room for more rows of behaviors and for more notices, but never under the pointer.
   makeRoom() {
     const deck = document.querySelector(".deck");
-    const needed = deck ? deck.offsetHeight + 34 : 0;
-    if (needed <= this.below || this.drag || this.canvas.matches(":hover")) return;
-    this.below = needed;
+    const notices = document.querySelector(".notices");
+    const camera = document.getElementById("camera");
+    const high = Math.max(deck?.offsetHeight ?? 0, camera?.offsetHeight ?? 0);
+    const below = Math.max(this.below, high ? high + 34 : 0);
+    const above = Math.max(this.above, notices ? notices.offsetHeight + ABOVE - 40 : 0);
+    if (below === this.below && above === this.above) return;
+    if (this.drag || this.canvas.matches(":hover")) return;
+    [this.above, this.below] = [above, below];
     if (this.view.fitted) this.fit();
   }
 
@@ -219,6 +235,7 @@ class Field {
       ink: color("--ink"), faint: color("--ink-3"), paper: color("--surface"),
       training: color("--training"), testing: color("--testing"), accent: color("--accent"),
     };
+    this.robots.recolor();
     this.redraw();
   }
 
@@ -232,6 +249,11 @@ class Field {
   }
 
   // -- what a person does
+
+  // Whether nothing can be put elsewhere: in a recording, and of real robots.
+  get fixed() {
+    return this.replay || this.roster.real;
+  }
 
   key(key) {
     if (key === "f") this.fit();

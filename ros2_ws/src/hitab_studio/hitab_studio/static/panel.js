@@ -85,6 +85,10 @@ function patchNode(there, wanted) {
   if (there.isEqualNode(wanted)) return;
   const typed = there.type !== "number" || there.value !== there.defaultValue;
   const mine = (document.activeElement === there && typed) || there.dataset.kept !== undefined;
+  // What a person has filled in stays, unless the server describes another value than before.
+  const told = ["value", "checked", "name", "type"].some(
+    (name) => there.getAttribute(name) !== wanted.getAttribute(name),
+  );
   for (const { name, value } of [...wanted.attributes]) {
     if (there.getAttribute(name) !== value) there.setAttribute(name, value);
   }
@@ -92,7 +96,7 @@ function patchNode(there, wanted) {
     // <details> that a person has opened stay open.
     if (!wanted.hasAttribute(name) && name !== "open") there.removeAttribute(name);
   }
-  if (there.tagName === "INPUT" && !mine) {
+  if (there.tagName === "INPUT" && told && !mine) {
     if (there.type === "checkbox") there.checked = wanted.hasAttribute("checked");
     else there.value = wanted.getAttribute("value") || "";
   }

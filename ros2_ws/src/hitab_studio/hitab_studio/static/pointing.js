@@ -61,7 +61,7 @@ function hover(field, event) {
   const found = arrow ? arrow.i : field.thingAt(event.offsetX, event.offsetY);
   if (found !== field.hovered) {
     field.hovered = found;
-    field.canvas.style.cursor = arrow ? "pointer" : found >= 0 ? "grab" : "default";
+    field.canvas.style.cursor = arrow || (found >= 0 && field.fixed) ? "pointer" : found >= 0 ? "grab" : "default";
     field.redraw();
   }
 }
@@ -79,7 +79,7 @@ function beginDrag(field, event) {
   const starts = new Map();
   if (i >= 0) {
     const name = field.roster.names[i];
-    const together = field.replay ? [] : field.chosen.has(name) ? [...field.chosen] : [name];
+    const together = field.fixed ? [] : field.chosen.has(name) ? [...field.chosen] : [name];
     for (const other of together) {
       const k = field.index.get(other);
       if (k !== undefined) starts.set(k, [...field.now.places.subarray(3 * k, 3 * k + 2)]);
@@ -176,8 +176,8 @@ const MOVES = {
 function byKey(field, event) {
   if (!field.now) return false;
   const fine = event.shiftKey ? 0.2 : 1;
-  if (event.key === "PageDown" || event.key === "PageUp") {
-    chooseNext(field, event.key === "PageDown" ? 1 : -1);
+  if (event.key === "<" || event.key === ">") {
+    chooseNext(field, event.key === ">" ? 1 : -1);
   } else if (event.key in MOVES) {
     const [dx, dy] = MOVES[event.key].map((step) => fine * STEP * step);
     const [w, h] = field.roster.size;
@@ -208,7 +208,7 @@ function forChosen(field, change) {
     const [x, y] = places.get(k) ?? at;
     field.keyed.things.set(name, [x, y, headings.get(k) ?? at[2]]);
   }
-  if (!field.replay && (places.size || headings.size)) put(field, places, headings);
+  if (!field.fixed && (places.size || headings.size)) put(field, places, headings);
 }
 
 function chooseNext(field, step) {

@@ -25,6 +25,57 @@ function valuesOf(form) {
   return values;
 }
 
+// The emergency stop has a way of its own: it does not need the page's connection, which may be down
+// or about to be made anew. It is sent again until the server answers, after a reload of the page too.
+const PRESSED = "hitab-stop-pressed";
+const GIVE_UP_MS = 30000;
+let stopping = false;
+
+function tellOfStop(text) {
+  let band = document.getElementById("stop-told");
+  if (!band) {
+    band = document.createElement("div");
+    band.id = "stop-told";
+    band.dataset.test = "stop-told";
+    band.setAttribute("role", "alert");
+    document.body.append(band);
+  }
+  band.textContent = text;
+  band.hidden = !text;
+}
+
+async function sendStop() {
+  if (stopping) return;
+  stopping = true;
+  let told = "";
+  while (Number(sessionStorage.getItem(PRESSED)) > Date.now() - GIVE_UP_MS) {
+    try {
+      const signal = AbortSignal.timeout(3000);
+      const answer = await fetch(`/stop-robots?session=${window.STUDIO_SESSION}`, { method: "POST", signal });
+      told = answer.ok ? "" : (await answer.json()).detail;
+      break;
+    } catch {
+      told = "THE ROBOTS WERE NOT STOPPED: the studio does not answer. Use the robots' own switches.";
+      tellOfStop("The studio has not answered yet: asking it again to stop the robots. Use their own switches.");
+      await new Promise((resolve) => setTimeout(resolve, 300));
+    }
+  }
+  stopping = false;
+  sessionStorage.removeItem(PRESSED);
+  tellOfStop(told);
+}
+
+function stopRobots() {
+  sessionStorage.setItem(PRESSED, Date.now());
+  sendStop();
+}
+if (sessionStorage.getItem(PRESSED)) sendStop();
+
+// The person's agents are free at once, also for the page that a reload makes, and not only when the
+// server no longer waits for this one to connect again.
+addEventListener("pagehide", () => navigator.sendBeacon(`/leave?session=${window.STUDIO_SESSION}`));
+addEventListener("pageshow", ({ persisted }) => persisted && location.reload());
+
 // Whether what happens now comes of a further click of a double click: the server tells whether
 // that is meant.
 let again = false;
@@ -45,6 +96,7 @@ document.addEventListener("click", (event) => {
   }
   const element = event.target.closest("[data-do]");
   if (!element || element.disabled) return;
+  if (element.dataset.do === "stop-robots") return stopRobots();
   const control = event.target.closest("input, select");
   if (control && control !== element && element.contains(control)) return; // of a row that is clickable
   const form = element.closest("form");
@@ -102,7 +154,47 @@ function reached() {
     : null;
 }
 
+// The emergency stop works wherever the focus is, in a form and in front of a dialog, too.
+document.addEventListener("keydown", (event) => {
+  if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey)) return;
+  event.preventDefault();
+  event.stopImmediatePropagation();
+  if (!event.repeat) stopRobots();
+}, true);
+
 const TEXT = new Set(["INPUT", "SELECT", "TEXTAREA"]);
+
+// Keys that scroll do so in what was clicked last, in the panel at the right otherwise: the page
+// itself is never longer than the window.
+const SCROLLS = {
+  PageDown: (part) => part.scrollBy(0, 0.9 * part.clientHeight),
+  PageUp: (part) => part.scrollBy(0, -0.9 * part.clientHeight),
+  Home: (part) => part.scrollTo(0, 0),
+  End: (part) => part.scrollTo(0, part.scrollHeight),
+};
+let clicked = null;
+document.addEventListener("pointerdown", ({ target }) => (clicked = target), true);
+
+function scrollable(element) {
+  for (let part = element; part && part !== document.body; part = part.parentElement) {
+    const { overflowY } = getComputedStyle(part);
+    if (part.scrollHeight > part.clientHeight + 1 && /auto|scroll/.test(overflowY)) return part;
+  }
+  return null;
+}
+
+function scrolls(event) {
+  const active = document.activeElement;
+  if (!(event.key in SCROLLS) || TEXT.has(active?.tagName)) return false;
+  if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return false;
+  const dialog = document.querySelector("[data-modal] .dialog");
+  const part = dialog ? scrollable(active) ?? dialog
+    : scrollable(active) ?? scrollable(clicked?.isConnected ? clicked : null)
+      ?? document.querySelector(".side .pane");
+  if (part) SCROLLS[event.key](part);
+  return true;
+}
+
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") {
     if (window.studioField?.cancelDrag()) return; // that was in front
@@ -120,6 +212,10 @@ document.addEventListener("keydown", (event) => {
       element.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true }));
     }
     if (element) return; // the browser presses it
+  }
+  if (scrolls(event)) {
+    event.preventDefault();
+    return;
   }
   const typed = TEXT.has(document.activeElement?.tagName) && document.activeElement.type !== "range";
   if (typed || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
@@ -168,10 +264,10 @@ new MutationObserver(() => {
   if (modal === dialog) return;
   if (!dialog) before = document.activeElement;
   dialog = modal;
-  for (const part of document.querySelectorAll("#studio > :not(#panel-dialog, #panel-messages)")) {
+  for (const part of document.querySelectorAll("#studio > :not(#panel-dialog, #panel-messages, #panel-emergency)")) {
     part.inert = !!modal;
   }
   const first = modal?.querySelector("[autofocus]") ?? modal?.querySelector("input, select, button");
-  if (first) first.focus();
+  if (first) first.focus({ preventScroll: true }); // a long dialog begins at its top
   else if (before?.isConnected) before.focus();
 }).observe(document.body, { childList: true, subtree: true });

@@ -13,26 +13,19 @@ from jinja2.utils import markupsafe
 from hitab_core import quantity
 from hitab_studio.reasons import off
 from hitab_studio.session import Session
-from hitab_studio.views import agents, dialog, overlay, side, top
+from hitab_studio.views import agents, dialog, emergency, overlay, side, top
+from hitab_studio.views.numbers import counted, duration, measure
 
 Context = dict[str, Any]
 PANELS: dict[str, Callable[[Session], Context]] = {
     "top": top.context,
+    "emergency": emergency.context,
     "agents": agents.context,
     "overlay": overlay.context,
     "side": side.context,
     "dialog": dialog.context,
     "messages": lambda session: {"messages": session.messages.shown},
 }
-
-
-def number(value: float, digits: int = 4) -> str:
-    """Return a number in a short form for people."""
-    if math.isnan(value):
-        return "-"
-    if value == int(value) and abs(value) < 1e6:
-        return str(int(value))
-    return f"{value:.{digits}g}"
 
 
 def curve(values: list[float], width: float = 88.0, height: float = 20.0) -> str:
@@ -69,7 +62,9 @@ _environment = Environment(
     lstrip_blocks=True,
 )
 _environment.filters |= {
-    "number": number,
+    "measure": measure,
+    "duration": duration,
+    "counted": counted,
     "curve": curve,
     "clock": clock,
     "quantity": quantity,

@@ -44,8 +44,27 @@ def tree(agents: Iterable[str], groups: Mapping[str, Any]) -> Sequence[Branch]:
         agents: their names.
         groups: the last `CommanderStatus` of each commander.
     """
-    commands = tuple((name, tuple(group.subordinates)) for name, group in groups.items())
-    return _tree(tuple(agents), commands)
+    there = tuple(agents)
+    commands = tuple((name, tuple(subs)) for name, subs in commanded(groups, there).items())
+    return _tree(there, commands)
+
+
+def commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, list[str]]:
+    """Return the subordinates of each commander, also of those that were not heard yet.
+
+    A commander names its subordinates and its own commander, so a link between two of them is
+    known as soon as one of them was heard.
+
+    Args:
+        groups: the last `CommanderStatus` of each commander.
+        agents: names of those that should be there; nobody else commands.
+    """
+    there = {*groups, *agents}
+    found = {name: list(group.subordinates) for name, group in groups.items()}
+    for name, group in groups.items():
+        if group.superior in there and name not in found.get(group.superior, ()):
+            found.setdefault(group.superior, []).append(name)
+    return found
 
 
 @lru_cache(maxsize=4)

@@ -20,7 +20,8 @@ class Row:
 
     Attributes:
         fold: "open" or "closed", if there are agents below it.
-        below: number of agents below it.
+        below: number of agents below it; of a title, of those that are called so.
+        also: of a title, number of agents under these.
         mode: None for a title.
     """
 
@@ -28,6 +29,7 @@ class Row:
     depth: int
     fold: str = ""
     below: int = 0
+    also: int = 0
     mode: str | None = None
     state: str = ""
     color: str = ""
@@ -68,7 +70,7 @@ def context(session: Session) -> dict[str, Any]:
         "rows": [
             _row(session, statuses, branch.name, depth, fold, branch.size - branch.is_agent)
             if branch.is_agent
-            else Row(name=branch.name, depth=depth, fold=fold, below=branch.size)
+            else _title(branch, depth, fold)
             for branch, depth, fold in shown[:MOST]
         ],
         "count": count,
@@ -77,11 +79,18 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
+def _title(branch: Branch, depth: int, fold: str) -> Row:
+    named = len(branch.below)
+    return Row(name=branch.name, depth=depth, fold=fold, below=named, also=branch.size - named)
+
+
 def _absence(session: Session, name: str) -> str:
     """Return one word for how an agent is absent; empty if it answers."""
     known = session.shared.store.known
     if known.answers(name):
         return ""
+    if name not in known.statuses and known.is_waiting:
+        return "not heard yet"
     return "silent" if name in known.silent and name not in known.gone else "not responding"
 
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import SwarmError, reaction_time
-from hitab_core import FLAGS, FeatureKind, Use
+from hitab_core import FLAGS, Use
 from hitab_studio import reasons
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.session import Session
+from hitab_studio.views import generations
+from hitab_studio.views.legend import KEYS, WORDS
+from hitab_studio.views.numbers import measure
 from hitab_studio.views.questions import WHEN_UNSURE
 
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
@@ -22,7 +24,7 @@ NAME_FORMAT = "A name is made of letters, digits and _, and begins with a letter
 """Of behaviors and parameters, as their fields in the dialogs check it."""
 
 TITLES = {
-    "help": "Keys",
+    "help": "Keys and words",
     "new": "Train a behavior",
     "discard": "Give up a training",
     "features": "Learn from other features",
@@ -30,11 +32,12 @@ TITLES = {
     "caution": "What it does when it is unsure",
     "save": "Save a behavior",
     "distribute": "Distribute a behavior",
-    "round": "Next round",
+    "generations": "Generations of a team",
     "snapshots": "Snapshots",
     "rename-recording": "Rename a recording",
     "delete-recording": "Delete a recording",
     "stop": "Stop the swarm",
+    "release": "Release the emergency stop",
 }
 
 
@@ -64,6 +67,8 @@ def context(session: Session) -> dict[str, Any]:
         "title": TITLES.get(kind, ""),
         "name_format": NAME_FORMAT,
     }
+    if kind == "help":
+        found |= {"keys": KEYS, "words": WORDS}
     if kind == "new":
         vocabulary = session.watched.vocabulary
         parameter = dialog["parameter"]
@@ -89,6 +94,8 @@ def context(session: Session) -> dict[str, Any]:
             "same": dialog["chosen"] == dialog["used"],
             "graph": _graph(session),
         }
+    if kind == "generations":
+        found |= generations.context(session)
     if kind == "caution":
         found |= {
             "when_unsure": WHEN_UNSURE,
@@ -137,12 +144,7 @@ def _feature(session: Session, text: str, use: Use) -> Choice:
     kind, unit = vocabulary.kinds.get(name, ""), vocabulary.units.get(name, "")
     now = ""
     if (value := watched.probed.get(label)) is not None:
-        if math.isnan(value):
-            now = "no value"
-        elif kind == FeatureKind.BOOLEAN:
-            now = "yes" if value else "no"
-        else:
-            now = f"{value:.3g} {unit}".strip()
+        now = measure(value, kind, unit)
     about = _described(vocabulary.feature_descriptions, text, use)
     return Choice(label, about, f"{kind}, {unit}" if unit else kind, now)
 

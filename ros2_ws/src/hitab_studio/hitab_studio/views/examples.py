@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import Example
+from hitab_core import Example, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
 from hitab_studio.session import Session, Table
+from hitab_studio.views.numbers import measure
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class Line:
         against: numbers of the examples that contradict it.
         superseded: why nothing is learned from it; "" if something is.
         known: whether the situation in which it was recorded is known.
-        values: of the features that are shown, by name.
+        values: of the features that are shown, for people, by name.
     """
 
     example: Example
@@ -29,7 +30,7 @@ class Line:
     superseded: str
     known: bool
     marked: bool
-    values: tuple[tuple[str, float], ...]
+    values: tuple[tuple[str, str], ...]
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -49,12 +50,14 @@ def context(session: Session) -> dict[str, Any]:
     return {
         "lines": lines,
         "columns": _columns(training, session.table),
+        "units": dict(zip(training.features, map(shown_unit, training.units), strict=False)),
         "total": len(training.examples),
         "table": session.table,
         "contradictions": sum(bool(line.against) for line in every),
         "states": [s for s in dict.fromkeys([*states, "Done", "Failed"]) if s != training.name],
         "change": session.watched.change,
         "marked": len(session.table.marked),
+        "superseded": any(line.superseded for line in every),
     }
 
 
@@ -73,6 +76,8 @@ def _lines(session: Session, training: Learned) -> list[Line]:
     superseded = superseding(training.examples)
     moments = session.shared.store.known.moments
     columns = _columns(training, session.table)
+    kinds = {f: s.kind for f, s in zip(training.features, training.scales, strict=True)}
+    units = dict(zip(training.features, training.units, strict=False))
     lines = []
     for example in training.examples:
         values = dict(zip(training.features, example.features, strict=True))
@@ -86,10 +91,15 @@ def _lines(session: Session, training: Learned) -> list[Line]:
                 moments.of(session.agent, training.name, example.number, example.cycle)
                 is not None,
                 example.number in session.table.marked,
-                tuple((column, values[column]) for column in columns),
+                tuple((c, _cell(values[c], kinds[c], units.get(c, ""))) for c in columns),
             )
         )
     return lines
+
+
+def _cell(value: float, kind: str, unit: str) -> str:
+    """Return a value for people without its unit, which stands in the title of the column."""
+    return measure(value, kind, unit).removesuffix(f" {shown_unit(unit)}")
 
 
 def superseded_by(numbers: list[int] | None) -> str:

@@ -10,8 +10,10 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Use
 from hitab_studio.graph import graph
+from hitab_studio.learned import is_taken_out
 from hitab_studio.session import Session
 from hitab_studio.tree_rows import tree_rows
+from hitab_studio.views.numbers import measured
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ def context(session: Session) -> dict[str, Any]:
         "levels": levels,
         "level": shown,
         "behavior": behavior,
+        "taken_out": behavior is not None and is_taken_out(behavior),
         "graph": graph(automaton, [b.name for b in _automata(session)]) if automaton else None,
         "state": state,
         "last": last,
@@ -147,7 +150,7 @@ def _changes(session: Session) -> list[Change]:
     found = []
     for event in events:
         seen = ", ".join(
-            f"{feature} = {value:.4g}"
+            f"{feature} = {measured(session, feature, value)}"
             for feature, value in zip(event.features, event.values, strict=True)
         )
         found.append(

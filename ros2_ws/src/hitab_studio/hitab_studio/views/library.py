@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_core import automaton_as_text
+from hitab_studio.generations import have_generations
 from hitab_studio.session import Session
 
 
@@ -22,4 +23,7 @@ def context(session: Session) -> dict[str, Any]:
         "behavior": behavior,
         "text": text,
         "compare": session.compare,
+        "generations": have_generations(session.shared.store.known.target, session.agent)
+        if session.agent
+        else [],
     }

@@ -5,17 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core import FLAGS, START, Use
+from hitab_client.demonstrating import behavior_keys
+from hitab_core import FLAGS, START, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import reasons
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.launching import Startable
+from hitab_studio.learned import is_taken_out
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
+from hitab_studio.views import sensors
+from hitab_studio.views.choices import choices
 
 MODE_WORDS = {
     "idle": ("Idle", "no behavior runs"),
-    "performing": ("Performing", "a saved behavior decides"),
+    "performing": ("Performing", "a saved automaton decides"),
     "training": ("Training", "you decide: each command teaches"),
     "testing": ("Testing", "what was learned decides"),
 }
@@ -60,22 +64,40 @@ def context(session: Session) -> dict[str, Any]:
         "agent": session.agent,
         "status": status,
         "mode": mode,
-        "mode_words": MODE_WORDS.get(mode, ("", "")),
+        "mode_words": (MODE_WORDS.get(mode, ("", ""))[0], _decides(session, mode)),
         "path": list(status.active_path) if status is not None else [],
         "lock": None if holder is None or holder.session == session.id else holder.name,
         "buttons": _buttons(session),
         "asked": session.asked,
         "targets": _targets(session),
         "legend": _legend(session),
+        "camera": sensors.camera(session),
+        "silent_sensors": sensors.silent(session),
         "player": session.player,
         "empty": empty,
+        "choices": choices(session) if empty[0] else [],
         "launch": launch,
+        "making": session.shared.generations.making if live else None,
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         "startable": () if session.shared.launcher.is_busy else _startable(session),
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
+
+
+def _decides(session: Session, mode: str) -> str:
+    """Say who decides what the agent does."""
+    words = MODE_WORDS.get(mode, ("", ""))[1]
+    if mode != "performing" or not session.status.behavior:
+        return words
+    name = Use.parse(session.status.behavior).name
+    behavior = session.watched.behaviors.get(name)
+    if name in session.watched.vocabulary.trained or behavior is None:
+        return words if name in session.watched.vocabulary.trained else ""
+    if is_taken_out(behavior):
+        return "it was taken out: nothing decides"
+    return "a hand-written automaton decides" if behavior.is_automaton else "a basic behavior runs"
 
 
 def _lost_off(session: Session) -> str:
@@ -88,6 +110,11 @@ def _lost_off(session: Session) -> str:
 def _stuck(session: Session) -> str:
     """Say why nothing happens while what was learned is tested, if nothing does."""
     status, training = session.status, session.watched.training
+    if empty := _taken_out(session):
+        return (
+            f"{empty} was taken out of the robot's domain (`without:` in the swarm file): it does "
+            "nothing until it is trained, or given by another agent."
+        )
     if status is None or status.mode != "testing" or training is None or session.player:
         return ""
     world = session.shared.store.known.world
@@ -104,6 +131,16 @@ def _stuck(session: Session) -> str:
     return ""
 
 
+def _taken_out(session: Session) -> str:
+    """Return the active automaton that does nothing because it was taken out; "" if none is."""
+    status = session.status
+    if status is None or session.player is not None:
+        return ""
+    found = session.watched.behaviors
+    names = [Use.parse(label).name for label in (status.behavior, *status.active_path) if label]
+    return next((n for n in names if n in found and is_taken_out(found[n])), "")
+
+
 def _legend(session: Session) -> list[tuple[str, str]]:
     """Return the states that are active at the moment, with their colors."""
     palette = session.shared.store.palette
@@ -118,7 +155,7 @@ def _legend(session: Session) -> list[tuple[str, str]]:
 def _empty(session: Session) -> tuple[str, str, str]:
     """Return a title, an explanation and what to type, for when there is no field to show."""
     store = session.shared.store
-    if session.player is not None or store.known.scene is not None:
+    if session.player is not None or store.known.shown is not None:
         return ("", "", "")
     target = store.known.target
     if target is not None and target.problem.endswith("is not up."):
@@ -128,11 +165,33 @@ def _empty(session: Session) -> tuple[str, str, str]:
         name = target.swarm or "The swarm"
         return (f"{name} is not up", f"{how} This page finds it by itself.", f"hitab up {name}")
     if target is not None and target.problem:
-        return ("Which swarm?", target.problem, "hitab studio NAME")
+        title = "Which swarm?" if target.choices else "Not connected"
+        return (title, target.problem, "")
+    if store.known.statuses and target is not None and target.world:
+        return (f"Waiting for the world of {target.swarm}", "It does not answer yet.", "")
     if store.known.statuses:
-        return ("No world", "There are agents, but no world shows them.", "")
+        return (
+            "No robot has a place yet",
+            "The agents are in no simulated world, and no odometry and no tf says where their "
+            "robots are. Choose an agent to see its sensors, and train it as any other.",
+            "",
+        )
+    if target is not None and target.swarm and target.swarm == target.identity:
+        where = f"ROS domain {target.domain_id}"
+        return (
+            f"Waiting for {target.swarm}",
+            f"It was not started from here, and nothing of it answers in {where}.",
+            "",
+        )
     if target is not None and target.swarm:
         return (f"Waiting for {target.swarm}", "It is up but does not answer yet.", "")
+    if store.known.elsewhere:
+        return (
+            "No swarm of yours is up",
+            "Started elsewhere (from another HITAB_HOME, user or computer), and left alone: "
+            f"{some(store.known.elsewhere)}. To use one nevertheless, start a studio for it:",
+            f"hitab studio {store.known.elsewhere[0]}",
+        )
     return (
         "No swarm is up",
         "Start one here or in a terminal. This page finds it by itself."
@@ -145,8 +204,10 @@ def _empty(session: Session) -> tuple[str, str, str]:
 def _startable(session: Session) -> tuple[Startable, ...]:
     """Return the swarms that may be started now: none if one is up."""
     known = session.shared.store.known
+    if known.target is not None and known.target.choices:
+        return ()
     up = known.target is not None and known.target.swarm and not known.target.problem
-    return () if up or known.scene or known.statuses else session.shared.launcher.startable
+    return () if up or known.shown or known.statuses else session.shared.launcher.startable
 
 
 def _buttons(session: Session) -> list[Button]:
@@ -155,8 +216,7 @@ def _buttons(session: Session) -> list[Button]:
     vocabulary, training = watched.vocabulary, watched.training
     if status is None or session.player is not None or not vocabulary.behaviors:
         return []
-    names = list(vocabulary.behaviors)
-    names.sort(key=lambda b: (Use.parse(b).name in vocabulary.trained, b))
+    names = behavior_keys.in_order(vocabulary.behaviors, vocabulary.trained)
     keys = session.shared.keys
     keys.give(vocabulary.domain, names)
     if session.is_training and training is not None:

@@ -5,12 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hitab_msgs.msg import Question
+
 from hitab_studio.session import Session
+from hitab_studio.views.numbers import measured
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides all the same"),
     "halt": ("halt", "it does nothing until it is sure"),
     "hand_back": ("hand back", "you decide, as in training"),
+}
+
+TITLES = {
+    Question.CONTRADICTION: "Two commands disagree",
+    Question.MISTAKE: "Was an example a mistake?",
+    Question.SPARSE: "Too few examples here",
+    Question.AMBIGUITY: "Two explanations fit",
 }
 
 
@@ -19,15 +29,16 @@ class Asked:
     """A question.
 
     Attributes:
-        answers: each with its effect, and whether it is proposed.
-        situation: names and values of the features where it is to be decided.
+        title: what kind of question it is.
+        answers: each with its effect, and whether it is proposed; the proposed one first.
+        situation: names of the features where it is to be decided, and their values for people.
     """
 
     number: int
-    kind: str
+    title: str
     text: str
     answers: tuple[tuple[str, str, bool], ...]
-    situation: tuple[tuple[str, float], ...]
+    situation: tuple[tuple[str, str], ...]
 
 
 def questions(session: Session) -> list[Asked]:
@@ -35,22 +46,24 @@ def questions(session: Session) -> list[Asked]:
     return [
         Asked(
             question.number,
-            question.kind,
+            TITLES.get(question.kind, "A question"),
             question.text,
+            _answers(question),
             tuple(
-                (choice, effect, i == question.proposed)
-                for i, (choice, effect) in enumerate(
-                    zip(question.choices, question.effects, strict=True)
-                )
-            ),
-            tuple(
-                (feature, value)
+                (feature, measured(session, feature, value))
                 for feature, value in zip(question.features, question.situation, strict=True)
                 if not math.isnan(value)
             ),
         )
         for question in session.watched.questions
     ]
+
+
+def _answers(question: Question) -> tuple[tuple[str, str, bool], ...]:
+    """Return the answers to choose from, the proposed one first."""
+    there = enumerate(zip(question.choices, question.effects, strict=True))
+    found = [(choice, effect, i == question.proposed) for i, (choice, effect) in there]
+    return tuple(sorted(found, key=lambda answer: not answer[2]))
 
 
 def when_unsure(session: Session) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from hitab_studio.recordings import recordings, recordings_folder
+from hitab_client.recording.recordings import recordings, recordings_folder
 from hitab_studio.session import Session
 
 MOST = 30

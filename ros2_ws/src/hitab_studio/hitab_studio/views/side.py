@@ -17,6 +17,12 @@ TABS = (
     ("record", "Record", record.context),
 )
 
+AGO_MEANS = (
+    "Seconds from the situation of the example until the command reached the agent. Even without "
+    "a reaction time this is a little: the field shows the world a cycle or two late, and the "
+    "command counts for what it showed."
+)
+
 IN_REPLAY = ("learned", "record")
 """Tabs that show a recording; the others are about the swarm as it is now."""
 
@@ -35,7 +41,8 @@ def context(session: Session) -> dict[str, Any]:
         "training": training,
         "absent": absent,
         "agent_off": reasons.agent(session),
-        "asks": bool(session.agent) and not session.watched.vocabulary.domain,
+        "ago_means": AGO_MEANS,
+        "asks": bool(live) and not session.watched.vocabulary.domain,
         "counts": {
             "examples": len(training.examples) if training is not None else 0,
             "teach": len(session.watched.questions) if session.is_training else 0,

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hitab_core import natural
 from hitab_ros.names import WORLD
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
+from hitab_studio.views.agent_tree import DEEPEST, commanded
+from hitab_studio.views.choices import choices
 
 
 @dataclass(frozen=True)
 class Group:
-    """A commander with its order and how it is obeyed."""
+    """A commander with its order and how it is obeyed; `order` is None if it was not heard yet."""
 
     name: str
     depth: int
-    order: str
-    sequence: int
+    order: str | None
     obeying: int
     silent: int
     size: int
@@ -41,9 +43,12 @@ def context(session: Session) -> dict[str, Any]:
             for state, count in states.most_common(12)
         ],
         "modes": Counter(s.mode for s in store.known.statuses.values()),
-        "groups": list(_groups(store.known.groups)),
+        "groups": list(_groups(store.known.groups, store.known.agents)),
+        "expected": len(store.known.agents),
+        "waiting": store.known.is_waiting,
         "libraries": len(digests),
         "stoppable": _stoppable(session),
+        "choices": choices(session),
         "gone": sorted({*store.known.gone, *store.known.silent} - {WORLD}),
         "errors": [(n, s.last_error) for n, s in store.known.statuses.items() if s.last_error][:6],
     }
@@ -52,7 +57,7 @@ def context(session: Session) -> dict[str, Any]:
 def _stoppable(session: Session) -> str:
     """Return the swarm that may be stopped here; "" if there is none."""
     target, launcher = session.shared.store.known.target, session.shared.launcher
-    if target is None or target.problem or not target.identity or launcher.is_busy:
+    if target is None or target.problem or not target.folder or launcher.is_busy:
         return ""
     return target.swarm if launcher.startable else ""
 
@@ -61,22 +66,20 @@ def _color(index: int) -> str:
     return "" if index == NO_COLOR else STATE_COLORS[index]
 
 
-def _groups(groups: Any) -> Iterator[Group]:
+def _groups(groups: Mapping[str, Any], agents: Sequence[str]) -> Iterator[Group]:
+    """Yield the commanders, each above those that it commands."""
+    below = commanded(groups, agents)
+
     def under(name: str, depth: int) -> Iterator[Group]:
-        group = groups[name]
-        yield Group(
-            name,
-            depth,
-            group.order,
-            group.sequence,
-            sum(group.obeying),
-            sum(group.silent),
-            len(group.subordinates),
-        )
-        for sub in group.subordinates:
-            if sub in groups and depth < 8:
+        if (group := groups.get(name)) is None:
+            yield Group(name, depth, None, 0, 0, len(below[name]))
+        else:
+            obeying, silent = sum(group.obeying), sum(group.silent)
+            yield Group(name, depth, group.order, obeying, silent, len(group.subordinates))
+        for sub in sorted(below[name], key=natural):
+            if sub in below and depth < DEEPEST:
                 yield from under(sub, depth + 1)
 
-    for name, group in sorted(groups.items()):
-        if group.superior not in groups:
-            yield from under(name, 0)
+    commands = {sub for subs in below.values() for sub in subs}
+    for name in sorted(below.keys() - commands, key=natural):
+        yield from under(name, 0)

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import SwarmError
+from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import FLAGS, Example, FeatureKind
 from hitab_studio import reasons
 from hitab_studio.learned import superseding
-from hitab_studio.reactions import EARLIER_SECONDS
 from hitab_studio.session import Session
+from hitab_studio.views import sensors
+from hitab_studio.views.numbers import measure, shown_unit
 from hitab_studio.views.questions import questions, when_unsure
 
 SHOWN = 6
@@ -20,15 +22,15 @@ SHOWN = 6
 
 @dataclass(frozen=True)
 class Reading:
-    """A feature with its value now and a little earlier."""
+    """A feature with its value now, for people, and its values until now."""
 
     automaton: str
     feature: str
-    value: float
+    value: str
     unit: str
     description: str
     history: Sequence[float]
-    boolean: bool
+    kind: str
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -39,7 +41,6 @@ def context(session: Session) -> dict[str, Any]:
     last = max((e.command for e in examples), default=0)
     return {
         "recorded": [e for e in examples if e.command == last] if last else [],
-        "commands": len({e.command for e in examples}),
         "defaults": sum(e.is_default for e in examples),
         "readings": readings(session),
         "values_of": lambda example: _values(session, example),
@@ -51,11 +52,22 @@ def context(session: Session) -> dict[str, Any]:
         "earlier_off": reasons.retiming(session),
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
+        "given_up": _given_up(session),
         "reaction": _reaction(session),
         "cost": watched.cost,
         "questions": questions(session),
         "when_unsure": when_unsure(session),
+        "sensors": sensors.rows(session),
+        "sensor_notes": sensors.notes(session),
     }
+
+
+def _given_up(session: Session) -> int:
+    """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
+    cost, training = session.watched.cost, session.watched.training
+    if cost is None or training is None:
+        return 0
+    return max(0, cost.wasted - sum(not e.is_learned for e in training.examples))
 
 
 def _reaction(session: Session) -> str:
@@ -65,15 +77,18 @@ def _reaction(session: Session) -> str:
     except SwarmError as error:
         return str(error)
     if seconds:
-        return f"Your commands count {seconds:g} s earlier."
-    return "Your commands count when you press the key."
+        return f"Commands count for what the field showed {seconds:g} s before you press the key."
+    return "Commands count for what the field shows when you press the key."
 
 
-def _values(session: Session, example: Example) -> list[tuple[str, float, str]]:
+def _values(session: Session, example: Example) -> list[tuple[str, str]]:
+    """Return what the agent perceived: names of features, and values for people."""
     training = session.watched.training
     if training is None:
         return []
-    return list(zip(training.features, example.features, training.units, strict=True))
+    kinds = [scale.kind for scale in training.scales]
+    values = map(measure, example.features, kinds, training.units)
+    return list(zip(training.features, values, strict=True))
 
 
 def readings(session: Session) -> list[Reading]:
@@ -87,6 +102,7 @@ def readings(session: Session) -> list[Reading]:
         name = feature.partition("(")[0]
         unit = vocabulary.units.get(name, "")
         about = vocabulary.feature_descriptions.get(name, "")
-        boolean = name in FLAGS or vocabulary.kinds.get(name) == FeatureKind.BOOLEAN
-        found.append(Reading(automaton, feature, history[-1], unit, about, history, boolean))
+        kind = FeatureKind.BOOLEAN if name in FLAGS else vocabulary.kinds.get(name, "")
+        value = measure(history[-1], kind, unit).removesuffix(f" {shown_unit(unit)}")
+        found.append(Reading(automaton, feature, value, shown_unit(unit), about, history, kind))
     return found

@@ -7,6 +7,7 @@ from typing import Any
 from hitab_ros import names
 from hitab_studio import reasons
 from hitab_studio.session import Session
+from hitab_studio.views import emergency
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
@@ -19,17 +20,22 @@ def context(session: Session) -> dict[str, Any]:
     pace = ""
     if world is not None:
         pace = "lockstep" if world.pace == "lockstep" else f"{world.factor:g}"
+    listed = pace in ("", "lockstep", *SPEEDS)
     return {
+        **emergency.context(session),
         "swarm": store.known.target.swarm if store.known.target else "",
         "there": len(store.known.statuses) - len(store.known.gone & store.known.statuses.keys()),
+        "agents": len(store.known.agents),
+        "waiting": store.known.is_waiting,
         "world": world,
         "paused": world is not None and world.mode == "paused",
         "scene": scene,
         "pace": pace,
-        "speeds": SPEEDS,
+        "speeds": SPEEDS if listed else sorted((*SPEEDS, pace), key=float),
         "missing": list(world.missing) if world is not None else [],
         "pages": sum(other.connected for other in session.shared.sessions.values()),
         "replaying": session.player is not None,
+        "real": store.known.robots is not None,
         "world_off": world_off,
         "unplace_off": world_off or ("" if store.placements else "Nothing was placed yet."),
         "absent": reasons.absence(session, names.WORLD) if world is not None else "",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from keepaway_world import percept
@@ -12,20 +13,23 @@ from keepaway_world.predictive.forecast import Forecaster, Meeting, Point
 
 
 class PredictiveBody(KeeperBody):
-    """A keeper's body with a forecast of the ball, made on first use in a cycle."""
+    """A keeper's body with a forecast of the ball; what it works out is kept for the cycle."""
 
-    __slots__ = ("_forecaster", "_meeting", "_track")
+    __slots__ = ("_forecaster", "_meeting", "_places", "_soonest", "_track")
 
     def __init__(self, name: str, parameters: KeepawayParameters = PAPER) -> None:
         super().__init__(name, parameters)
         self._forecaster = Forecaster(parameters)
         self._track: list[Point] | None = None
         self._meeting: Meeting | None = None
+        self._places: dict[int, Point] = {}
+        self._soonest: dict[Point, int] = {}
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
         """Take this cycle's percept; drop the last forecast."""
         super().sense(values, heard)
         self._track = self._meeting = None
+        self._places, self._soonest = {}, {}
 
     @property
     def ball_track(self) -> list[Point]:
@@ -46,13 +50,23 @@ class PredictiveBody(KeeperBody):
 
     def place_of(self, place: int) -> Point:
         """Return the position of the ball or a player in the world, m."""
-        x, y = self.position
-        dx, dy = self.vector_to(place)
-        return x + dx, y + dy
+        found = self._places.get(place)
+        if found is None:
+            values = self.values
+            distance, bearing = values[place], values[percept.HEADING] + values[place + 1]
+            found = self._places[place] = (
+                values[percept.X] + distance * math.cos(bearing),
+                values[percept.Y] + distance * math.sin(bearing),
+            )
+        return found
 
     def cycles_to_meet(self, position: Point) -> int:
         """Return the number of cycles in which a player at a position could meet the ball."""
-        return self._forecaster.cycles_to_meet(position, self.ball_track)
+        cycles = self._soonest.get(position)
+        if cycles is None:
+            cycles = self._forecaster.cycles_to_meet(position, self.ball_track)
+            self._soonest[position] = cycles
+        return cycles
 
     def soonest_mate(self) -> int:
         """Return the number of cycles in which the fastest other keeper could meet the ball."""

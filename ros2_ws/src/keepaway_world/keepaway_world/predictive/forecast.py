@@ -55,6 +55,9 @@ class Forecaster:
         """
         (x, y), (vx, vy) = ball, velocity
         half_width, half_height = size[0] / 2.0, size[1] / 2.0
+        end_x, end_y = x + vx * self._rolled[-1], y + vy * self._rolled[-1]
+        if max(abs(x), abs(end_x)) < half_width and max(abs(y), abs(end_y)) < half_height:
+            return [ball, *[(x + vx * rolled, y + vy * rolled) for rolled in self._rolled[1:]]]
         track = [ball]
         for rolled in self._rolled[1:]:
             there_x, there_y = x + vx * rolled, y + vy * rolled
@@ -101,9 +104,14 @@ class Forecaster:
         This compares players of which only the position is known.
         """
         x, y = position
-        for cycles in range(len(track)):
+        ball_speed = math.dist(track[0], track[1]) if len(track) > 1 else 0.0
+        closing = self.parameters.player_speed_max + ball_speed  # m/cycle, at most
+        cycles = 0
+        while cycles < len(track):
             place = track[cycles]
-            if math.hypot(place[0] - x, place[1] - y) - COMFORTABLE <= self._run[cycles]:
+            left = math.hypot(place[0] - x, place[1] - y) - COMFORTABLE - self._run[cycles]
+            if left <= 0.0:
                 return cycles
+            cycles += max(1, int(left / closing))
         end = track[-1]
         return HORIZON + math.ceil(math.hypot(end[0] - x, end[1] - y))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import replace
 
 from keepaway_world.angles import wrapped
 from keepaway_world.interception import Order
@@ -84,7 +83,7 @@ class Eyes:
         if not self._memory:
             return {}
         p, me = self._physics.parameters, self._me
-        seen = {name: replace(one) for name, one in self._memory.items()}
+        seen = {name: one.copy() for name, one in self._memory.items()}
         myself, ball = seen[me.name], seen["ball"]
         speed = math.hypot(myself.vx, myself.vy)
         kind, amount, direction = self._order
@@ -96,7 +95,8 @@ class Eyes:
         moving = complex(myself.vx, myself.vy)
         if kind == "dash":
             moving += cmath.rect(amount * p.dash_rate, myself.heading)
-        myself = seen[me.name] = replace(_exactly(me), heading=wrapped(heading))
+        myself = seen[me.name] = _exactly(me)
+        myself.heading = wrapped(heading)
         if p.ball_collides and _felt(p, moving * p.player_decay, myself, ball):
             away = cmath.rect(TOUCHING, math.atan2(ball.y - me.y, ball.x - me.x))
             ball.x, ball.y = me.x + away.real, me.y + away.imag

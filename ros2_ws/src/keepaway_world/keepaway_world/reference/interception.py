@@ -48,14 +48,15 @@ class Meeting:
         """Return the command of this cycle."""
         predictor = self._predictor
         motion = Motion.of(me)
-        last_steps = self._last_steps(motion, ball, opponents)
         if cycle - self._cycle > 2:
             self._place = None
         self._cycle = cycle
         cycles = self._when(motion, ball)
         place = self._place = predictor.ball_after(ball, cycles)
-        if cycles < NEAR_BY and last_steps is not None:
-            return last_steps
+        if cycles < NEAR_BY:
+            last_steps = self._last_steps(motion, ball, opponents)
+            if last_steps is not None:
+                return last_steps
         if abs(predictor.rolled_out(motion, cycles) - place) < THERE:
             return predictor.turn_to(motion, motion.position + self._forward)
         return predictor.move_to(motion, place, cycles)
@@ -67,9 +68,12 @@ class Meeting:
         least, nearest = 0, 10.0  # the safest of the soonest cycles
         planned: int | None = None
         planned_off = SAME
-        place = predictor.ball_after(ball, 0)
+        start, velocity = complex(ball.x, ball.y), complex(ball.vx, ball.vy)
+        rolled, farthest = predictor.ball_sums, predictor.farthest
+        position, rolls = motion.position, predictor.rolls(motion)
+        place = start
         for cycles in range(HORIZON + 1):
-            before, place = place, predictor.ball_after(ball, cycles)
+            before, place = place, start + velocity * rolled[cycles]
             rolling = abs(place - before) if cycles else math.hypot(ball.vx, ball.vy)
             as_planned = rolling > ROLLING and self._place is not None
             safer = first is None or (
@@ -80,14 +84,16 @@ class Meeting:
             )
             if first is not None and (cycles > first + MORE or not (as_planned or safer)):
                 break
-            if not predictor.in_reach(motion, place, cycles):
+            off = abs(place - self._place) if self._place is not None else math.inf
+            if not (safer or off < planned_off):
                 continue
-            near = abs(predictor.moved_to(motion, place, cycles).position - place)
+            if abs(place - position) > rolls + farthest[cycles] + kickable:
+                continue
+            near = predictor.missed_by(motion, place, cycles, kickable)
             if near >= kickable:
                 continue
             if first is None:
                 first = least = cycles
-            off = abs(place - self._place) if self._place is not None else math.inf
             if as_planned and off < planned_off and near < SAFE * kickable:
                 planned, planned_off, nearest = cycles, off, near
             elif safer and near < nearest:

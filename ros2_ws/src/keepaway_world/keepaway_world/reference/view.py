@@ -19,6 +19,10 @@ class Seen:
     vy: float
     heading: float = 0.0
 
+    def copy(self) -> Seen:
+        """Return a copy."""
+        return Seen(self.name, self.x, self.y, self.vx, self.vy, self.heading)
+
 
 @dataclass(slots=True)
 class View:

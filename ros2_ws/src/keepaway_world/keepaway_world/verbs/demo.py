@@ -28,6 +28,8 @@ from keepaway_world.verbs.figures import draw_episode_lengths
 LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 TEACHER = "keeper_1"
 PICTURE_CYCLES = 120
+LINE_EVERY = 20
+"""Episodes after which a line says how far it is, where there is no progress bar."""
 PICTURE_TITLE = "Keepaway: keepers blue, takers red, and their ways in the last seconds"
 
 
@@ -136,7 +138,7 @@ def _evaluate(
 ) -> Evaluation:
     for agent in running.record.agents:
         running.agents.perform(agent, "Keepaway")
-    with console.progress("playing", "episodes") as advance:
+    with console.progress("playing", "episodes", line_every=LINE_EVERY) as advance:
         played, wall, missed = play_lockstep(running, episodes, seed, advance)
     digest = open_library(library).digest
     return Evaluation(

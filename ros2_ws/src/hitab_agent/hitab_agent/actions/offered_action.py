@@ -1,0 +1,152 @@
+"""Offers the behaviors of an agent as one ROS action, for programs such as a behavior tree."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from hitab_msgs.action import Perform
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.task import Future
+
+from hitab_core import FLAGS, Agent, Mode, TrainingError, Use
+from hitab_ros import GuardedNode, names
+from hitab_ros.answering import what_went_wrong
+from hitab_ros.checks import check
+from hitab_ros.conversions import use_of
+
+DONE, FAILED = FLAGS
+
+
+@dataclass(slots=True)
+class _Goal:
+    """A goal that is being carried out.
+
+    Attributes:
+        handle: of the server.
+        use: what is performed.
+        ended: gets the outcome, empty if it was canceled, and a message.
+        path: the active states that were published last.
+    """
+
+    handle: Any
+    use: Use
+    ended: Future
+    path: list[str] = field(default_factory=list)
+
+
+class OfferedAction:
+    """The server of an agent's action ``perform_until_done``.
+
+    It accepts every goal, since only a result can say why one is refused: such a goal is aborted
+    at once. The agent has one goal at a time; a new one replaces it.
+    """
+
+    def __init__(
+        self,
+        node: GuardedNode,
+        agent: Agent,
+        answered: Callable[[str], None],
+        rest: Callable[[], None],
+    ) -> None:
+        """Offer the action.
+
+        Args:
+            node: of the agent.
+            agent: the agent.
+            answered: called after a goal was accepted or, with the reason, refused.
+            rest: has the agent perform what it is ordered to or, without an order, nothing.
+        """
+        self._node = node
+        self._agent = agent
+        self._answered = answered
+        self._rest = rest
+        self._goal: _Goal | None = None
+        guard, key = node.guard, f"action {names.PERFORM_UNTIL_DONE}"
+        self._server = ActionServer(
+            node,
+            Perform,
+            names.PERFORM_UNTIL_DONE,
+            guard.wrap(key, self._carry_out, otherwise=Perform.Result(message="see its log")),
+            cancel_callback=guard.wrap(key, self._cancel, otherwise=CancelResponse.REJECT),
+        )
+
+    async def _carry_out(self, handle: Any) -> Perform.Result:
+        request = handle.request
+        try:
+            check(request)
+            use = use_of(request.behavior, request.targets)
+            self._check_free()
+            self._agent.perform(use)
+        except Exception as error:
+            handle.abort()
+            why = what_went_wrong(error)
+            self._answered(why)
+            return Perform.Result(message=why)
+        self._end(Perform.Result.REPLACED, f'"{use}" was asked for')
+        goal = self._goal = _Goal(handle, use, Future(executor=self._node.executor))
+        self._answered("")
+        outcome, message = await goal.ended
+        if outcome == Perform.Result.DONE:
+            handle.succeed()
+        elif not outcome and handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        return Perform.Result(outcome=outcome, message=message)
+
+    def _check_free(self) -> None:
+        """Check that no demonstrator trains the agent.
+
+        Raises:
+            TrainingError: if one does.
+        """
+        agent = self._agent
+        if agent.mode in (Mode.TRAINING, Mode.TESTING):
+            raise TrainingError(
+                f'{agent.name} is {agent.mode} "{agent.training}"; save that first '
+                f"(`hitab save {agent.name}`), or have it rest (`hitab perform {agent.name}`)"
+            )
+
+    def _cancel(self, handle: Any) -> CancelResponse:
+        goal = self._goal
+        if goal is None or goal.handle is not handle:
+            return CancelResponse.REJECT
+        self._end("", "canceled")
+        self._rest()
+        return CancelResponse.ACCEPT
+
+    def look(self) -> None:
+        """End the goal if its behavior has raised a flag or is no longer performed.
+
+        Call this after each tick and each change of what is performed.
+        """
+        goal = self._goal
+        if goal is None:
+            return
+        agent = self._agent
+        raised = agent.raised
+        if agent.mode is not Mode.PERFORMING or agent.top != goal.use:
+            now = f'{agent.mode} "{agent.behavior}"' if agent.behavior else str(agent.mode)
+            self._end(Perform.Result.REPLACED, f"{agent.name} is {now}")
+        elif raised:
+            flag = FAILED if FAILED in raised else DONE
+            outcome = Perform.Result.FAILED if flag == FAILED else Perform.Result.DONE
+            self._end(outcome, f'"{goal.use}" raised {flag}')
+            self._rest()
+        elif agent.active_path != goal.path:
+            goal.path = agent.active_path
+            goal.handle.publish_feedback(
+                Perform.Feedback(active_path=goal.path, cycle=agent.cycle)
+            )
+
+    def _end(self, outcome: str, message: str) -> None:
+        """End the goal, if there is one."""
+        goal, self._goal = self._goal, None
+        if goal is not None:
+            goal.ended.set_result((outcome, message))
+
+    def close(self) -> None:
+        """Take the offer back: the agent is shutting down."""
+        self._server.destroy()

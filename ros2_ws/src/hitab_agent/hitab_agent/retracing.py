@@ -1,0 +1,198 @@
+"""Training again from a recorded session, step by step, and comparing with what was recorded."""
+
+from __future__ import annotations
+
+import struct
+from array import array
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from hitab_msgs import msg
+
+from hitab_agent.offline_agent import OfflineAgent
+from hitab_core import HitabError, Mode
+from hitab_ros import names, session_topics
+
+COMPARED = ("behavior", "mode", "examples", "default_examples", "active_path")
+"""Fields of a status that say what was done in a training."""
+
+IN_TRAINING = (Mode.TRAINING.value, Mode.TESTING.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A message of the recorded agent.
+
+    Attributes:
+        sent: by the agent, ns since 1970.
+        name: last part of its topic.
+        message: it.
+    """
+
+    sent: int
+    name: str
+    message: Any
+
+
+@dataclass
+class Retraced:
+    """What was done again.
+
+    Attributes:
+        percepts, commands, requests: how many were given to the agent.
+        compared: how many recorded statuses and state changes it agreed with.
+        saved: names of the behaviors that it saved, in order.
+    """
+
+    percepts: int = 0
+    commands: int = 0
+    requests: int = 0
+    compared: int = 0
+    saved: list[str] = field(default_factory=list)
+
+
+class DifferenceError(HitabError):
+    """The agent did something else than the recorded one."""
+
+
+class Retracer:
+    """Gives an agent the steps of a recorded one, and compares what both do.
+
+    Only trainings are compared: what the recorded agent performed before the first is unknown.
+    """
+
+    def __init__(self, offline: OfflineAgent) -> None:
+        self.done = Retraced()
+        self._offline = offline
+        self._sequence: int | None = None
+        self._begun = False
+        self._sent: set[tuple[str, str, int]] = set()
+        self._changes: deque[msg.TransitionEvent] = deque()
+
+    def take(self, steps: Iterable[Step]) -> Retraced:
+        """Take the steps, in the order in which they were sent.
+
+        Raises:
+            HitabError: if a step is missing, or the agent did something else than the recorded
+                one.
+        """
+        for step in steps:
+            if step.name == session_topics.PERCEIVED:
+                self._perceive(step.message)
+            elif step.name == session_topics.COMMANDED:
+                self.done.commands += 1
+                self._offline.command(step.message)
+            elif step.name == session_topics.REQUESTED:
+                self._ask(step.message.data)
+            elif step.name == names.STATUS:
+                self._compare_status(step.message)
+            elif step.name == names.TRANSITIONS:
+                self._compare_change(step.message)
+            self._changes += self._offline.transitions()
+        return self.done
+
+    @property
+    def _trains(self) -> bool:
+        return self._offline.agent.mode.value in IN_TRAINING
+
+    def _perceive(self, percept: msg.Percept) -> None:
+        before, self._sequence = self._sequence, percept.sequence
+        if before == percept.sequence:
+            return  # repeated for another one who records
+        if before is not None and percept.sequence != before + 1 and self._trains:
+            raise HitabError(
+                f"percepts are missing between cycle {self._offline.agent.cycle} and cycle "
+                f"{percept.cycle}: whoever recorded was too slow, or another world began; record "
+                "again with less to do, or slower (`hitab world pace realtime`)"
+            )
+        self.done.percepts += 1
+        self._offline.perceive(percept)
+
+    def _ask(self, text: str) -> None:
+        try:
+            service, request = session_topics.request_of(text)
+        except ValueError as error:
+            raise HitabError(
+                f"the recording has a request that this version of HiTAB does not know: {error}"
+            ) from None
+        if service == names.BEGIN and not self._begun:
+            self._begun = True
+            self._changes.clear()
+        answer = self._offline.ask(service, request)
+        sent = service, getattr(request, "client", ""), getattr(request, "request", 0)
+        if sent[2] and sent in self._sent:
+            return  # sent again, and answered again
+        self._sent.add(sent)
+        self.done.requests += 1
+        if service == names.SAVE and answer.success:
+            self.done.saved.append(answer.path.rpartition("/")[2].partition(".")[0])
+
+    def _compare_status(self, was: msg.AgentStatus) -> None:
+        if not self._begun:
+            if was.mode in IN_TRAINING and was.examples:
+                raise HitabError(
+                    f'the recording begins in a training: "{was.behavior}" has {was.examples} '
+                    "examples already; start to record before `hitab train`"
+                )
+            return
+        now = self._offline.status()
+        if was.library_digest != now.library_digest:
+            raise self._difference(
+                f"{was.agent} knew what has the digest {was.library_digest[:12]}…",
+                f"it knows what has {now.library_digest[:12]}…; behaviors that another agent "
+                "sent, or files changed by hand, cannot be taken from a recording",
+            )
+        if was.mode not in IN_TRAINING and now.mode not in IN_TRAINING:
+            return
+        for name in COMPARED:
+            there, here = getattr(was, name), getattr(now, name)
+            if there != here:
+                raise self._difference(f"{name} was {_said(there)}", f"it is {_said(here)}")
+        self.done.compared += 1
+
+    def _compare_change(self, was: msg.TransitionEvent) -> None:
+        if not self._begun or not self._trains:
+            return
+        recorded = _exactly(was)
+        for _ in range(len(self._changes)):
+            if _exactly(self._changes.popleft()) == recorded:
+                self.done.compared += 1
+                return
+        seen = ", ".join(
+            f"{name} = {value:g}" for name, value in zip(was.features, was.values, strict=False)
+        )
+        raise self._difference(
+            f"{was.agent} went from {was.from_state} to {was.to_state}"
+            + (f" seeing {seen}" if seen else ""),
+            "it does not",
+        )
+
+    def _difference(self, was: str, now: str) -> DifferenceError:
+        return DifferenceError(
+            f"in cycle {self._offline.agent.cycle} {was}; trained from the recording, {now}. The "
+            "recording lacks something that mattered; start to record before the swarm's first "
+            "cycle, or at the beginning of an episode"
+        )
+
+
+def _exactly(value: Any) -> Any:
+    """Return what equals that of another message only if every bit of its fields is the same.
+
+    Serialized messages do not: the bytes between their fields are random. Messages neither: a
+    missing value is NaN, which equals nothing.
+    """
+    if isinstance(value, float):
+        return struct.pack("d", value)
+    if isinstance(value, array):
+        return value.tobytes()
+    if isinstance(value, list):
+        return [_exactly(one) for one in value]
+    if hasattr(value, "get_fields_and_field_types"):
+        return [_exactly(getattr(value, name)) for name in value.get_fields_and_field_types()]
+    return value
+
+
+def _said(value: Any) -> str:
+    return "/".join(value) or "nothing" if isinstance(value, list) else str(value or "nothing")

@@ -1,0 +1,94 @@
+"""What an agent took in, on topics, while somebody records it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from hitab_msgs import msg
+from std_msgs.msg import String
+
+from hitab_agent.ticker import Ticker
+from hitab_core import Agent
+from hitab_ros import GuardedNode, qos, session_topics
+
+LOOK_PERIOD_S = 0.25
+
+Serve = Callable[[Any, Any], Any]
+"""Fills in the response to a request."""
+
+_QOS = {
+    session_topics.PERCEIVED: session_topics.PERCEPTS_QOS,
+    session_topics.COMMANDED: qos.EVENTS,
+    session_topics.REQUESTED: qos.EVENTS,
+    session_topics.KNOWN: qos.EVENTS,
+}
+
+
+class SessionLog:
+    """Publishes the topics of a recorded session; without a subscriber it only looks for one.
+
+    To each new subscriber it first says what the agent knows, and what it perceived last: in a
+    paused world nothing else comes before the first command.
+    """
+
+    def __init__(self, node: GuardedNode, agent: Agent, ticker: Ticker) -> None:
+        """Begin to look for subscribers.
+
+        Args:
+            node: of the agent.
+            agent: the agent.
+            ticker: of its process.
+        """
+        self._node = node
+        self._agent = agent
+        self._publishers: dict[str, Any] = {}
+        self._listeners = 0
+        self._last: msg.Percept | None = None
+        ticker.every(LOOK_PERIOD_S, self.look, node.guard)
+
+    def perceived(self, percept: msg.Percept) -> None:
+        """Publish a percept that the agent is about to take in."""
+        self._last = percept
+        if self._listeners:
+            self._publishers[session_topics.PERCEIVED].publish(percept)
+
+    def commanded(self, command: msg.Command) -> None:
+        """Publish a command that the agent is about to obey or refuse."""
+        if self._listeners:
+            self._publishers[session_topics.COMMANDED].publish(command)
+
+    def look(self) -> None:
+        """Begin, or end, with the subscribers."""
+        if not self._publishers:
+            if not self._node.count_subscribers(session_topics.PERCEIVED):
+                return
+            for name, kind in session_topics.TOPICS.items():
+                self._publishers[name] = self._node.create_publisher(kind, name, _QOS[name])
+        counts = [p.get_subscription_count() for p in self._publishers.values()]
+        before, self._listeners = self._listeners, min(counts)
+        if self._listeners > before:
+            self._publishers[session_topics.KNOWN].publish(self._known())
+            if self._last is not None:
+                self._publishers[session_topics.PERCEIVED].publish(self._last)
+
+    def telling(self, service: str, serve: Serve) -> Serve:
+        """Return what serves a request and publishes it before."""
+        if service not in session_topics.SERVICES:
+            return serve
+
+        def told(request: Any, response: Any) -> Any:
+            if self._listeners:
+                text = session_topics.request_text(service, request)
+                self._publishers[session_topics.REQUESTED].publish(String(data=text))
+            return serve(request, response)
+
+        return told
+
+    def _known(self) -> msg.Distribution:
+        texts = self._agent.edition.texts
+        return msg.Distribution(
+            source=self._agent.name,
+            digest=self._agent.library_digest,
+            files=[msg.BehaviorFile(name=name, text=texts[name]) for name in sorted(texts)],
+        )

@@ -1,0 +1,465 @@
+"""A basic behavior may be an action: its server performs it, and its end raises a flag.
+
+The server here is the tests' own; hitab_msgs/action/Perform stands for a robot's action.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import numpy as np
+import pytest
+from hitab_msgs import msg
+from hitab_msgs.action import Perform
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.task import Future
+
+from hitab_agent.actions.action_clients import check_actions
+from hitab_agent.agent_node import AgentNode
+from hitab_agent.host.agent_batches import WORTH_IT, AgentBatches
+from hitab_core import (
+    START,
+    ActionBehavior,
+    Agent,
+    Automaton,
+    BasicBehavior,
+    BehaviorLibrary,
+    Domain,
+    Feature,
+    HandWritten,
+    HitabError,
+    Target,
+    Use,
+    calls_of,
+    feedback_feature,
+)
+from hitab_core.running import RunningAutomaton
+from hitab_ros import GuardedNode, names, qos
+from hitab_ros.testing import wait_until
+
+KIND = "hitab_msgs/action/Perform"
+PLACES = {"home": "the hut", "away": "the hill"}
+
+
+class Body:
+    """A body that does nothing itself."""
+
+    def __init__(self, name: str) -> None:
+        self.x = 0.0
+
+    def sense(self, values: Any, heard: Any) -> None:
+        (self.x,) = values
+
+    def act(self) -> Any:
+        return (), ""
+
+
+def domain(**changes: Any) -> Domain:
+    go = ActionBehavior(
+        "GoTo",
+        parameters=("X",),
+        action_type=KIND,
+        action="drive",
+        **{"goal": {"behavior": lambda body, place: place, "targets": ["slowly"]}, **changes},
+    )
+    choose = HandWritten(
+        lambda x, done, failed: (
+            "Rest" if done else "Cry" if failed else "GoTo(home)" if x else "Rest"
+        ),
+        (0, 1, 2),
+    )
+    stay = HandWritten(lambda x, done, failed: "Rest" if x < 0 else "GoTo(home)", (0, 1, 2))
+    return Domain.of(
+        "walkers",
+        "1",
+        Body,
+        behaviors=[go, BasicBehavior("Rest"), BasicBehavior("Cry")],
+        features=[
+            Feature("X", lambda body: body.x),
+            feedback_feature("Steps", "GoTo", "cycle"),
+            feedback_feature("Depth", "GoTo", "active_path", len, otherwise=0.0),
+        ],
+        targets=[Target(place, lambda body, told=told: told) for place, told in PLACES.items()],
+        automata=[
+            Automaton(
+                name,
+                (Use("GoTo", ("home",)), Use("Rest"), Use("Cry")),
+                (Use("X"), Use("Done"), Use("Failed")),
+                dict.fromkeys((START, "GoTo(home)"), function) | {"Rest": choose},
+            )
+            for name, function in (("Walk", choose), ("Stay", stay))
+        ],
+    )
+
+
+class Robot:
+    """A robot's own action server, which does what the test says, in a thread of its own.
+
+    Attributes:
+        goals: the handles of all accepted goals, in order.
+    """
+
+    def __init__(self, context: Any) -> None:
+        self.goals: list[Any] = []
+        self.accepts = self.cancels = True
+        self._endings: list[Future] = []
+        self._node = GuardedNode("robot", context=context)
+        self._server = ActionServer(
+            self._node,
+            Perform,
+            "/one/drive",
+            self._execute,
+            goal_callback=lambda goal: (
+                GoalResponse.ACCEPT if self.accepts else GoalResponse.REJECT
+            ),
+            cancel_callback=lambda handle: (
+                CancelResponse.ACCEPT if self.cancels else CancelResponse.REJECT
+            ),
+        )
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self._node)
+        self._is_up = True
+        self._thread = Thread(target=self._spin)
+        self._thread.start()
+
+    def _spin(self) -> None:
+        while self._is_up:
+            self._executor.spin_once(timeout_sec=0.1)
+
+    async def _execute(self, handle: Any) -> Any:
+        ending: Future = Future(executor=self._executor)
+        self.goals.append(handle)
+        self._endings.append(ending)
+        how, result = await ending
+        getattr(handle, how)()
+        return result
+
+    def end(self, number: int, how: str, **fields: Any) -> None:
+        """End a goal: ``succeed``, ``abort`` or ``canceled``."""
+        self._endings[number].set_result((how, Perform.Result(**fields)))
+
+    def close(self) -> None:
+        """Go away."""
+        if self._is_up:
+            self._is_up = False
+            self._thread.join()
+            self._server.destroy()
+            self._executor.shutdown()
+            self._node.destroy_node()
+
+
+class One:
+    """One agent, and its robot's server, which a test may start."""
+
+    def __init__(self, process: Any, folder: Path, kind: Domain, **parameters: Any) -> None:
+        class WalkerNode(AgentNode):
+            def load_domain(self, name: str) -> Domain:
+                return kind
+
+        self.process = process
+        given = {"action_timeout": 30.0, "action_patience": 0.0, **parameters}
+        self.node = WalkerNode(
+            namespace="/one",
+            context=process.node.context,
+            parameter_overrides=[
+                Parameter("state_dir", value=str(folder)),
+                *(Parameter(name, value=value) for name, value in given.items()),
+            ],
+            use_global_arguments=False,
+        )
+        process.add(self.node)
+        self.node.join()
+        self.agent = self.node.agent
+        self.status = msg.AgentStatus()
+        desk = process.node
+        desk.create_subscription(msg.AgentStatus, "/one/status", self._hear, qos.LATCHED)
+        self._percepts = desk.create_publisher(msg.Percept, f"/one/{names.PERCEPT}", qos.CYCLE)
+        process.until(self._percepts.get_subscription_count)
+        self._cycle = 0
+
+    def _hear(self, status: msg.AgentStatus) -> None:
+        self.status = status
+
+    def tick(self, x: float = 1.0) -> list[str]:
+        """Have it perceive and act once; return its active states."""
+        self._cycle += 1
+        self._percepts.publish(msg.Percept(cycle=self._cycle, values=[x]))
+        self.process.until(lambda: self.agent.cycle == self._cycle)
+        return self.agent.active_path
+
+    def ticks_until(self, *path: str) -> None:
+        self.process.until(lambda: self.tick() == [*path])
+
+    @property
+    def call(self) -> Any:
+        return calls_of(self.agent.body).current
+
+    @property
+    def faults(self) -> str:
+        return "; ".join(self.node.faults)
+
+
+@pytest.fixture
+def serve(process: Any) -> Iterator[Callable[[], Robot]]:
+    robots: list[Robot] = []
+
+    def served() -> Robot:
+        robots.append(Robot(process.node.context))
+        return robots[-1]
+
+    yield served
+    for robot in robots:
+        robot.close()
+
+
+@pytest.fixture
+def make(process: Any, tmp_path: Path, serve: Callable[[], Robot]) -> Any:
+    def made(alone: bool = False, kind: Domain | None = None, **parameters: Any) -> Any:
+        one = One(process, tmp_path, kind or domain(), **parameters)
+        return one, None if alone else serve()
+
+    return made
+
+
+def test_entering_sends_the_goal_and_success_raises_done(make):
+    one, server = make()
+    one.agent.perform(Use("Walk"))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    assert server.goals[0].request == Perform.Goal(behavior="the hut", targets=["slowly"])
+    assert one.tick() == ["GoTo(home)"]
+    server.end(0, "succeed")
+    one.ticks_until("Rest")
+    assert len(server.goals) == 1
+    assert one.faults == ""
+
+
+def test_a_goal_that_the_server_aborts_raises_failed_and_the_status_says_why(make):
+    one, server = make()
+    one.agent.perform(Use("Walk"))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    server.end(0, "abort", message="the door is shut")
+    one.ticks_until("Cry")
+    one.process.until(lambda: one.status.faults)
+    told = f'one: "GoTo(home)" failed: /one/drive ({KIND}) aborted the goal '
+    assert one.status.faults[0].startswith(told)
+    assert "the door is shut" in one.status.faults[0]
+    one.agent.perform(Use("Rest"))  # what is past is no fault
+    one.node.status.publish()
+    assert one.faults == ""
+
+
+def test_a_goal_that_the_server_rejects_raises_failed(make):
+    one, server = make()
+    server.accepts = False
+    one.agent.perform(Use("Walk"))
+    one.ticks_until("Cry")
+    assert "rejected the goal" in one.faults
+
+
+def test_leaving_cancels_the_goal(make):
+    one, server = make()
+    one.agent.perform(Use("Stay"))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    assert one.tick(-1.0) == ["Rest"]
+    one.process.until(lambda: server.goals[0].is_cancel_requested)
+    server.end(0, "canceled")
+    assert one.faults == ""
+
+
+def test_a_goal_that_is_left_before_the_server_has_answered_is_canceled_then(make):
+    one, server = make()
+    one.agent.perform(Use("GoTo", ("home",)))
+    one.process.until(lambda: one.tick() == [] and server.goals)
+    one.agent.perform(None)
+    one.process.until(lambda: server.goals[0].is_cancel_requested)
+
+
+def test_a_late_result_of_the_old_goal_says_nothing_of_the_new_one(make):
+    one, server = make()
+    server.cancels = False  # it goes on with what was canceled
+    one.agent.perform(Use("GoTo", ("home",)))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    one.tick()
+    one.agent.perform(Use("GoTo", ("away",)))
+    one.tick()
+    one.process.until(lambda: len(server.goals) == 2)
+    server.end(0, "succeed")
+    seen: list[Any] = []
+    server.goals[1].publish_feedback(Perform.Feedback(cycle=7))
+    one.process.until(lambda: one.call.feedback)
+    one.process.meanwhile(seen)
+    one.process.until(lambda: len(seen) > 20)
+    one.tick()
+    assert one.agent.raised == frozenset()
+    server.end(1, "succeed")
+    one.process.until(lambda: one.tick() == [] and one.agent.raised == {"Done"})
+
+
+def test_a_server_gets_the_next_goal_when_it_has_ended_the_canceled_one(make):
+    one, server = make()
+    one.agent.perform(Use("GoTo", ("home",)))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    one.process.until(lambda: one.call.accepted)
+    one.agent.perform(Use("GoTo", ("away",)))
+    one.tick()
+    one.process.until(lambda: server.goals[0].is_cancel_requested)
+    one.tick()
+    assert len(server.goals) == 1
+    server.end(0, "canceled")
+    one.process.until(lambda: len(server.goals) == 2)
+    assert server.goals[1].request.behavior == "the hill"
+    assert one.faults == ""
+
+
+def test_the_absence_of_a_server_raises_failed_after_a_while(make):
+    one, _ = make(alone=True, action_timeout=0.3)
+    one.agent.perform(Use("Walk"))
+    assert one.tick() == ["GoTo(home)"]
+    one.ticks_until("Cry")
+    assert f"no server of /one/drive ({KIND}) appeared within 0.3 s" in one.faults
+
+
+def test_a_server_that_comes_late_gets_the_goal(make, serve):
+    one, _ = make(alone=True)
+    one.agent.perform(Use("Walk"))
+    one.tick()
+    one.tick()
+    server = serve()
+    one.process.until(lambda: server.goals)
+
+
+def test_a_server_that_dies_raises_failed(make):
+    one, server = make()
+    one.agent.perform(Use("Walk"))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    one.tick()
+    server.close()
+    one.ticks_until("Cry")
+    assert f"the server of /one/drive ({KIND}) is gone" in one.faults
+
+
+def test_a_server_that_hangs_is_noticed_by_its_silence(make):
+    one, server = make(kind=domain(feedback_within=0.3))
+    one.agent.perform(Use("Walk"))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    one.ticks_until("Cry")
+    assert "gave no feedback for 0.3 s" in one.faults
+
+
+def test_an_agent_that_does_not_act_any_more_cancels_its_goal(make):
+    one, server = make(action_patience=0.3)
+    one.agent.perform(Use("GoTo", ("home",)))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    one.process.until(lambda: server.goals[0].is_cancel_requested)
+    assert "has not acted for 0.3 s, so the goal was canceled" in one.faults
+
+
+def test_feedback_is_a_feature_of_the_state_that_it_belongs_to(make):
+    one, server = make()
+    steps = one.agent.domain.features["Steps"].read
+    depth = one.agent.domain.features["Depth"].read
+    body = one.agent.body
+    with pytest.raises(HitabError, match='there is no feedback of "GoTo"'):
+        steps(body)
+    assert depth(body) == 0.0
+    one.agent.perform(Use("GoTo", ("home",)))
+    one.tick()
+    one.process.until(lambda: server.goals)
+    server.goals[0].publish_feedback(Perform.Feedback(cycle=3, active_path=["a", "b"]))
+    one.process.until(lambda: one.call.feedback)
+    assert (steps(body), depth(body)) == (3.0, 2.0)
+    one.agent.perform(Use("Rest"))
+    assert depth(body) == 0.0
+
+
+def test_a_goal_that_cannot_be_made_raises_failed_and_names_the_field(make):
+    one, server = make(kind=domain(goal={"behavior": lambda body, place: 3.0}))
+    one.agent.perform(Use("Walk"))
+    one.ticks_until("Cry")
+    assert 'the field "behavior" must be a text, not 3.0' in one.faults
+    one.agent.domain.behaviors["GoTo"].goal["behavior"] = lambda body, place: body.nowhere
+    one.agent.perform(Use("Walk"))
+    one.ticks_until("Cry")
+    assert 'the field "behavior" of its goal could not be made: AttributeError' in one.faults
+    assert not server.goals
+
+
+def test_an_agent_that_ends_cancels_its_goal(make, process):
+    one, server = make()
+    one.agent.perform(Use("GoTo", ("home",)))
+    one.tick()
+    process.until(lambda: server.goals)
+    process.until(lambda: one.call.accepted)
+    process.close()
+    wait_until(lambda: server.goals[0].is_cancel_requested)
+
+
+def test_agents_of_a_host_whose_behaviors_are_actions_decide_one_by_one(tmp_path):
+    kind = domain()
+    agents = []
+    for number in range(WORTH_IT):
+        library = BehaviorLibrary(tmp_path / "library", kind)
+        agents.append(Agent(f"agent_{number}", kind, library))
+        agents[-1].perform(Use("Walk"))
+    AgentBatches().decide(agents, np.zeros((WORTH_IT, 1)), {})
+    assert all(isinstance(agent.performance, RunningAutomaton) for agent in agents)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"action_type": "hitab_msgs/Perform"}, "not of the form"),
+        ({"action_type": "no_such_msgs/action/Go"}, "install the package no_such_msgs"),
+        ({"action_type": "hitab_msgs/action/Preform"}, 'Did you mean "Perform"'),
+        ({"goal": {"behaviour": "x"}}, 'Did you mean "behavior"'),
+        ({"goal": {"behavior": 1}}, '"behavior" must be a text'),
+        ({"goal": {"behavior.name": "x"}}, "is not a message with fields"),
+        ({"goal": {"targets": "home"}}, "must be a list"),
+        ({"action": ""}, "it has no action"),
+    ],
+)
+def test_what_is_mistyped_is_refused_at_the_start_with_its_place(changes, told):
+    whole = domain()
+    go = whole.behaviors["GoTo"]
+    given = {"action_type": KIND, "action": "drive", "goal": {}, **changes}
+    wrong = ActionBehavior("GoTo", parameters=go.parameters, **given)
+    with pytest.raises(HitabError) as refused:
+        check_actions(Domain.of("walkers", "1", Body, behaviors=[wrong], features=[], targets=[]))
+    assert str(refused.value).startswith('domain "walkers": behavior "GoTo": ')
+    assert told in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("feature", "told"),
+    [
+        (feedback_feature("Steps", "GoTo", "cycles"), 'Did you mean "cycle"'),
+        (feedback_feature("Steps", "Goto", "cycle"), 'Did you mean "GoTo"'),
+        (feedback_feature("Steps", "GoTo", "active_path"), "is not a number; give value="),
+    ],
+)
+def test_feedback_that_is_mistyped_is_refused_at_the_start_with_its_place(feature, told):
+    go = ActionBehavior("GoTo", action_type=KIND, action="drive")
+    with pytest.raises(HitabError) as refused:
+        check_actions(Domain.of("walkers", "1", Body, behaviors=[go], features=[feature]))
+    assert str(refused.value).startswith('domain "walkers": feature "Steps": ')
+    assert told in str(refused.value)
+
+
+def test_an_agent_without_actions_does_not_load_them():
+    loaded = "import sys, hitab_agent.agent_node; print('rclpy.action' in sys.modules)"
+    assert subprocess.check_output([sys.executable, "-c", loaded], text=True) == "False\n"

@@ -1,0 +1,239 @@
+"""What ROS's own tools see of an agent: its log, its parameters, what is wrong with it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from hitab_msgs import msg, srv
+from rcl_interfaces.msg import Log
+from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
+from rclpy.logging import LoggingSeverity
+from rclpy.parameter import Parameter
+from rclpy.qos import qos_profile_sensor_data
+
+from hitab_agent.agent_node import AgentNode
+from hitab_agent.host.host_shared import shared_on_host
+from hitab_core import (
+    START,
+    Automaton,
+    BasicBehavior,
+    Domain,
+    Example,
+    Feature,
+    TransitionTree,
+    Use,
+)
+from hitab_ros import names, qos
+from hitab_ros.diagnostics import SHOWN_MAX, Diagnosis, Level, shown
+
+
+class Body:
+    """A body that perceives one number, and cannot act on demand."""
+
+    def __init__(self, name: str) -> None:
+        self.x = math.nan
+        self.broken = False
+
+    def sense(self, values: Any, heard: Any) -> None:
+        (self.x,) = values
+
+    def act(self) -> Any:
+        if self.broken:
+            raise RuntimeError("the motors are gone")
+        return (1.0,), ""
+
+
+def _automaton() -> Automaton:
+    shown = [(-2.0, "Wait"), (-1.0, "Wait"), (1.0, "Go"), (2.0, "Go")]
+    tree = TransitionTree().fit([[x] for x, _ in shown], [after for _, after in shown])
+    states = (START, "Go", "Wait")
+    return Automaton(
+        "Choose",
+        (Use("Go"), Use("Wait")),
+        (Use("X"),),
+        dict.fromkeys(states, tree),
+        examples=tuple(Example(state, (x,), after) for state in states for x, after in shown),
+    )
+
+
+DOMAIN = Domain.of(
+    "bodies",
+    "1",
+    Body,
+    behaviors=[BasicBehavior("Go"), BasicBehavior("Wait")],
+    features=[Feature("X", lambda body: body.x)],
+    automata=[_automaton()],
+)
+
+
+class BodyNode(AgentNode):
+    """The node of a body."""
+
+    def load_domain(self, name: str) -> Domain:
+        return DOMAIN
+
+
+def node_of(process: Any, folder: Path, name: str, **more: Any) -> AgentNode:
+    parameters = {"state_dir": str(folder), **more.pop("parameters", {})}
+    node = BodyNode(
+        namespace=f"/{name}",
+        context=process.node.context,
+        parameter_overrides=[Parameter(key, value=value) for key, value in parameters.items()],
+        use_global_arguments=False,
+        **more,
+    )
+    process.add(node)
+    node.join()
+    return node
+
+
+class One:
+    """One agent, and what is said of it on ROS's own topics."""
+
+    def __init__(self, process: Any, folder: Path) -> None:
+        self.process = process
+        self.node = node_of(process, folder, "one")
+        self.diagnosis = DiagnosticStatus()
+        self.logged: list[Log] = []
+        desk = process.node
+        desk.create_subscription(DiagnosticArray, "/diagnostics", self._hear, 10)
+        self._percepts = desk.create_publisher(msg.Percept, f"/one/{names.PERCEPT}", qos.CYCLE)
+        process.until(self._percepts.get_subscription_count)
+        process.until(lambda: self.diagnosis.name)
+        self._cycle = 0
+
+    def _hear(self, array: DiagnosticArray) -> None:
+        (self.diagnosis,) = array.status
+
+    def tick(self, x: float) -> None:
+        self._cycle += 1
+        self._percepts.publish(msg.Percept(cycle=self._cycle, values=[x]))
+        self.process.until(lambda: self.node.agent.cycle == self._cycle)
+
+    def shows(self, level: Level, text: str) -> None:
+        """Wait until the diagnosis has this level, and a message with this text."""
+        self.process.until(
+            lambda: self.diagnosis.level == bytes([level]) and text in self.diagnosis.message
+        )
+
+    def ask(self, kind: Any, service: str, **fields: Any) -> Any:
+        client = self.process.node.create_client(kind, f"/one/{service}")
+        self.process.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**fields))
+        self.process.until(future.done)
+        return future.result()
+
+
+@pytest.fixture
+def one(process: Any, tmp_path: Path) -> One:
+    return One(process, tmp_path)
+
+
+def test_the_diagnosis_of_an_agent_has_the_worst_of_what_is_wrong(one):
+    one.shows(Level.STALE, "nothing perceived yet")
+    assert (one.diagnosis.name, one.diagnosis.hardware_id) == ("hitab: one", "/one")
+    one.ask(srv.Perform, names.PERFORM, behavior="Choose")
+    one.tick(1.0)
+    one.shows(Level.OK, 'performing "Choose"')
+    values = {value.key: value.value for value in one.diagnosis.values}
+    assert values["active states"] == "Go"
+    one.tick(math.nan)
+    one.shows(Level.WARN, 'feature "X" has no value')
+    one.node.agent.body.broken = True
+    one.tick(1.0)
+    one.shows(Level.ERROR, "RuntimeError")
+    one.node.agent.body.broken = False
+    one.tick(1.0)
+    one.shows(Level.OK, "performing")
+
+
+def test_the_diagnosis_tells_a_refusal_until_the_next_request(one):
+    one.tick(1.0)
+    one.ask(srv.Perform, names.PERFORM, behavior="Dance")
+    one.shows(Level.WARN, 'unknown behavior "Dance"')
+    one.ask(srv.Perform, names.PERFORM, behavior="Go")
+    one.shows(Level.OK, 'performing "Go"')
+
+
+def test_the_diagnosis_tells_that_an_agent_is_unsure(one):
+    one.ask(srv.Perform, names.PERFORM, behavior="Choose")
+    one.ask(srv.SetCaution, names.SET_CAUTION, when_unsure="halt", distance=0.5)
+    one.tick(-1.0)
+    one.tick(1000.0)
+    one.shows(Level.WARN, "unsure: ")
+
+
+def test_the_parameters_of_an_agent_can_be_read_but_not_changed(one):
+    listed = one.ask(ListParameters, "agent/list_parameters")
+    assert {"domain", "offer_actions", "action_timeout"} <= {*listed.result.names}
+    got = one.ask(GetParameters, "agent/get_parameters", names=["world"])
+    assert got.values[0].string_value == "world"
+    change = Parameter("world", value="moon").to_parameter_msg()
+    answer = one.ask(SetParameters, "agent/set_parameters", parameters=[change])
+    assert not answer.results[0].successful
+
+
+def test_parameters_are_offered_on_demand_where_the_other_services_are(process, tmp_path):
+    node_of(process, tmp_path, "two", parameters={"services_on_demand": True})
+    client = process.node.create_client(ListParameters, "/two/agent/list_parameters")
+    process.until(client.service_is_ready)
+
+
+def test_changes_of_state_are_logged_while_somebody_listens(one):
+    logged: list[Log] = []
+    one.ask(srv.Perform, names.PERFORM, behavior="Choose")
+    one.tick(1.0)
+    listener = one.process.node.create_subscription(
+        Log, "/rosout", logged.append, qos_profile_sensor_data, temporary=True
+    )
+    one.process.until(lambda: one.node.count_subscribers("/rosout"))
+
+    def is_told() -> bool:
+        one.node.transition_log.look()
+        one.tick(-1.0)
+        one.tick(1.0)
+        return any("one: Choose: Wait -> Go (X > " in line.msg for line in logged)
+
+    one.process.until(is_told)
+    assert all(line.level == LoggingSeverity.INFO for line in logged if "Choose: " in line.msg)
+    one.process.node.destroy_subscription(listener)
+
+
+def test_a_host_tells_of_all_its_agents_in_one_message_and_of_none_in_rosout(process, tmp_path):
+    shared = shared_on_host(process.node, 3)
+    arrays: list[DiagnosticArray] = []
+    process.node.create_subscription(DiagnosticArray, "/diagnostics", arrays.append, 10)
+    nodes = [node_of(process, tmp_path, name, shared=shared) for name in ("a", "b", "c")]
+    nodes[0].agent.sense([1.0], [])
+    nodes[0].status.report_error("no such behavior")
+    process.until(lambda: arrays and len(arrays[-1].status) == 4)
+    summary, *others = arrays[-1].status
+    assert summary.message == "1 WARN, 2 STALE"
+    assert {value.key: value.value for value in summary.values}["agents"] == "3"
+    assert [one.level for one in others] == [bytes([Level.STALE])] * 2 + [bytes([Level.WARN])]
+    # Of these nodes: those of earlier tests may still be in the graph.
+    publishers = process.node.get_publishers_info_by_topic("/rosout")
+    assert {info.node_namespace for info in publishers}.isdisjoint({"/a", "/b", "/c"})
+    offered = {name for name, _ in nodes[0].get_service_names_and_types()}
+    assert "/a/agent/list_parameters" not in offered
+
+
+def test_of_many_agents_a_message_shows_the_worst():
+    asked = []
+
+    def diagnosis(name: str, *found: tuple[Level, str]) -> Diagnosis:
+        return Diagnosis(name, f"/{name}", found, lambda: (asked.append(name), ("fine", {}))[1])
+
+    fine = [diagnosis(f"ok_{i}") for i in range(1000)]
+    assert [one.message for one in shown(fine, "/host")] == ["1000 OK"]
+    assert not asked  # with a thousand agents, the details of all would take their time
+    ill = [diagnosis(f"a_{i}", (Level.WARN, "ill")) for i in range(100)]
+    dead = [diagnosis("d", (Level.STALE, "?"), (Level.ERROR, "dead"))]
+    summary, first, *rest = shown(fine + ill + dead, "/host")
+    assert (summary.level, summary.message) == (bytes([Level.ERROR]), "1000 OK, 100 WARN, 1 ERROR")
+    assert (first.name, first.message) == ("hitab: d", "dead (and 1 more)")
+    assert len(rest) == SHOWN_MAX - 1

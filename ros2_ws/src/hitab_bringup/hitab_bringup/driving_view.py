@@ -1,0 +1,106 @@
+"""What `hitab drive` shows: what the agent does, what came of the last key, and the keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from hitab_client import console
+from hitab_core import quantity
+
+if TYPE_CHECKING:
+    from hitab_msgs.msg import AgentStatus
+    from rich.text import Text
+
+    from hitab_client.demonstrating import Demonstrator
+
+FAULTS_MAX = 3
+SPACE = "Space"
+
+
+def lines(
+    demonstrator: Demonstrator, silent: Mapping[str, float], *, help_wanted: bool
+) -> Iterator[Text]:
+    """Yield the lines that are shown.
+
+    Args:
+        demonstrator: the person.
+        silent: for how long each silent agent has given no sign of life, s.
+        help_wanted: whether to explain all keys.
+    """
+    status, agent = demonstrator.status, demonstrator.agent
+    if status is None:
+        yield console.line(f"{agent}  has not answered yet", "yellow")
+    else:
+        yield console.line(f"{agent}  {_doing(status)}", "bold")
+        for fault in status.faults[:FAULTS_MAX]:
+            yield console.line(f"  {fault}", "yellow")
+    if agent in silent:
+        yield console.line(
+            f"  it has been silent for {silent[agent]:.0f} s; see `hitab logs {agent}`", "yellow"
+        )
+    stop = demonstrator.switch.state
+    if stop is not None and stop.engaged:
+        why = f" ({stop.reason})" if stop.reason else ""
+        yield console.line(
+            f"EMERGENCY STOP by {stop.by or 'somebody'}{why}: G releases the robots", "bold red"
+        )
+    if any(demonstrator.steering.velocity):
+        ahead, left, turn = demonstrator.steering.velocity
+        yield console.line(
+            f"driven by hand: {ahead:+.2f} m/s ahead, {left:+.2f} m/s to the left, "
+            f"{turn:+.2f} rad/s",
+            "cyan",
+        )
+    yield console.line(
+        f"error: {demonstrator.said}" if demonstrator.failed else demonstrator.said or " ",
+        "red" if demonstrator.failed else "green",
+    )
+    yield from _asking(demonstrator) if demonstrator.asked is not None else _keys(demonstrator)
+    if help_wanted:
+        yield from _help()
+    else:
+        yield console.line(
+            f"{SPACE} EMERGENCY STOP · arrows drive · ? all keys · Ctrl-C ends", "dim"
+        )
+
+
+def _doing(status: AgentStatus) -> str:
+    path = " > ".join(status.active_path)
+    if status.mode in (status.TRAINING, status.TESTING):
+        examples = quantity(status.examples, "example")
+        asks = f", {quantity(status.questions, 'question')}" if status.questions else ""
+        told = f'{status.mode} "{status.behavior}": {examples} ({status.default_examples} default)'
+        return f"{told}{asks}; performs {path or 'nothing'}"
+    return f"{status.mode}: {path or status.behavior or 'nothing'}"
+
+
+def _keys(demonstrator: Demonstrator) -> Iterator[Text]:
+    words, status = demonstrator.words, demonstrator.status
+    active = status.active_path[0] if status is not None and status.active_path else ""
+    text = console.line("")
+    for key, behavior in words.keys:
+        text.append(f"{key} ", "bold")
+        text.append(behavior, "reverse" if behavior == active else "")
+        text.append("   ")
+    yield text
+
+
+def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
+    asked = demonstrator.asked
+    assert asked is not None
+    parameter = asked.use.arguments[asked.place]
+    there = enumerate(asked.targets[:9], 1)
+    targets = "   ".join(f"{number} {target}" for number, target in there)
+    yield console.line(f"{asked.use}: which target is {parameter}?  {targets}   Esc none", "bold")
+
+
+def _help() -> Iterator[Text]:
+    from hitab_client.demonstrating import ACTIONS, keyboard
+
+    yield console.line("digits, letters  command a behavior (in training), or have it performed")
+    for key, action in keyboard.ACTION_KEYS.items():
+        yield console.line(f"{SPACE if key == ' ' else key:<16} {ACTIONS[action]}")
+    yield console.line("arrows           drive by hand while held; with Shift to the sides")
+    yield console.line("?                hide this help")
+    yield console.line("Ctrl-C           end; the agents go on")

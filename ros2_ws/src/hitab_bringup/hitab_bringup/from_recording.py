@@ -1,0 +1,74 @@
+"""Training from a recording: the recorded agent is given again all that it took in."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from hitab_msgs.srv import SaveBehavior
+
+from hitab_agent import OfflineAgent, Retraced, Retracer, Step
+from hitab_client.recording import session_of, trained_agents
+from hitab_core import LibraryError, has
+from hitab_ros import names
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was trained from a recording.
+
+    Attributes:
+        agent: that was recorded.
+        done: what was given to it again, and compared.
+        unsaved: the automaton whose training was not saved, and its number of examples; None:
+            none.
+    """
+
+    agent: str
+    done: Retraced
+    unsaved: tuple[str, int] | None
+
+
+def train_from_recording(
+    path: Path, folder: Path, agent: str = "", *, save: bool = False
+) -> Outcome:
+    """Train an agent from a recording into a new library.
+
+    Args:
+        path: of the recording.
+        folder: for the library; new or empty.
+        agent: whose session; empty: of the only one.
+        save: also save the training that the recording ends in.
+
+    Raises:
+        SwarmError: if the recording cannot be read, or has no such session.
+        HitabError: if something else would be learned than was recorded.
+    """
+    if folder.exists() and any(folder.iterdir()):
+        raise LibraryError(f"{folder} is not empty; name a new folder")
+    session = session_of(path, agent or _only(path))
+    with (
+        tempfile.TemporaryDirectory(prefix="hitab-") as state,
+        OfflineAgent(session.agent, session.domain, folder, Path(state), session.known) as offline,
+    ):
+        done = Retracer(offline).take(Step(*one) for one in session.sent)
+        trained = offline.agent.training
+        unsaved = (trained, offline.agent.unsaved) if offline.agent.unsaved else None
+        if unsaved and save:
+            answer = offline.ask(names.SAVE, SaveBehavior.Request())
+            if not answer.success:
+                raise LibraryError(answer.message)
+            done.saved.append(trained)
+            unsaved = None
+    return Outcome(session.agent, done, unsaved)
+
+
+def _only(path: Path) -> str:
+    """Return the only agent that a recording has a session of; if there is none, "" says so."""
+    there = trained_agents(path)
+    if len(there) > 1:
+        raise LibraryError(
+            f"{path.name} has sessions of several agents; choose one with --agent {has(there)}"
+        )
+    return there[0] if there else ""

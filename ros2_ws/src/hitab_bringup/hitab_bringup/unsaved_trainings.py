@@ -1,0 +1,120 @@
+"""Keeps unsaved trainings apart by library: each resumes only with the library that it is for.
+
+An agent keeps the training under way in its folder for state, whatever its library. Started with
+another library, it would resume the training there, and save it into the wrong library. So the
+journal is set aside before such a start, and brought back before a start with its own library:
+
+    state/keeper_1/training.jsonl                          resumes at the next start
+    state/keeper_1/unsaved/my_library-3f9a2c1e/training.jsonl  waits for its library
+    state/keeper_1/unsaved/my_library-3f9a2c1e/library         the path of that
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from hitab_msgs.msg import AgentStatus
+
+from hitab_core import natural, quantity
+from hitab_core.training import JOURNAL_FILE, TrainingJournal
+
+UNSAVED = "unsaved"
+LIBRARY = "library"
+TOLD_MAX = 5
+"""Trainings that are described individually."""
+
+
+def set_aside(before: Mapping[str, Path], now: Mapping[str, Path], folder: Path) -> None:
+    """Set aside the trainings of agents that get another library.
+
+    Args:
+        before: each agent's library at the last start, by name.
+        now: that at this start.
+        folder: of the run.
+    """
+    for agent, library in now.items():
+        journal = _state(folder, agent) / JOURNAL_FILE
+        own = before.get(agent)
+        if own is None or own == library or not journal.exists():
+            continue
+        place = _place(folder, agent, own)
+        place.mkdir(parents=True, exist_ok=True)
+        (place / LIBRARY).write_text(f"{own}\n", encoding="utf-8")
+        journal.replace(place / JOURNAL_FILE)
+
+
+def bring_back(now: Mapping[str, Path], folder: Path) -> None:
+    """Bring back the trainings that were set aside and are for the libraries of this start."""
+    for agent, library in now.items():
+        kept = _place(folder, agent, library) / JOURNAL_FILE
+        journal = _state(folder, agent) / JOURNAL_FILE
+        if kept.exists() and not journal.exists():
+            kept.replace(journal)
+
+
+def waiting(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Yield the agents that have trainings set aside, each with the library of one."""
+    for kept in sorted(folder.glob(f"state/*/{UNSAVED}/*/{JOURNAL_FILE}")):
+        library = (kept.parent / LIBRARY).read_text(encoding="utf-8").strip()
+        yield kept.parents[2].name, Path(library)
+
+
+def announcements(statuses: Iterable[AgentStatus], folder: Path) -> list[str]:
+    """Return sentences about the unsaved trainings of a swarm, with the ways out.
+
+    Args:
+        statuses: of its agents, just started.
+        folder: of the run.
+    """
+    sentences = []
+    for status in sorted(statuses, key=lambda status: natural(status.agent)):
+        if status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
+            agent = status.agent
+            sentences.append(
+                f'{agent} resumes the training of "{status.behavior}" '
+                f"({quantity(status.examples, 'example')}); `hitab save {agent}` or "
+                f"`hitab discard {agent}` ends it"
+            )
+    for agent, library in waiting(folder):
+        own = library.is_relative_to(folder / "libraries")
+        way = "without --library" if own else f"with --library {library}"
+        sentences.append(
+            f"{agent} has another unsaved training; start the swarm {way} to resume it"
+        )
+    return _first(sentences)
+
+
+def left_to_resume(folder: Path) -> list[str]:
+    """Return sentences about the trainings that the next start of a swarm resumes.
+
+    Args:
+        folder: of the run, which has ended.
+    """
+    sentences = []
+    for journal in sorted(
+        folder.glob(f"state/*/{JOURNAL_FILE}"), key=lambda path: natural(str(path))
+    ):
+        unsaved = TrainingJournal(journal.parent, "").unsaved()
+        if unsaved is not None and unsaved.examples:
+            sentences.append(
+                f'{journal.parent.name} has an unsaved training of "{unsaved.automaton}" '
+                f"({quantity(unsaved.examples, 'example')}); it is kept, and the next `hitab up` "
+                "of the swarm resumes it"
+            )
+    return _first(sentences)
+
+
+def _first(sentences: list[str]) -> list[str]:
+    more = len(sentences) - TOLD_MAX
+    return [*sentences[:TOLD_MAX], *([f"... and {more} more"] if more > 0 else [])]
+
+
+def _state(folder: Path, agent: str) -> Path:
+    return folder / "state" / agent
+
+
+def _place(folder: Path, agent: str, library: Path) -> Path:
+    digest = hashlib.sha256(str(library).encode()).hexdigest()[:8]
+    return _state(folder, agent) / UNSAVED / f"{library.name}-{digest}"

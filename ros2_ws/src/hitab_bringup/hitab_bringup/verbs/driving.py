@@ -1,0 +1,220 @@
+"""Verbs with which a person demonstrates by keys and buttons: drive, joystick."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hitab_bringup.verbs.connection import Connection, connection
+from hitab_client import completion, console
+from hitab_client.command_options import SwarmName
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from hitab_client.demonstrating import Demonstrator
+
+PANEL = "Train"
+READ_S = 0.03
+"""How often keys are read and what is shown is renewed, s."""
+
+AGAIN_S = 2.0
+"""How long to wait before an agent that did not answer is asked again, s."""
+
+DELIVER_S = 1.0
+"""How long to wait at the end until the robots have an emergency stop, s."""
+
+Agent = Annotated[
+    str,
+    typer.Argument(
+        help="Whom to command first. Default: the first agent.",
+        show_default=False,
+        autocompletion=completion.agents,
+    ),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add these verbs to the command."""
+    app.command(rich_help_panel=PANEL)(drive)
+    app.command(rich_help_panel=PANEL)(joystick)
+
+
+def drive(
+    agent: Agent = "",
+    speed: Annotated[
+        float, typer.Option(help="Of the arrow keys, m/s; the robot's own limits hold too.")
+    ] = 0.2,
+    turn: Annotated[float, typer.Option(help="Of the arrow keys, rad/s.")] = 0.8,
+    swarm: SwarmName = None,
+) -> None:
+    """Train with one key per behavior, and drive robots by hand, in the terminal.
+
+    A key commands a behavior at once, since one process stays connected; the keys are those of the
+    studio. Begin the training with `hitab train`. Arrow keys drive a robot with standard messages
+    into place, through the relay that limits and stops it; its agent performs nothing meanwhile.
+    The space bar is the emergency stop of all robots. Press ? for all keys.
+
+    Examples:
+
+      hitab drive
+
+      hitab drive robot_1 --speed 0.1
+    """
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        from hitab_client import SwarmError
+
+        raise SwarmError(
+            "`hitab drive` needs a terminal with a keyboard; in scripts, use `hitab demonstrate` "
+            "and `hitab perform`, and for a gamepad `hitab joystick`"
+        )
+    for name, value in (("--speed", speed), ("--turn", turn)):
+        if not 0.0 < value <= 10.0:
+            raise typer.BadParameter(f"{name} is {value:g}; it must be above 0 and at most 10")
+    with connection(swarm) as swarm_up:
+        _drive(swarm_up, agent, speed, turn)
+
+
+def _drive(swarm_up: Connection, agent: str, speed: float, turn: float) -> None:
+    from rich.console import Group
+    from rich.live import Live
+
+    from hitab_bringup.driving_view import lines
+    from hitab_bringup.terminal_keys import END, TerminalKeys
+    from hitab_client import SignsOfLife
+    from hitab_client.demonstrating import KeyboardInput
+
+    demonstrator = _demonstrator(swarm_up, agent, asks=True)
+    keyboard = KeyboardInput(demonstrator, speed, turn)
+    agents = swarm_up.agents
+    signs = SignsOfLife(
+        swarm_up.link, agents.expected, prefix=agents.prefix, identity=agents.identity
+    )
+    ended = help_wanted = False
+    before: list[Text] = []
+    with (
+        TerminalKeys(sys.stdin.fileno()) as keys,
+        Live(console=console.out(), auto_refresh=False) as live,
+    ):
+
+        def tick() -> None:
+            nonlocal ended, help_wanted, before
+            for key in keys.read():
+                if key == END:
+                    ended = True
+                elif key == "?":
+                    help_wanted = not help_wanted
+                else:
+                    keyboard.press(key)
+            now = list(lines(demonstrator, signs.silent(), help_wanted=help_wanted))
+            if now != before:
+                before = now
+                live.update(Group(*now), refresh=True)
+
+        _run(swarm_up, demonstrator, tick, lambda: ended)
+
+
+def joystick(
+    agent: Agent = "",
+    mapping: Annotated[
+        str,
+        typer.Option(help="What its buttons do: xbox, gamepad, or a file of your own."),
+    ] = "xbox",
+    topic: Annotated[str, typer.Option(help="Where its messages, sensor_msgs/Joy, come.")] = "joy",
+    swarm: SwarmName = None,
+) -> None:
+    """Train with a gamepad, and drive robots by hand with its sticks.
+
+    A node such as joy_node publishes the state of the gamepad. Nothing but the emergency stop
+    counts unless the dead-man's switch is held: with the shipped mappings the left shoulder button
+    (LB). Letting it go, or losing the gamepad, stops a robot that is driven by hand.
+
+    The mapping xbox is for joy_node with an Xbox gamepad, the mapping gamepad for
+    game_controller_node with any. It runs until Ctrl-C, and prints what comes of each button.
+
+    Examples:
+
+      hitab joystick robot_1
+
+      hitab joystick robot_1 --mapping my_gamepad.yaml --topic /robot_1/joy
+    """
+    from hitab_client.demonstrating import JoystickInput, read_mapping
+
+    read = read_mapping(mapping)
+    with connection(swarm) as swarm_up:
+        demonstrator = _demonstrator(swarm_up, agent, asks=False)
+        JoystickInput(swarm_up.link, demonstrator, read, topic)
+        console.say(f"{demonstrator.agent} obeys the joystick on {topic} (mapping {mapping})")
+        told = demonstrator.told
+
+        def tick() -> None:
+            nonlocal told
+            if demonstrator.told == told:
+                return
+            told = demonstrator.told
+            if demonstrator.said:
+                (console.error if demonstrator.failed else console.say)(demonstrator.said)
+
+        _run(swarm_up, demonstrator, tick, lambda: False)
+
+
+def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrator:
+    """Return a demonstrator who commands the named agent, or else the first one.
+
+    Raises:
+        SwarmError: if there is no such agent, or none at all.
+    """
+    from hitab_client import SwarmError
+    from hitab_client.demonstrating import Demonstrator
+    from hitab_core import natural
+
+    agents, world = swarm_up.agents, swarm_up.world
+    if agent:
+        agents.await_agent(agent)
+    else:
+        there = agents.await_agents()
+        if not there:
+            raise SwarmError("no agent answers; `hitab status` shows what there is")
+        agent = min(there, key=natural)
+    if swarm_up.has_world or world.is_there():
+        world.wait()
+    demonstrator = Demonstrator(agents, world, asks=asks)
+    demonstrator.choose(agent)
+    return demonstrator
+
+
+def _run(
+    swarm_up: Connection,
+    demonstrator: Demonstrator,
+    tick: Callable[[], None],
+    ended: Callable[[], bool],
+) -> None:
+    """Carry out what is pressed, until the person ends it.
+
+    Args:
+        swarm_up: the connection.
+        demonstrator: the person.
+        tick: called again and again, also while an agent is waited for.
+        ended: whether to end.
+    """
+    from hitab_core import HitabError
+    from hitab_ros import steady_timer
+
+    steady_timer(swarm_up.link.node, READ_S, tick)
+    look_at = 0.0
+    try:
+        while not ended():
+            swarm_up.link.spin(READ_S)
+            demonstrator.work()
+            if time.monotonic() >= look_at:
+                try:
+                    demonstrator.look()
+                except HitabError as error:
+                    demonstrator.tell(str(error), failed=True)
+                    look_at = time.monotonic() + AGAIN_S
+    finally:
+        demonstrator.close(DELIVER_S)

@@ -1,0 +1,232 @@
+"""Verbs for recordings: making one, and training from one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hitab_bringup.verbs.connection import connection
+from hitab_client import console
+from hitab_client.command_options import SwarmName
+from hitab_core import quantity
+
+if TYPE_CHECKING:
+    from hitab_client import RosLink
+    from hitab_client.recording import Recorder
+
+LOOK_S = 0.5
+"""Between two looks for new topics."""
+
+PATIENCE_S = 10.0
+"""How long agents may take to tell what they take in, before they are named."""
+
+
+def register(app: typer.Typer) -> None:
+    """Add the verb that records to the command."""
+    app.command(rich_help_panel="Swarm")(record)
+
+
+def register_in_library(app: typer.Typer) -> None:
+    """Add the verb that trains from a recording to the group for libraries."""
+    app.command("from-recording")(from_recording)
+
+
+def record(
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="PATH",
+            help="A file to write, ending in .mcap, or else a folder, as `ros2 bag record` makes "
+            "it. Default: a file among the recordings that the studio shows.",
+            show_default=False,
+        ),
+    ] = None,
+    topics: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--topics",
+            "-t",
+            metavar="TOPIC",
+            help="Also record this topic, such as /robot_1/scan; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    robots: Annotated[
+        bool,
+        typer.Option(
+            "--robots",
+            help="Also record all topics with messages that robots use: those of sensor_msgs, "
+            "nav_msgs, geometry_msgs and tf2_msgs, so also images and point clouds.",
+        ),
+    ] = False,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            "--seconds",
+            help="End by itself after so many seconds; default: with Ctrl-C.",
+            min=0.1,
+            show_default=False,
+        ),
+    ] = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Record what a swarm does and takes in as a bag (MCAP), until Ctrl-C.
+
+    The studio, Foxglove and `ros2 bag play` show it again; `hitab library from-recording` trains
+    from it.
+
+    Examples:
+
+      hitab record
+
+      hitab record -o session.mcap -t /robot_1/scan -t /robot_1/odom
+
+      hitab record -o session --robots
+    """
+    with connection(swarm, reads=True) as there:
+        from hitab_client.recording import Recorder
+
+        path, folder = _paths(output, there.record.swarm if there.record else "")
+        chosen = [topic if topic.startswith("/") else f"/{topic}" for topic in topics or ()]
+        recorder = Recorder(there.link, path, also=chosen, robots=robots)
+        began = time.monotonic()
+        try:
+            _record(there.link, recorder, seconds)
+        except KeyboardInterrupt:
+            pass  # how it ends
+        finally:
+            _close(recorder, folder)
+        lasted = time.monotonic() - began
+    for topic in recorder.missing:
+        console.note(f"{topic} is not in it: nobody has published it in this ROS domain")
+    for topic, why in recorder.left_out.items():
+        console.note(f"{topic} is not in it: {why}")
+    if recorder.problem:
+        from hitab_client import SwarmError
+
+        raise SwarmError(recorder.problem)
+    size = path.stat().st_size
+    shown = f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
+    console.say(
+        f"recorded {quantity(recorder.count, 'message')} in {lasted:.0f} s to {folder or path} "
+        f"({shown})"
+    )
+
+
+def _paths(output: Path | None, swarm: str) -> tuple[Path, Path | None]:
+    """Return the file to write, and the folder that is a bag, if it is to be one."""
+    from hitab_client import SwarmError
+    from hitab_client.recording.recordings import SUFFIX, new_recording
+
+    if output is None:
+        return new_recording(swarm), None
+    if output.suffix == SUFFIX:
+        return output, None
+    if output.exists():
+        raise SwarmError(f"{output} exists already; choose another name")
+    return output / f"{output.resolve().name}_0{SUFFIX}", output
+
+
+def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
+    """Record until the time is over, or the file cannot be written any more."""
+    console.note(f"recording to {recorder.path}; Ctrl-C ends it")
+    began = time.monotonic()
+    told: list[str] = []
+    waits = True
+    with _progress() as show:
+        looked = began
+        while not recorder.problem:
+            link.spin(0.1)
+            now = time.monotonic()
+            if seconds is not None and now - began >= seconds:
+                return
+            if now - looked < LOOK_S:
+                continue
+            looked = now
+            recorder.look()
+            show(f"{quantity(recorder.count, 'message')}, {now - began:.0f} s")
+            if recorder.sessions != told and not recorder.awaited:
+                told = recorder.sessions
+                agents = ", ".join(agent.removeprefix("/") for agent in told)
+                console.note(f"from now on it can be trained from: {agents}")
+            elif waits and recorder.awaited and now - began > PATIENCE_S:
+                waits = False
+                late = ", ".join(agent.removeprefix("/") for agent in recorder.awaited)
+                console.note(f"it cannot be trained from yet: {late} does not answer")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """Show on a terminal how far it is."""
+    err = console.err()
+    with err.status("recording") as status:
+        yield lambda text: status.update(f"recording: {text}")
+
+
+def _close(recorder: Recorder, folder: Path | None) -> None:
+    """Make the recording complete, whatever ends it."""
+    from hitab_client.interruptions import not_interrupted
+    from hitab_client.recording import write_metadata_file
+
+    with not_interrupted():
+        recorder.close()
+        if folder is not None:
+            write_metadata_file(folder, recorder.bag.information())
+
+
+def from_recording(
+    recording: Annotated[
+        Path, typer.Argument(help="A file or folder that `hitab record` or the studio wrote.")
+    ],
+    folder: Annotated[Path, typer.Argument(help="For the library; a new folder.")],
+    agent: Annotated[
+        str,
+        typer.Option(
+            "--agent", "-a", help="Whose training; default: of the only one.", show_default=False
+        ),
+    ] = "",
+    save: Annotated[
+        bool, typer.Option("--save", help="Also save the training that the recording ends in.")
+    ] = False,
+) -> None:
+    """Train from a recording: give an agent again all that the recorded one took in.
+
+    No swarm has to be up. What is learned equals what was learned then, example by example and bit
+    by bit; if not, an error says where they part.
+
+    Examples:
+
+      hitab library from-recording session.mcap trained
+
+      hitab library from-recording session.mcap trained --agent keeper_1 --save
+    """
+    from hitab_bringup.from_recording import train_from_recording
+
+    console.note(f"training from {recording}")
+    outcome = train_from_recording(recording, folder, agent, save=save)
+    done = outcome.done
+    agrees = (
+        f"; it agrees with the recorded one in all {done.compared} statuses and changes of state"
+    )
+    console.say(
+        f"{outcome.agent} took in {quantity(done.percepts, 'percept')}, "
+        f"{quantity(done.commands, 'command')} and {quantity(done.requests, 'request')}"
+        + (agrees if done.compared else "")
+    )
+    for name in done.saved:
+        console.say(f"saved {name} in {folder}")
+    if outcome.unsaved:
+        name, examples = outcome.unsaved
+        console.say(
+            f'the training of "{name}" with {quantity(examples, "example")} was not saved; '
+            "--save saves it"
+        )
+    elif not done.saved:
+        console.say("nothing was trained in it")

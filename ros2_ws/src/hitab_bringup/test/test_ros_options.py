@@ -1,0 +1,226 @@
+"""What swarm descriptions say in words of ROS: namespaces, remappings, parameters, processes."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup import swarm_processes
+from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.swarm_processes import processes
+from hitab_client.errors import DescriptionError
+
+HERE = Path("/somewhere/team.yaml")
+AGENTS = "domain: keepaway\nagents: {a: {}, b: {}}\n"
+
+
+def complaint(text: str) -> str:
+    with pytest.raises(DescriptionError) as error:
+        parse_swarm(text, HERE)
+    return str(error.value)
+
+
+def found(text: str):
+    """Return the processes of a swarm, by name."""
+    return {process.name: process for process in processes(parse_swarm(text, HERE), Path("/run"))}
+
+
+def rules(process) -> list[str]:
+    """Return the remappings on a process's command line."""
+    line = process.command
+    return [line[i + 1] for i, word in enumerate(line) if word == "-r"]
+
+
+def test_without_words_of_ros_nothing_is_remapped():
+    assert rules(found(f"world: {{kind: keepaway}}\n{AGENTS}")["world"]) == ["__ns:=/world"]
+    assert "use_sim_time" not in found(AGENTS)["a"].parameters
+
+
+def test_a_namespace_is_around_all_nodes_and_gives_the_swarm_its_own_clock():
+    there = found(
+        f"namespace: left\nworld: {{kind: keepaway}}\n{AGENTS}"
+        "processes: {relay: {module: json.tool}}\n"
+    )
+    assert {name: rules(process) for name, process in there.items()} == {
+        "world": ["__ns:=/left/world", "/clock:=/left/clock"],
+        "a": ["__ns:=/left/a", "/clock:=/left/clock"],
+        "b": ["__ns:=/left/b", "/clock:=/left/clock"],
+        "relay": ["__ns:=/left", "/clock:=/left/clock"],
+    }
+
+
+def test_agents_that_share_a_process_have_the_swarms_namespace_around_theirs(tmp_path):
+    swarm = parse_swarm(
+        "namespace: left\ndomain: keepaway\nhosts: 1\nremap: {tf: /tf}\nagents:\n"
+        "  a: {remap: {cmd: '/base/{agent}/cmd'}, parameters: {rate: 5.0}}\n  b: {}\n",
+        HERE,
+    )
+    (host,) = processes(swarm, tmp_path)
+    assert host.namespace == "/left"
+    swarm_processes.write_rosters(swarm, tmp_path)
+    text = (tmp_path / "rosters" / "host_1.json").read_text()
+    first, second = json.loads(text)
+    assert first["remap"] == {"/clock": "/left/clock", "tf": "/tf", "cmd": "/base/a/cmd"}
+    assert first["parameters"]["rate"] == 5.0
+    assert second["remap"] == {"/clock": "/left/clock", "tf": "/tf"}
+
+
+def test_what_is_nearer_counts_and_the_rest_is_kept():
+    there = found(
+        "domain: keepaway\nuse_sim_time: true\nremap: {/clock: /time, tf: /tf}\n"
+        "parameters: {rate: 10, scan: {yaw: 1.5, names: [a, b]}}\n"
+        "world: {kind: keepaway, node_parameters: {state_rate: 5.0}}\n"
+        "agents:\n  b: {}\n"
+        "  a: {remap: {tf: /a/tf}, parameters: {rate: 20}, use_sim_time: false}\n"
+    )
+    a, b, world = there["a"], there["b"], there["world"]
+    assert rules(a)[1:] == ["/clock:=/time", "tf:=/a/tf"]
+    assert rules(b)[1:] == rules(world)[1:] == ["/clock:=/time", "tf:=/tf"]
+    assert (a.parameters["rate"], b.parameters["rate"]) == (20, 10)
+    assert b.parameters["scan.yaw"] == 1.5
+    assert 'scan.names:=["a", "b"]' in b.command
+    assert (a.parameters["use_sim_time"], b.parameters["use_sim_time"]) == (False, True)
+    assert "use_sim_time" not in world.parameters  # it would wait for its own clock
+    assert world.parameters["state_rate"] == 5.0
+    assert "rate" not in world.parameters
+
+
+def test_commanders_take_what_holds_for_all_nodes_but_not_the_agents_parameters():
+    chief = found(
+        "domain: keepaway\nuse_sim_time: true\nremap: {tf: /tf}\nparameters: {rate: 10}\n"
+        "agents: {a: {}}\nkinds: {Squad: {orders: {Rest: nothing}}}\n"
+        "commanders: {chief: {kind: Squad, commands: [a]}}\n"
+    )["chief"]
+    assert chief.remap == {"tf": "/tf"}
+    assert chief.parameters["use_sim_time"] is True
+    assert "rate" not in chief.parameters
+
+
+def test_a_process_can_run_for_each_agent_of_a_line_in_its_namespace():
+    there = found(
+        "domain: keepaway\nnamespace: left\nuse_sim_time: true\n"
+        "agents:\n  robot: {count: 2}\n"
+        "processes:\n"
+        "  relay: {module: json.tool, for: robot, parameters: {base: '{agent}_base'}, "
+        "remap: {cmd_vel: '/{agent}/base'}}\n"
+        "  driver: {command: sh -c 'exec true', namespace: robot_1, arguments: [x]}\n"
+        "  field: {command: [sh, -c, exit]}\n"
+        "  lidar: {command: sh, namespace: /front}\n"
+    )
+    assert list(there) == [
+        "robot_1", "robot_2", "robot_1_relay", "robot_2_relay", "driver", "field", "lidar",
+    ]  # fmt: skip
+    relay = there["robot_2_relay"]
+    assert rules(relay) == [
+        "__ns:=/left/robot_2", "/clock:=/left/clock", "cmd_vel:=/robot_2/base",
+    ]  # fmt: skip
+    assert relay.parameters == {"base": "robot_2_base", "use_sim_time": True}
+    assert relay.command[1:3] == ["-m", "json.tool"]
+    driver = there["driver"].command
+    assert driver[:5] == ["sh", "-c", "exec true", "x", "--ros-args"]
+    assert "__ns:=/left/robot_1" in driver
+    assert there["field"].command == ["sh", "-c", "exit"]  # no node of ROS
+    assert "__ns:=/front" in there["lidar"].command
+
+
+def test_the_companion_of_a_link_runs_beside_each_agent_that_has_the_link(monkeypatch):
+    class Point:
+        name, value = "my_robot", "my_robot.relay"
+
+    monkeypatch.setattr(swarm_processes, "entry_points", lambda group: [Point])
+
+    class Linked:
+        link = "my_robot.links:Link"
+
+    monkeypatch.setattr(swarm_processes, "load_domain", lambda name: Linked)
+    text = (
+        "namespace: left\ndomain: keepaway\nagents:\n"
+        "  a: {remap: {cmd_vel: /base}, parameters: {speed: 1.5}}\n  b: {}\n"
+    )
+    there = found(text)
+    assert list(there) == ["a", "b", "a_relay", "b_relay"]
+    assert rules(there["a_relay"]) == [
+        "__ns:=/left/a", "/clock:=/left/clock", "cmd_vel:=/base",
+    ]  # fmt: skip
+    assert there["a_relay"].parameters == {
+        "speed": 1.5, "domain": "keepaway", "state_dir": "/run/state",
+    }  # fmt: skip
+    # One that the description starts by itself takes its place.
+    monkeypatch.setattr(Point, "value", "json.tool")
+    own = "processes: {own: {module: json.tool, for: a, parameters: {speed: 9.0}}}\n"
+    assert list(found(text + own)) == ["a", "b", "a_own", "b_tool"]
+
+
+def test_what_is_not_finite_reaches_a_node_as_a_number():
+    a = found("domain: keepaway\nagents: {a: {parameters: {far: .inf, mixed: [1, 2.5]}}}\n")["a"]
+    assert "far:=.inf" in a.command
+    assert "mixed:=[1.0, 2.5]" in a.command
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (f"namespace: a-b\n{AGENTS}", '1: `namespace:` "a-b" is not a namespace; use letters'),
+        (f"remap: {{__ns: /x}}\n{AGENTS}", "1: `__ns:` cannot be remapped here, since the swarm "),
+        (
+            f"remap: {{scan: [a]}}\n{AGENTS}",
+            "1: `scan:` needs the name to use instead, such as /b",
+        ),
+        (f"remap: {{'a b': c}}\n{AGENTS}", '1: "a b" is not the name of a topic or service'),
+        (f"parameters: {{seed: 1}}\n{AGENTS}", "1: `seed:` has a line of its own; move it out"),
+        (f"parameters: {{swarm: x}}\n{AGENTS}", "1: `swarm:` is set by the swarm itself; leave"),
+        (f"parameters: {{x: [1, a]}}\n{AGENTS}", "1: `x:` must be a number, a text, true, false,"),
+        (f"parameters: {{x: []}}\n{AGENTS}", "leave it out to have the node's own default"),
+        (f"use_sim_time: maybe\n{AGENTS}", "1: `use_sim_time:` must be true or false"),
+        (
+            f"world: {{kind: keepaway, use_sim_time: true}}\n{AGENTS}",
+            "1: the world makes the clock and cannot wait for it; write `use_sim_time:` at the",
+        ),
+        (
+            f"world: {{kind: keepaway, node_parameters: {{pace: lockstep}}}}\n{AGENTS}",
+            "1: `pace:` has a line of its own",
+        ),
+        (f"{AGENTS}processes: {{x: {{}}}}\n", "3: needs either `module:`, run with Python, or "),
+        (f"{AGENTS}processes: {{x: {{module: no_such}}}}\n", "module no_such is not installed"),
+        (
+            f"{AGENTS}processes: {{x: {{command: no_such_program}}}}\n",
+            '3: `command:` there is no program "no_such_program" on the PATH; install it',
+        ),
+        (f'{AGENTS}processes: {{x: {{command: "sh \'a"}}}}\n', "`command:` No closing quotation"),
+        (
+            f"{AGENTS}processes: {{x: {{module: json, for: c}}}}\n",
+            '3: `for:` there is no line "c" under `agents:` (has: a, b)',
+        ),
+        (
+            f"{AGENTS}processes: {{a: {{module: json}}}}\n",
+            '3: a second process "a" (see `a`); rename it',
+        ),
+        (f"{AGENTS}processes: {{1x: {{module: json}}}}\n", '"1x" is not a name for a process'),
+        (
+            f"{AGENTS}processes: {{x: {{module: json, modul: y}}}}\n",
+            'Did you mean "module"?',
+        ),
+    ],
+)
+def test_a_fault_is_told_with_its_line_and_the_way_out(text, expected):
+    told = complaint(text)
+    assert told.startswith("/somewhere/team.yaml:")
+    assert expected in told
+
+
+def test_a_swarm_can_be_put_into_a_namespace_under_a_name_of_its_own():
+    swarm = parse_swarm(AGENTS, HERE).in_namespace("lab/left/")
+    assert (swarm.name, swarm.namespace) == ("team_lab_left", "/lab/left")
+    assert swarm.full_name("a") == "/lab/left/a"
+    with pytest.raises(DescriptionError, match=r'"a-b" is not a namespace; use letters'):
+        swarm.in_namespace("a-b")
+
+
+def test_sim_time_can_be_turned_on_for_all_nodes_but_the_world():
+    text = (
+        f"world: {{kind: keepaway}}\n{AGENTS}"
+        "processes: {x: {module: json.tool}, y: {command: sh}}\n"
+    )
+    swarm = parse_swarm(text, HERE).with_sim_time()
+    told = {p.name: p.parameters.get("use_sim_time") for p in processes(swarm, Path("/run"))}
+    assert told == {"world": None, "a": True, "b": True, "x": True, "y": None}

@@ -1,0 +1,99 @@
+"""An unsaved training resumes only with the library that it is for, and `hitab up` says so."""
+
+from pathlib import Path
+
+import pytest
+from hitab_msgs.msg import AgentStatus
+
+from hitab_bringup.libraries import prepare
+from hitab_bringup.library_choice import with_library
+from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.unsaved_trainings import announcements, left_to_resume, set_aside, waiting
+from hitab_core import Example
+from hitab_core.training import Curriculum, TrainingJournal
+
+LONE = "swarm: lone\ndomain: keepaway\nagents: {lone: {}}\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    run = tmp_path / "run"
+    run.mkdir()
+    return run
+
+
+def start(folder: Path, library: str = "") -> None:
+    """Prepare a start as `hitab up` does."""
+    swarm = parse_swarm(LONE, folder / "lone.yaml")
+    prepare(with_library(swarm, library) if library else swarm, folder)
+
+
+def journal(folder: Path) -> Path:
+    path = folder / "state" / "lone" / "training.jsonl"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def test_a_training_does_not_resume_with_another_library_and_comes_back_with_its_own(folder):
+    start(folder)
+    journal(folder).write_text("own")
+    start(folder)
+    assert journal(folder).read_text() == "own"
+
+    other = str(folder.parent / "other")
+    start(folder, other)
+    assert not journal(folder).exists()
+    assert announcements([], folder) == [
+        "lone has another unsaved training; start the swarm without --library to resume it"
+    ]
+    journal(folder).write_text("other")
+
+    start(folder)
+    assert journal(folder).read_text() == "own"
+    assert list(waiting(folder)) == [("lone", Path(other))]
+    assert announcements([], folder)[0].endswith(
+        f"start the swarm with --library {other} to resume it"
+    )
+
+    journal(folder).unlink()
+    start(folder, other)
+    assert journal(folder).read_text() == "other"
+    assert list(waiting(folder)) == []
+
+
+def test_a_start_that_is_killed_between_loses_no_training(folder):
+    start(folder)
+    journal(folder).write_text("own")
+    own, other = folder / "libraries" / "lone", folder.parent / "other"
+    set_aside({"lone": own}, {"lone": other}, folder)
+    start(folder)
+    assert journal(folder).read_text() == "own"
+
+
+def test_a_training_that_resumes_is_announced_with_the_ways_out(folder):
+    status = AgentStatus(agent="lone", mode=AgentStatus.TRAINING, behavior="Chase", examples=8)
+    idle = AgentStatus(agent="other", mode=AgentStatus.IDLE)
+    assert announcements([status, idle], folder) == [
+        'lone resumes the training of "Chase" (8 examples); `hitab save lone` or '
+        "`hitab discard lone` ends it"
+    ]
+    assert announcements([status] * 8, folder)[-1] == "... and 3 more"
+
+
+def test_a_swarm_that_goes_down_names_the_trainings_that_it_keeps(folder):
+    for agent, examples in (("b", 1), ("a", 2), ("empty", 0)):
+        kept = TrainingJournal(folder / "state" / agent, "keepaway")
+        named = [Example("Stop", (), "Stop", number=n, command=n) for n in range(1, examples + 1)]
+        kept.begin(Curriculum("Chase", ()), named, ())
+        kept.close()
+    assert left_to_resume(folder) == [
+        f'{agent} has an unsaved training of "Chase" ({examples}); it is kept, and the next '
+        "`hitab up` of the swarm resumes it"
+        for agent, examples in (("a", "2 examples"), ("b", "1 example"))
+    ]
+    TrainingJournal(folder / "state" / "a", "keepaway").archive()
+    saved = TrainingJournal(folder / "state" / "b", "keepaway")
+    saved.begin(Curriculum("Chase", ()), [Example("Stop", (), "Stop", number=1, command=1)], ())
+    saved.saved("Chase", "0")
+    saved.archive()
+    assert [text.split()[0] for text in left_to_resume(folder)] == ["a"]

@@ -1,0 +1,90 @@
+"""`hitab world step` ends when the world has been stepped; Ctrl-C stops the world, too."""
+
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import pytest
+from typer.testing import CliRunner
+
+from hitab_bringup.main import make_app
+from hitab_bringup.verbs import world as verb
+from hitab_client import SwarmError, WorldClient
+
+
+class World:
+    """A world at cycle 100 that is interrupted after some cycles, as Ctrl-C does."""
+
+    def __init__(self, interrupted_after: int) -> None:
+        self.cycle, self.last, self.left = 100, 100, interrupted_after
+
+    def wait(self) -> None:
+        pass
+
+    def control(self, action: str, cycles: int = 0) -> SimpleNamespace:
+        self.last = self.cycle + cycles
+        return SimpleNamespace(cycle=self.last)
+
+    step = WorldClient.step
+
+    def state_at(self, cycle: int, seconds: float) -> SimpleNamespace:
+        if self.cycle < cycle <= self.last:
+            if not self.left:
+                raise KeyboardInterrupt
+            self.left -= 1
+            self.cycle += 1
+        return SimpleNamespace(cycle=self.cycle)
+
+
+@pytest.fixture
+def stepped(monkeypatch):
+    """Return a function that steps such a world, and the world."""
+
+    def step(cycles: int, interrupted_after: int):
+        world = World(interrupted_after)
+
+        @contextmanager
+        def connection(swarm):
+            yield SimpleNamespace(world=world)
+
+        monkeypatch.setattr(verb, "connection", connection)
+        return CliRunner().invoke(make_app(), ["world", "step", str(cycles)]), world
+
+    return step
+
+
+def test_ctrl_c_pauses_the_world_and_says_where(stepped):
+    result, world = stepped(500, 3)
+    assert result.exit_code == 130
+    assert result.stdout == ""
+    assert "the world is paused at cycle 103" in result.stderr
+    assert world.last == world.cycle == 103
+
+
+def test_the_progress_of_a_long_step_is_shown(stepped, monkeypatch):
+    shown = []
+
+    @contextmanager
+    def progress(*_):
+        yield lambda done, total, doing: shown.append((done, total))
+
+    monkeypatch.setattr(verb.console, "progress", progress)
+    result, _ = stepped(4, 4)
+    assert (result.exit_code, result.stdout, shown) == (0, "stepped 4 cycles\n", [])
+    monkeypatch.setattr(verb, "LONG_SECONDS", -1.0)
+    stepped(4, 4)
+    assert shown == [(0, 4), (1, 4), (2, 4), (3, 4)]
+
+
+def test_a_world_that_is_not_there_is_not_waited_for_twice(monkeypatch):
+    class NoWorld:
+        def wait(self) -> None:
+            raise SwarmError("this swarm has no world")
+
+    @contextmanager
+    def connection(swarm):
+        yield SimpleNamespace(world=NoWorld())
+
+    monkeypatch.setattr(verb, "connection", connection)
+    for call in (["place", "gopher_1", "x=0"], ["reset"]):
+        result = CliRunner().invoke(make_app(), ["world", *call])
+        assert "this swarm has no world" in result.stderr

@@ -1,0 +1,395 @@
+"""A person who trains agents by keys or buttons: whom they command, and what comes of it.
+
+Keys and buttons arrive in callbacks of the node, which must not wait; `Demonstrator.work` carries
+out what was pressed, outside of them. The emergency stop and driving by hand wait for nobody: they
+take effect in the callback, also while an agent is waited for.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from hitab_msgs.msg import AgentStatus
+
+from hitab_client import reaction_time
+from hitab_client.demonstrating.commanding import command, other_mode, outcome, put_earlier
+from hitab_client.demonstrating.steering import Steering
+from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
+from hitab_client.errors import SwarmError
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
+from hitab_core import START, HitabError, Use, natural, some
+from hitab_ros import EmergencySwitch, names
+
+PATIENCE_S = 1.0
+"""What was pressed longer ago, s, before it could be carried out, was meant for another moment."""
+
+PENDING_MAX = 8
+"""Keys that may wait until an agent has answered; nobody means more of them."""
+
+TAKEN_S = 2.0
+"""How long to wait for an agent to take a command, s."""
+
+FOUND_S = 3.0
+"""How long a robot's relay may take to be found, s."""
+
+BY_HAND = "driving by hand"
+
+ACTIONS = {
+    "test": "test what was learned; again: take over",
+    "undo": "undo the last command",
+    "redo": "redo what was undone",
+    "earlier": "that was due earlier: have the last command count for 0.2 s before",
+    "nothing": "perform nothing; a training stays",
+    "save": "save what was trained",
+    "previous": "the previous agent",
+    "next": "the next agent",
+    "stop": "EMERGENCY STOP of all robots",
+    "go": "release them",
+}
+"""What can be pressed besides behaviors."""
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """What a person has pressed.
+
+    Attributes:
+        what: for people.
+        agent: whom it is for.
+        behavior: that is commanded; empty: none.
+        at: when, s, by the demonstrator's clock.
+        due: when what it answers was seen, s; differs from `at` if a target was asked for.
+        seen: the world's cycle that the person saw; 0: unknown.
+    """
+
+    what: str
+    agent: str
+    behavior: str
+    at: float
+    due: float
+    seen: int
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A behavior whose next target is still to be chosen.
+
+    Attributes:
+        use: the behavior, with its parameters and the targets chosen so far.
+        place: of the parameter in question.
+        pressed: the key that commanded it.
+        targets: among which to choose.
+    """
+
+    use: Use
+    place: int
+    pressed: Pressed
+    targets: tuple[str, ...]
+
+
+class Demonstrator:
+    """What one person commands with keys or buttons.
+
+    Args:
+        agents: of the swarm.
+        world: of the swarm, or an absent one.
+        asks: whether the person can be asked for targets.
+        clock: s; any steady clock.
+
+    Attributes:
+        agent: that is commanded.
+        said: what came of the last key.
+        failed: whether that is an error.
+        told: how often something was said.
+        switch: of the emergency stop.
+        steering: drives the robot by hand.
+        asked: what the person is asked for; None: nothing.
+    """
+
+    def __init__(
+        self,
+        agents: SwarmClient,
+        world: WorldClient,
+        *,
+        asks: bool = True,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.agent = ""
+        self.said = ""
+        self.failed = False
+        self.told = 0
+        self.asked: Asked | None = None
+        # Hands on: the topic is open before it is needed, so that a stop arrives at once.
+        self.switch = EmergencySwitch(agents.link.node, hands_on=True)
+        self.steering = Steering(agents.link.node, agents.prefix, self._is_at_rest, clock)
+        self._agents = agents
+        self._world = world
+        self._words = WordsOfAgents(agents)
+        self._asks = asks
+        self._clock = clock
+        self._pending: deque[Pressed] = deque()
+        self._chosen_at = -math.inf
+        self._is_driven = False
+        self._refused_until = -math.inf
+        self._does = {
+            "test": self._toggle,
+            "undo": lambda agent: self._edit(agent, "undo"),
+            "redo": lambda agent: self._edit(agent, "redo"),
+            "earlier": lambda agent: put_earlier(agents, world, agent),
+            "nothing": self._perform_nothing,
+            "save": self._save,
+        }
+
+    @property
+    def status(self) -> AgentStatus | None:
+        """The last status of the agent."""
+        return self._agents.statuses.get(self.agent)
+
+    @property
+    def words(self) -> Words:
+        """What the agent can be commanded, as far as it is known."""
+        return self._words.known(self.agent)
+
+    def tell(self, text: str, *, failed: bool = False) -> None:
+        """Note what came of a key."""
+        self.said, self.failed = text, failed
+        self.told += 1
+
+    def close(self, seconds: float) -> None:
+        """Let go of the robot, and wait for at most so long until all have an emergency stop."""
+        self.let_go()
+        if self.switch.engaged:
+            self.switch.delivered(seconds)
+
+    # -- in callbacks -----------------------------------------------------------------------
+
+    def choose(self, agent: str) -> None:
+        """Command another agent from now on."""
+        self.agent = agent
+        self.asked = None
+        self.let_go()
+        self.steering.choose(agent)
+        self._chosen_at = self._clock()
+
+    def press(self, action: str) -> None:
+        """Take one of the `ACTIONS`; the emergency stop and the choice of the agent at once."""
+        if action in ("stop", "go"):
+            self._switch(engaged=action == "stop")
+        elif action in ("previous", "next"):
+            self._step(1 if action == "next" else -1)
+        else:
+            self._wait(self._pressed(action))
+
+    def press_behavior(self, behavior: str) -> None:
+        """Have a behavior be commanded, or in no training performed."""
+        self._wait(self._pressed(behavior, behavior))
+
+    def answer(self, number: int) -> None:
+        """Take the target with this number, from 1; any other number gives the command up."""
+        asked, self.asked = self.asked, None
+        if asked is None or not 1 <= number <= len(asked.targets):
+            self.tell("")
+            return
+        arguments = list(asked.use.arguments)
+        arguments[asked.place] = asked.targets[number - 1]
+        use = Use(asked.use.name, tuple(arguments))
+        self._wait(replace(asked.pressed, behavior=str(use), at=self._clock()))
+
+    def steer(self, velocity: Sequence[float], seconds: float) -> None:
+        """Drive the robot by hand for so long, unless it is said again; zeros: not any more.
+
+        The agent first gives up what it performs, so that nothing drives the robot on afterwards.
+        What it is commanded meanwhile ends the driving until the person lets go.
+        """
+        if not any(velocity) or not all(map(math.isfinite, velocity)):
+            self.let_go()
+            self._refused_until = -math.inf
+            return
+        now = self._clock()
+        if now <= self._refused_until:
+            self._refused_until = now + seconds
+            return
+        begins = not self.steering.is_held
+        self._is_driven = self._is_at_rest() or (self._is_driven and not begins)
+        self.steering.hold(velocity, seconds)
+        if self.switch.engaged:
+            self._refuse_steering("the emergency stop holds the robots")
+        elif not self.steering.reaches_relay and now <= self._chosen_at + FOUND_S:
+            self.steering.release()  # it may still be found
+        elif not self.steering.reaches_relay:
+            self._refuse_steering(
+                f"{self.agent} cannot be driven by hand: no {names.VELOCITY_RELAY} listens on "
+                f"{self.steering.topic_name}, as those of robots with standard messages do"
+            )
+        elif not self._is_at_rest() and self._is_driven:
+            self._refuse_steering(f"{self.agent} acts again: let go, then drive it again")
+        elif not self._is_at_rest() and begins:
+            self._wait(self._pressed(BY_HAND))
+
+    def _refuse_steering(self, why: str) -> None:
+        self.let_go()
+        self.tell(why, failed=True)
+
+    def let_go(self) -> None:
+        """Have the robot stand still; what is held has to be let go before it drives again."""
+        if self.steering.until > self._clock():
+            self._refused_until = self.steering.until
+        self._is_driven = False
+        self.steering.release()
+
+    def _pressed(self, what: str, behavior: str = "") -> Pressed:
+        now = self._clock()
+        state = self._world.state
+        seen = 0 if state is None or self._world.status is None else int(state.cycle)
+        return Pressed(what, self.agent, behavior, now, now, seen)
+
+    def _wait(self, pressed: Pressed) -> None:
+        if len(self._pending) < PENDING_MAX:
+            self._pending.append(pressed)
+        else:
+            self.tell(f"{pressed.what} is left out: {self.agent} has not answered", failed=True)
+
+    def _switch(self, *, engaged: bool) -> None:
+        self.let_go()
+        self._pending.clear()  # it was meant for before
+        self.switch.set(engaged, self._agents.demonstrator)
+        if not engaged:
+            self.tell("the robots are released: they obey their agents again")
+            return
+        relays = [n for n in self.switch.listeners() if n.endswith(f"/{names.VELOCITY_RELAY}")]
+        heard = "" if relays else "; no robot's relay listens, only those that come later obey"
+        self.tell(f"emergency stop: all robots have to stand still{heard}", failed=not relays)
+
+    def _step(self, by: int) -> None:
+        there = sorted({*self._agents.expected, *self._agents.agents()}, key=natural)
+        if there:
+            place = there.index(self.agent) + by if self.agent in there else 0
+            self.choose(there[place % len(there)])
+            self.tell(f"{self.agent} obeys from now on")
+
+    def _is_at_rest(self) -> bool:
+        """Whether the agent does nothing that could drive its robot."""
+        status = self.status
+        if status is None:
+            return False
+        at_start = list(status.active_path) in ([], [START])
+        return status.mode == AgentStatus.IDLE or (
+            status.mode == AgentStatus.TRAINING and at_start
+        )
+
+    # -- outside of callbacks ---------------------------------------------------------------
+
+    def work(self) -> None:
+        """Carry out what was pressed; errors are noted in `said`."""
+        while self._pending:
+            pressed = self._pending.popleft()
+            try:
+                self._carry_out(pressed)
+            except HitabError as error:
+                self.tell(str(error), failed=True)
+
+    def look(self) -> None:
+        """Learn what the agent can be commanded, if that may have changed.
+
+        Raises:
+            SwarmError: if it does not answer.
+        """
+        if self.agent not in self._agents.statuses or self._words.is_old(self.agent):
+            self._words.ask(self.agent)
+
+    def _carry_out(self, pressed: Pressed) -> None:
+        late = self._clock() - pressed.at
+        if late > PATIENCE_S:
+            raise SwarmError(
+                f"{pressed.what} is left out: it was pressed {late:.1f} s ago, while an agent did "
+                "not answer"
+            )
+        if pressed.behavior:
+            said = self._command(pressed)
+        elif pressed.what in self._does:
+            said = self._does[pressed.what](pressed.agent)
+        else:
+            said = self._halt(pressed.agent)
+        if said:
+            self.tell(said)
+
+    def _command(self, pressed: Pressed) -> str:
+        agent, agents = pressed.agent, self._agents
+        self.let_go()
+        words = self._words.ask(agent)
+        use = Use.parse(pressed.behavior)
+        place = self._open_parameter(use, words)
+        if place is not None:
+            self._ask(pressed, use, place, words)
+            return ""
+        status = agents.await_agent(agent)
+        if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
+            agents.perform(agent, use.name, use.arguments)
+            return f"{agent} performs {use}; it learns from commands only in training"
+        reaction = reaction_time.of(agents.demonstrator)
+        if reaction and not pressed.seen:
+            reaction += self._clock() - pressed.due
+        status = command(
+            agents,
+            self._world,
+            agent,
+            str(use),
+            reaction=reaction,
+            seen=pressed.seen,
+            seconds=TAKEN_S,
+        )
+        return outcome(agent, str(use), status)
+
+    def _open_parameter(self, use: Use, words: Words) -> int | None:
+        """Return the place of a parameter that is bound to no target; None: there is none."""
+        for declared in map(Use.parse, words.behaviors):
+            if declared.name == use.name and len(declared.arguments) == len(use.arguments):
+                pairs = enumerate(zip(use.arguments, declared.arguments, strict=True))
+                return next(
+                    (i for i, (a, own) in pairs if a == own and a not in words.targets), None
+                )
+        return None
+
+    def _ask(self, pressed: Pressed, use: Use, place: int, words: Words) -> None:
+        parameter = use.arguments[place]
+        if not words.targets:
+            raise SwarmError(f"{use} needs a target for {parameter}, and {pressed.agent} has none")
+        if not self._asks:
+            raise SwarmError(
+                f"{use} needs a target for {parameter}: name the behavior with one, such as "
+                f"{use.name}({words.targets[0]}); the targets are {some(words.targets)}"
+            )
+        self.asked = Asked(use, place, pressed, words.targets)
+        self.tell("")
+
+    def _toggle(self, agent: str) -> str:
+        self.let_go()
+        mode = other_mode(self._agents.await_agent(agent))
+        return str(self._agents.set_mode(agent, mode).message)
+
+    def _edit(self, agent: str, action: str) -> str:
+        return str(self._agents.edit_examples(agent, action).message)
+
+    def _perform_nothing(self, agent: str) -> str:
+        self.let_go()
+        self._agents.perform(agent, "")
+        return f"{agent} performs nothing"
+
+    def _save(self, agent: str) -> str:
+        answer = self._agents.save(agent)
+        left_out = f"; left out because unused: {some(answer.trimmed)}" if answer.trimmed else ""
+        return f"{answer.message}: {answer.path}{left_out}"
+
+    def _halt(self, agent: str) -> str:
+        """Have the agent do nothing; a training goes on at its beginning."""
+        mode = self._agents.await_agent(agent).mode
+        self._agents.perform(agent, "")
+        if mode not in (AgentStatus.TRAINING, AgentStatus.TESTING):
+            return f"{agent} performs nothing while you drive it by hand"
+        self._agents.set_mode(agent, AgentStatus.TRAINING)
+        return f"{agent} performs nothing while you drive it by hand; its training is at {START}"

@@ -1,0 +1,112 @@
+"""A joystick on a topic as the keys of a demonstrator."""
+
+from __future__ import annotations
+
+import time
+
+from sensor_msgs.msg import Joy
+
+from hitab_client.demonstrating.demonstrator import Demonstrator
+from hitab_client.demonstrating.joystick_mapping import Mapping
+from hitab_client.demonstrating.stick import Stick
+from hitab_client.ros_link import RosLink
+from hitab_core import quantity
+from hitab_ros import qos, steady_timer
+from hitab_ros.stamps import seconds_of
+
+LOOK_S = 0.1
+"""How often to look whether the joystick is lost, s."""
+
+FOUND_S = 3.0
+"""How long a joystick may take to be found, s."""
+
+
+class JoystickInput:
+    """Hands what is done with a joystick to a demonstrator.
+
+    Args:
+        link: the node to use.
+        demonstrator: that obeys the joystick.
+        mapping: what buttons and axes do.
+        topic: of `sensor_msgs/Joy`.
+    """
+
+    def __init__(
+        self, link: RosLink, demonstrator: Demonstrator, mapping: Mapping, topic: str
+    ) -> None:
+        self._node = link.node
+        self._demonstrator = demonstrator
+        self._mapping = mapping
+        self._stick = Stick(mapping)
+        self._began = time.monotonic()
+        self._was_there = False
+        self._trouble = ""
+        self._topic = topic
+        # Unchecked: what the guard would drop, such as NaN, has to stop the robot.
+        self._node.create_subscription(Joy, topic, self._take, qos.STREAM, checked=False)
+        steady_timer(self._node, LOOK_S, self._look)
+
+    def _take(self, message: Joy) -> None:
+        now = time.monotonic()
+        was_lost = self._stick.is_lost(now)
+        taken = self._stick.take(
+            message.axes, message.buttons, seconds_of(message.header.stamp), time.time(), now
+        )
+        demonstrator = self._demonstrator
+        if taken.trouble:
+            self._tell_trouble(taken.trouble)
+        elif was_lost or self._trouble:
+            self._was_there, self._trouble = True, ""
+            demonstrator.tell(f"the joystick is there; nothing counts unless {self._hold} is held")
+        if taken.trouble:
+            demonstrator.let_go()
+        else:
+            demonstrator.steer(taken.velocity, self._mapping.timeout)
+        for button in taken.pressed:
+            self._press(button)
+
+    @property
+    def _hold(self) -> str:
+        return self._mapping.hold
+
+    def _press(self, button: str) -> None:
+        demonstrator = self._demonstrator
+        if button in self._mapping.actions:
+            demonstrator.press(self._mapping.actions[button])
+            return
+        behavior = self._mapping.behaviors.get(button, "")
+        if isinstance(behavior, int):
+            words = demonstrator.words
+            named = words.number(behavior)
+            if not named:
+                demonstrator.tell(
+                    f"{button} stands for behavior {behavior}, but {demonstrator.agent} has "
+                    f"{quantity(len(words.behaviors), 'behavior')}",
+                    failed=True,
+                )
+                return
+            behavior = named
+        if behavior:
+            demonstrator.press_behavior(behavior)
+
+    def _look(self) -> None:
+        """Let go of the robot when the joystick is lost."""
+        now = time.monotonic()
+        if not self._stick.is_lost(now):
+            return
+        if self._was_there:
+            self._was_there = False
+            self._demonstrator.let_go()
+            self._tell_trouble("the joystick is silent: driving by hand has stopped")
+        elif not self._trouble and now > self._began + FOUND_S:
+            number = self._node.context.get_domain_id()
+            self._tell_trouble(
+                f"nothing comes on {self._node.resolve_topic_name(self._topic)} in ROS domain "
+                f"{number}; start a joystick's node there, such as joy_node "
+                f"(ROS_DOMAIN_ID={number} ros2 run joy joy_node)"
+            )
+
+    def _tell_trouble(self, why: str) -> None:
+        if why != self._trouble:
+            self._trouble = why
+            self._demonstrator.tell(why, failed=True)

@@ -1,0 +1,120 @@
+"""Drives one robot by hand through its relay, which limits it and stops it.
+
+The relay's limits and the emergency stop hold, and it stops the robot when nothing more comes; see
+docs/robots.md.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from geometry_msgs.msg import TwistStamped
+from rclpy.qos import QoSProfile
+
+from hitab_ros import GuardedNode, names, steady_timer
+
+RATE_HZ = 20.0
+"""How often the velocity is sent; the relay stops the robot after 0.3 s without one."""
+
+Velocity = tuple[float, float, float]
+"""m/s ahead, m/s to the left, rad/s (REP 103)."""
+
+STILL: Velocity = (0.0, 0.0, 0.0)
+
+
+class Steering:
+    """Sends a velocity for as long as the person holds it, and then one zero.
+
+    Args:
+        node: to send with.
+        prefix: namespace of the swarm.
+        may_drive: whether nothing else drives the robot; asked before each velocity is sent.
+        clock: s; any steady clock.
+
+    Attributes:
+        until: s, by the clock; for how long the velocity is wanted.
+    """
+
+    def __init__(
+        self,
+        node: GuardedNode,
+        prefix: str = "",
+        may_drive: Callable[[], bool] = lambda: True,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._node = node
+        self._prefix = prefix
+        self._may_drive = may_drive
+        self._clock = clock
+        self._agent = ""
+        self._topic: Any = None
+        self._wanted = STILL
+        self.until = -math.inf
+        self._sent = STILL
+        steady_timer(node, 1.0 / RATE_HZ, self._tick)
+
+    def choose(self, agent: str) -> None:
+        """Drive another robot from now on; the last one stops."""
+        self.release()
+        if agent == self._agent:
+            return
+        if self._topic is not None:
+            self._node.destroy_publisher(self._topic)
+        self._agent = agent
+        topic = names.of_agent(agent, names.TELEOP, self._prefix)
+        self._topic = self._node.create_publisher(
+            TwistStamped, topic, QoSProfile(depth=1), temporary=True
+        )
+
+    @property
+    def velocity(self) -> Velocity:
+        """What was sent last."""
+        return self._sent
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the person wants the robot to move."""
+        return self._clock() <= self.until
+
+    @property
+    def reaches_relay(self) -> bool:
+        """Whether the robot has a relay that listens."""
+        return self._topic is not None and self._topic.get_subscription_count() > 0
+
+    @property
+    def topic_name(self) -> str:
+        """Where velocities are sent; empty: nowhere yet."""
+        return "" if self._topic is None else self._topic.topic_name
+
+    def hold(self, velocity: Sequence[float], seconds: float) -> None:
+        """Want a velocity for some seconds; what is no finite velocity releases the robot."""
+        if len(velocity) != 3 or not all(map(math.isfinite, velocity)) or not any(velocity):
+            self.release()
+            return
+        self._wanted = (velocity[0], velocity[1], velocity[2])
+        self.until = self._clock() + seconds
+
+    def release(self) -> None:
+        """Have the robot stand still at once."""
+        self.until = -math.inf
+        self._tick()
+
+    def _tick(self) -> None:
+        if self.is_held and self._may_drive():
+            self._send(self._wanted)
+        elif self._sent != STILL:
+            self._send(STILL)
+
+    def _send(self, velocity: Velocity) -> None:
+        self._sent = velocity
+        if self._topic is None:
+            return
+        message = TwistStamped()
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.header.frame_id = "base_link"
+        twist = message.twist
+        twist.linear.x, twist.linear.y, twist.angular.z = velocity
+        self._topic.publish(message)

@@ -1,0 +1,94 @@
+"""What an agent can be commanded at present, with the keys of its behaviors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hitab_msgs.msg import AgentStatus
+from hitab_msgs.srv import GetBehavior
+
+from hitab_client.demonstrating.behavior_keys import Keys, in_order
+from hitab_client.swarm_client import SwarmClient
+from hitab_core import FLAGS, Use
+from hitab_ros import names
+
+
+@dataclass(frozen=True)
+class Words:
+    """What an agent can be commanded.
+
+    Attributes:
+        domain: of the agent.
+        behaviors: with parameters, in the order of their keys; in training the flags come last.
+        keys: of the behaviors that have one.
+        targets: of parameters; in training its own parameters are among them.
+    """
+
+    domain: str = ""
+    behaviors: tuple[str, ...] = ()
+    keys: tuple[tuple[str, str], ...] = ()
+    targets: tuple[str, ...] = ()
+
+    def on_key(self, key: str) -> str:
+        """Return the behavior on a key; "" if there is none."""
+        return dict(self.keys).get(key, "")
+
+    def number(self, number: int) -> str:
+        """Return a behavior by its place in the order, from 1; "" if there are fewer."""
+        names = [name for name in self.behaviors if name not in FLAGS]
+        return names[number - 1] if 1 <= number <= len(names) else ""
+
+
+class WordsOfAgents:
+    """Asks agents for their words, again when these may have changed."""
+
+    def __init__(self, agents: SwarmClient) -> None:
+        self._agents = agents
+        self._keys = Keys()
+        self._known: dict[str, tuple[tuple[str, ...], Words]] = {}
+
+    def known(self, agent: str) -> Words:
+        """Return what is known of an agent's words, without waiting."""
+        return self._known.get(agent, ((), Words()))[1]
+
+    def is_old(self, agent: str) -> bool:
+        """Whether an agent's words may have changed since it was asked."""
+        status = self._agents.statuses.get(agent)
+        return status is not None and self._known.get(agent, ((),))[0] != _state(status)
+
+    def ask(self, agent: str) -> Words:
+        """Return an agent's words; it is asked if they may have changed.
+
+        Raises:
+            SwarmError: if it does not answer.
+        """
+        status = self._agents.await_agent(agent)
+        state = _state(status)
+        if self._known.get(agent, ((),))[0] != state:
+            self._known[agent] = state, self._asked(agent, status)
+        return self._known[agent][1]
+
+    def _asked(self, agent: str, status: AgentStatus) -> Words:
+        told = self._agents.vocabulary(agent)
+        there = in_order(told.behaviors, set(told.trained))
+        targets = list(told.targets)
+        self._keys.give(told.domain, there)
+        if _is_trained(status):
+            training = self._agents.ask(agent, GetBehavior, names.GET_BEHAVIOR)
+            chosen = [s for s in training.chosen_states if s not in FLAGS]
+            there = chosen or [b for b in there if Use.parse(b).name != training.name]
+            targets += [p for p in training.parameters if p not in targets]
+            self._keys.give(told.domain, there)
+            there += FLAGS
+        keys = ((self._keys.of(told.domain, name), name) for name in there)
+        return Words(told.domain, tuple(there), tuple(k for k in keys if k[0]), tuple(targets))
+
+
+def _is_trained(status: AgentStatus) -> bool:
+    return status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING)
+
+
+def _state(status: AgentStatus) -> tuple[str, ...]:
+    """Return what an agent's words depend on."""
+    training = status.behavior if _is_trained(status) else ""
+    return status.domain, status.library_digest, str(_is_trained(status)), training

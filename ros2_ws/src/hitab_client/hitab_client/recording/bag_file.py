@@ -1,0 +1,206 @@
+"""A bag of one file: MCAP with what ``ros2 bag`` looks for in it.
+
+See rosbag2 of ROS 2 Jazzy, whose metadata have version 9: ``rosbag2_storage/src/qos.cpp``,
+``rosbag2_storage/yaml.hpp`` and ``rosbag2_storage_mcap/src/mcap_storage.cpp``.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.writer import Writer
+from rclpy.qos import QoSProfile
+
+from hitab_client.errors import SwarmError
+from hitab_client.recording.definitions import definition
+
+METADATA = "hitab"
+"""Name of the metadata record; recordings without one have the first format."""
+
+FORMAT = 1
+"""The format version that is written."""
+
+ROSBAG2 = "rosbag2"
+ROSBAG2_VERSION = 9
+METADATA_FILE = "metadata.yaml"
+NANOSECONDS = 10**9
+
+
+class BagFile:
+    """A bag that is being written.
+
+    Attributes:
+        path: of the file.
+        count: number of messages.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Begin a file that does not exist yet.
+
+        Raises:
+            SwarmError: if it cannot be written.
+        """
+        self.path = path
+        self.count = 0
+        self._schemas: dict[str, int] = {}
+        self._topics: dict[int, dict[str, Any]] = {}
+        self._counts: dict[int, int] = {}
+        self._first = self._last = 0
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = path.open("xb")
+        except FileExistsError:
+            raise SwarmError(f"{path} exists already; choose another name") from None
+        except OSError as error:
+            raise SwarmError(f"cannot record to {path}: {error.strerror}") from None
+        self._writer = Writer(self._file)
+        self._writer.start(profile="ros2", library="hitab_client")
+        self._writer.add_metadata(METADATA, {"format": str(FORMAT)})
+
+    def add_topic(
+        self, topic: str, kind: str, offered: Sequence[QoSProfile], type_hash: str
+    ) -> int:
+        """Add a topic; return its channel.
+
+        Args:
+            topic: its full name.
+            kind: name of its type.
+            offered: by its publishers.
+            type_hash: of its definition, as ROS 2 announces it.
+
+        Raises:
+            SwarmError: if the definition of its type is not installed.
+        """
+        if kind not in self._schemas:
+            self._schemas[kind] = self._writer.register_schema(
+                name=kind, encoding="ros2msg", data=definition(kind).encode()
+            )
+        profiles = [qos_record(profile) for profile in offered]
+        channel = self._writer.register_channel(
+            topic=topic,
+            message_encoding="cdr",
+            schema_id=self._schemas[kind],
+            metadata={
+                "offered_qos_profiles": _as_yaml(profiles),
+                "topic_type_hash": type_hash,
+            },
+        )
+        self._topics[channel] = {
+            "name": topic,
+            "type": kind,
+            "serialization_format": "cdr",
+            "offered_qos_profiles": profiles,
+            "type_description_hash": type_hash,
+        }
+        self._counts[channel] = 0
+        return channel
+
+    def write(self, channel: int, data: bytes, received: int, sent: int) -> None:
+        """Write a message.
+
+        Args:
+            channel: of its topic.
+            data: serialized.
+            received: when, ns since 1970.
+            sent: when, ns since 1970.
+
+        Raises:
+            OSError: if it cannot be written.
+        """
+        self._writer.add_message(channel, log_time=received, data=data, publish_time=sent)
+        self.count += 1
+        self._counts[channel] += 1
+        self._first = min(self._first or received, received)
+        self._last = max(self._last, received)
+
+    def information(self) -> dict[str, Any]:
+        """Return what ``metadata.yaml`` says of the bag."""
+        begun = {"nanoseconds_since_epoch": self._first}
+        lasted = {"nanoseconds": self._last - self._first}
+        return {
+            "version": ROSBAG2_VERSION,
+            "storage_identifier": "mcap",
+            "duration": lasted,
+            "starting_time": begun,
+            "message_count": self.count,
+            "topics_with_message_count": [
+                {"topic_metadata": topic, "message_count": self._counts[channel]}
+                for channel, topic in self._topics.items()
+            ],
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": [self.path.name],
+            "files": [
+                {
+                    "path": self.path.name,
+                    "starting_time": begun,
+                    "duration": lasted,
+                    "message_count": self.count,
+                }
+            ],
+            "custom_data": {},
+            "ros_distro": os.environ.get("ROS_DISTRO", "jazzy"),
+        }
+
+    def close(self) -> None:
+        """Write the index and close the file.
+
+        Raises:
+            SwarmError: if it cannot be written.
+        """
+        try:
+            with self._file:
+                text = _as_yaml(self.information())
+                self._writer.add_metadata(ROSBAG2, {"serialized_metadata": text})
+                self._writer.finish()
+        except OSError as error:
+            raise SwarmError(f"{self.path} is not complete: {error.strerror}") from None
+
+
+def write_metadata_file(folder: Path, information: dict[str, Any]) -> Path:
+    """Write the file that makes a folder with a bag's file a bag; return its path.
+
+    Raises:
+        SwarmError: if it cannot be written.
+    """
+    path = folder / METADATA_FILE
+    try:
+        path.write_text(_as_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
+    except OSError as error:
+        raise SwarmError(f"{path} cannot be written: {error.strerror}") from None
+    return path
+
+
+def qos_record(profile: QoSProfile) -> dict[str, Any]:
+    """Return a quality of service as ``ros2 bag`` of Jazzy writes it."""
+    return {
+        "history": profile.history.short_key,
+        "depth": profile.depth,
+        "reliability": profile.reliability.short_key,
+        "durability": profile.durability.short_key,
+        "deadline": _time(profile.deadline),
+        "lifespan": _time(profile.lifespan),
+        "liveliness": profile.liveliness.short_key,
+        "liveliness_lease_duration": _time(profile.liveliness_lease_duration),
+        "avoid_ros_namespace_conventions": profile.avoid_ros_namespace_conventions,
+    }
+
+
+def _time(duration: Any) -> dict[str, int]:
+    seconds, rest = divmod(duration.nanoseconds, NANOSECONDS)
+    return {"sec": seconds, "nsec": rest}
+
+
+class _Dumper(yaml.SafeDumper):
+    """Repeats what occurs twice: rosbag2's reader would take aliases, others might not."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def _as_yaml(data: Any) -> str:
+    return yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=False)

@@ -1,0 +1,239 @@
+"""Reads recordings: those of this package, and bags of ``ros2 bag record`` in MCAP."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from hitab_msgs.msg import AgentStatus, Distribution, TransitionEvent
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+from mcap.records import Schema
+from mcap.well_known import MessageEncoding
+from mcap_ros2.decoder import DecoderFactory
+from rclpy.serialization import deserialize_message
+
+from hitab_client.errors import SwarmError
+from hitab_client.recording.bag_file import FORMAT, METADATA
+from hitab_client.recording.definitions import definition, message_class, type_name
+from hitab_core import has, newer_format, quantity
+from hitab_ros import names, own_hash, session_topics
+
+SUFFIX = ".mcap"
+MAGIC = b"\x89MCAP0\r\n"
+Decode = Callable[[bytes], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """A recorded message.
+
+    Attributes:
+        topic: its full name.
+        schema: of its type.
+        type_hash: of the definition, as ROS 2 announced it; empty: unknown.
+        sent, received: ns since 1970.
+        data: serialized.
+    """
+
+    topic: str
+    schema: Schema
+    type_hash: str
+    sent: int
+    received: int
+    data: bytes
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Iterator[Received]]:
+    """Open a recording; the context's value yields its messages in the order of their reception.
+
+    Args:
+        path: of the file, or of the folder of a bag with one file.
+
+    Raises:
+        SwarmError: if it is no recording, not complete, or of a newer format.
+    """
+    file = _file_in(path)
+    try:
+        with file.open("rb") as stream:
+            _check_whole(file.name, stream)
+            reader = make_reader(stream)
+            for metadata in reader.iter_metadata():
+                found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
+                if not found.isdecimal() or int(found) > FORMAT:
+                    raise SwarmError(f"{file.name} {newer_format(found, FORMAT)}")
+            yield _messages(reader)
+    except (OSError, McapError, ValueError) as error:
+        raise SwarmError(f"{file.name} cannot be read: {error}") from None
+
+
+def _messages(reader: Any) -> Iterator[Received]:
+    for schema, channel, message in reader.iter_messages():
+        if schema is not None:
+            yield Received(
+                channel.topic,
+                schema,
+                channel.metadata.get("topic_type_hash", ""),
+                message.publish_time,
+                message.log_time,
+                message.data,
+            )
+
+
+def _file_in(path: Path) -> Path:
+    if not path.exists():
+        raise SwarmError(f"{path}: there is no such recording")
+    if not path.is_dir():
+        return path
+    files = sorted(path.glob(f"*{SUFFIX}"))
+    if len(files) != 1:
+        what = quantity(len(files), "file") if files else "no file"
+        raise SwarmError(
+            f"{path} has {what} of a bag (*{SUFFIX}); name the file, or record a bag that is not "
+            "split"
+        )
+    return files[0]
+
+
+def _check_whole(name: str, stream: BinaryIO) -> None:
+    """Raise if a file does not begin and end as MCAP."""
+    begins = stream.read(len(MAGIC))
+    if begins != MAGIC:
+        raise SwarmError(
+            f"{name} is no recording in MCAP, as `hitab record` and `ros2 bag record` make; "
+            "convert other bags with `ros2 bag convert`"
+        )
+    size = stream.seek(0, io.SEEK_END)
+    stream.seek(max(len(MAGIC), size - len(MAGIC)))
+    if stream.read() != MAGIC:
+        raise SwarmError(
+            f"{name} is not complete: its end, with the index, is missing, since whatever wrote "
+            "it was killed or is still writing; end `hitab record` with Ctrl-C"
+        )
+    stream.seek(0)
+
+
+def decoder_for(schema: Schema, type_hash: str = "") -> Decode:
+    """Return what reads messages of a schema: by their own definition if ours differs from it.
+
+    A message from before a field was added lacks that attribute.
+
+    Raises:
+        McapError: if the schema cannot be understood.
+    """
+    if _is_ours(schema, type_hash):
+        return partial(deserialize_message, message_type=message_class(schema.name))
+    try:
+        decode = DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
+    except Exception as error:  # the parser raises what its parts raise
+        raise McapError(f"its definition of {schema.name} is damaged: {error}") from None
+    if decode is None:
+        raise McapError(f'its definition of {schema.name} is "{schema.encoding}", not "ros2msg"')
+    return decode
+
+
+def _is_ours(schema: Schema, type_hash: str) -> bool:
+    """Whether messages of a schema are defined as they are here."""
+    if type_hash:
+        return type_hash == own_hash(schema.name)
+    return bool(schema.data == definition(schema.name).encode())
+
+
+Sent = tuple[int, str, Any]
+"""A message of an agent: when it was sent, ns; the last part of its topic; the message."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """What a recording has of one agent, from when it began to tell what it took in.
+
+    Attributes:
+        agent: its name.
+        domain: the name of its domain.
+        known: what it knew at the beginning.
+        sent: its messages, in the order in which it sent them.
+    """
+
+    agent: str
+    domain: str
+    known: Distribution
+    sent: list[Sent]
+
+
+def trained_agents(path: Path) -> list[str]:
+    """Return the agents, with their namespaces, whose sessions a recording has.
+
+    Raises:
+        SwarmError: if it cannot be read.
+    """
+    ending = f"/{session_topics.KNOWN}"
+    kind = type_name(Distribution)
+    with opened(path) as messages:
+        topics = {m.topic for m in messages if m.schema.name == kind}
+    return sorted(t.removesuffix(ending) for t in topics if t.endswith(ending))
+
+
+def session_of(path: Path, agent: str) -> Session:
+    """Return what a recording has of one agent.
+
+    Args:
+        path: of the recording.
+        agent: its name, with its namespace if there are several of that name.
+
+    Raises:
+        SwarmError: if it has nothing of it, or messages are defined otherwise here.
+    """
+    namespace = _namespace(path, agent)
+    wanted = {f"{namespace}/{n}": (n, kind) for n, kind in session_topics.TOPICS.items()}
+    wanted[f"{namespace}/{names.STATUS}"] = names.STATUS, AgentStatus
+    wanted[f"{namespace}/{names.TRANSITIONS}"] = names.TRANSITIONS, TransitionEvent
+    sent: list[Sent] = []
+    with opened(path) as messages:
+        for message in messages:
+            name, kind = wanted.get(message.topic, ("", None))
+            if kind is None:
+                continue
+            if message.schema.name != type_name(kind) or not _is_ours(
+                message.schema, message.type_hash
+            ):
+                raise SwarmError(
+                    f"{path.name} has messages of type {message.schema.name} on {message.topic}, "
+                    f"and {type_name(kind)} is defined otherwise here; use the version of HiTAB "
+                    "that recorded it"
+                )
+            sent.append((message.sent, name, deserialize_message(message.data, kind)))
+    sent.sort(key=lambda one: one[0])
+    begun = next((s for s, name, _ in sent if name == session_topics.KNOWN), 0)
+    known = next(m for _, name, m in sent if name == session_topics.KNOWN)
+    domain = next((m.domain for _, name, m in sent if name == names.STATUS), "")
+    if not domain:
+        raise SwarmError(
+            f"{path.name} lacks the topic {namespace}/{names.STATUS}, which names the agent's "
+            "domain; record with `hitab record`"
+        )
+    return Session(
+        namespace.rpartition("/")[2], domain, known, [one for one in sent if one[0] >= begun]
+    )
+
+
+def _namespace(path: Path, agent: str) -> str:
+    """Return the namespace of an agent in a recording."""
+    there = trained_agents(path)
+    meant = [n for n in there if agent in (n, n.removeprefix("/"), n.rpartition("/")[2])]
+    if len(meant) == 1:
+        return meant[0]
+    if not there:
+        raise SwarmError(
+            f"{path.name} has no session of an agent to train from, which begins with the topic "
+            f"AGENT/{session_topics.KNOWN}; record it with `hitab record`, from agents with a "
+            "process of their own"
+        )
+    if meant:
+        raise SwarmError(f"{path.name} has {' and '.join(meant)}; name one of them")
+    raise SwarmError(f'{path.name} has no session of an agent "{agent}" {has(there, agent)}')

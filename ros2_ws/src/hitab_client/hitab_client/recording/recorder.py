@@ -1,0 +1,263 @@
+"""Records the messages of a swarm, and of robots, as a bag."""
+
+from __future__ import annotations
+
+import inspect
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from hitab_msgs.msg import (
+    AgentStatus,
+    Command,
+    CommanderStatus,
+    Distribution,
+    DistributionAck,
+    Episode,
+    Order,
+    TransitionEvent,
+    WorldState,
+    WorldStatus,
+)
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from visualization_msgs.msg import MarkerArray
+
+from hitab_client.errors import SwarmError
+from hitab_client.recording.bag_file import BagFile
+from hitab_client.recording.definitions import definition, message_class, type_name
+from hitab_client.ros_link import RosLink
+from hitab_ros import own_hash, qos, session_topics
+
+KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
+    "state": (WorldState, qos.LATCHED),
+    "episodes": (Episode, qos.EVENTS),
+    "transitions": (TransitionEvent, qos.EVENTS),
+    "command": (Command, qos.EVENTS),
+    "group": (CommanderStatus, qos.LATCHED),
+    "order": (Order, qos.LATCHED),
+    "distribution": (Distribution, qos.EVENTS),
+    "distribution_ack": (DistributionAck, qos.EVENTS),
+    "markers": (MarkerArray, qos.LATCHED),
+}
+"""What is recorded besides all statuses, by the last part of the topic's name."""
+
+STATUSES = (WorldStatus, AgentStatus)
+
+DEPTH = 1000
+"""Messages of one topic that may wait while this process is busy."""
+
+NO_HASH = "INVALID"
+"""What rclpy says of a definition whose hash is not announced, as by other versions of ROS 2."""
+
+ROBOT_PACKAGES = frozenset({"geometry_msgs", "nav_msgs", "sensor_msgs", "tf2_msgs"})
+"""Packages of the messages that robots have in common."""
+
+SESSIONS_MAX = 64
+"""Of how many agents at most is recorded what a training from the recording needs."""
+
+
+class Recorder:
+    """Records every topic of the swarm, including those that appear later.
+
+    Messages are not deserialized: they are written as received, with the times at which they were
+    sent and received. Of each agent with a process of its own, it also records the session
+    (`hitab_ros.session_topics`).
+
+    Attributes:
+        bag: that is written.
+        problem: why nothing more can be written; "" if nothing is wrong.
+        left_out: topics of robots that cannot be recorded, and why.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        path: str | Path,
+        *,
+        also: Collection[str] = (),
+        robots: bool = False,
+    ) -> None:
+        """Start recording.
+
+        Args:
+            link: to the ROS domain.
+            path: of the file.
+            also: full names of other topics, such as those of a robot.
+            robots: also record every topic with messages that robots use (`ROBOT_PACKAGES`).
+
+        Raises:
+            SwarmError: if the file cannot be written, or a type of ``also`` is not installed.
+        """
+        self.problem = ""
+        self.left_out: dict[str, str] = {}
+        self._link = link
+        self._also = {*also}
+        self._robots = robots
+        self._subscriptions: dict[str, Any] = {}
+        self._offered: dict[str, set[Any]] = {}
+        self._channels: dict[str, int] = {}
+        self._agents: set[str] = set()
+        self._heard: set[str] = set()
+        self.bag = BagFile(Path(path))
+        try:
+            self.look()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.bag.path
+
+    @property
+    def count(self) -> int:
+        """The number of recorded messages."""
+        return self.bag.count
+
+    @property
+    def missing(self) -> list[str]:
+        """The chosen topics that nobody publishes yet."""
+        return sorted(self._also - set(self._subscriptions))
+
+    @property
+    def sessions(self) -> list[str]:
+        """The agents, with their namespaces, that a training from this recording can be of."""
+        return sorted(self._heard)
+
+    @property
+    def awaited(self) -> list[str]:
+        """The agents that have not begun yet to tell what they take in."""
+        return sorted(self._agents - self._heard)
+
+    def look(self) -> None:
+        """Find new topics.
+
+        Raises:
+            SwarmError: if the type of a chosen one is not installed.
+        """
+        for topic, kinds in self._link.node.get_topic_names_and_types():
+            if topic in self._subscriptions and topic not in self._offered:
+                continue
+            if topic in self._also:
+                self._subscribe_as_offered(topic, kinds[0])
+            elif self._robots and kinds[0].split("/")[0] in ROBOT_PACKAGES:
+                try:
+                    self._subscribe_as_offered(topic, kinds[0])
+                except SwarmError as error:
+                    self.left_out[topic] = str(error)
+            else:
+                for kind, profile in self._wanted(topic):
+                    if type_name(kind) in kinds:
+                        self._subscribe(topic, kind, profile)
+        for agent in self._alone():
+            if len(self._agents) < SESSIONS_MAX:
+                self._record_session(agent)
+
+    def _wanted(self, topic: str) -> list[tuple[Any, QoSProfile]]:
+        name = topic.rsplit("/", 1)[-1]
+        if name == "status":
+            return [(kind, qos.LATCHED) for kind in STATUSES]
+        return [KINDS[name]] if name in KINDS else []
+
+    def _alone(self) -> Iterator[str]:
+        """Yield the namespaces of agents in processes of their own; those have parameters."""
+        ending = "/agent/get_parameters"
+        for service, _ in self._link.node.get_service_names_and_types():
+            agent = service.removesuffix(ending)
+            if agent != service and agent not in self._agents:
+                yield agent
+
+    def _record_session(self, agent: str) -> None:
+        self._agents.add(agent)
+        for name, kind in session_topics.TOPICS.items():
+            profile = session_topics.PERCEPTS_QOS
+            heard = name == session_topics.KNOWN
+            self._subscribe(f"{agent}/{name}", kind, profile, agent if heard else "")
+
+    def _subscribe_as_offered(self, topic: str, kind: str) -> None:
+        """Subscribe so that all present publishers are heard; again, when they are others."""
+        ends = self._link.node.get_publishers_info_by_topic(topic)
+        before = self._offered.get(topic)
+        offered = {(e.qos_profile.reliability, e.qos_profile.durability) for e in ends}
+        if not ends or offered == before:
+            return
+        self._refuse_other_definition(ends, kind)
+        reliable = all(r == ReliabilityPolicy.RELIABLE for r, _ in offered)
+        latched = all(d == DurabilityPolicy.TRANSIENT_LOCAL for _, d in offered)
+        if topic in self._subscriptions:
+            self._link.node.destroy_subscription(self._subscriptions.pop(topic))
+        profile = QoSProfile(
+            depth=DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=(
+                DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
+            ),
+        )
+        self._subscribe(topic, message_class(kind), profile)
+        self._offered[topic] = offered
+
+    def _refuse_other_definition(self, ends: Iterable[Any], kind: str) -> None:
+        """Raise if messages come that the definition here, which goes into the file, misreads."""
+        message_class(kind)
+        for end in ends:
+            if str(end.topic_type_hash) not in (own_hash(kind), NO_HASH):
+                raise SwarmError(
+                    f"{end.node_name} publishes messages with another definition of {kind} than "
+                    "is installed here; install the same version of that package"
+                )
+
+    def _subscribe(self, topic: str, kind: Any, profile: QoSProfile, agent: str = "") -> None:
+        name = type_name(kind)
+        definition(name)  # refuse what could not be recorded
+
+        def take(data: bytes, information: Mapping[str, Any]) -> None:
+            if self.problem:
+                return
+            if agent:
+                self._heard.add(agent)
+            now = time.time_ns()
+            try:
+                if topic not in self._channels:  # by now its publishers are known
+                    self._channels[topic] = self._channel(topic, name, profile)
+                received = information.get("received_timestamp") or now
+                sent = information.get("source_timestamp") or received
+                self.bag.write(self._channels[topic], data, received, sent)
+            except OSError as error:
+                self.problem = f"The recording to {self.path} ends here: {error.strerror}"
+
+        self._subscriptions[topic] = self._link.node.create_subscription(
+            kind, topic, _with_information(take), profile, raw=True, temporary=True, checked=False
+        )
+
+    def _channel(self, topic: str, kind: str, requested: QoSProfile) -> int:
+        publishers = self._link.node.get_publishers_info_by_topic(topic)
+        offered = [publisher.qos_profile for publisher in publishers] or [requested]
+        return self.bag.add_topic(topic, kind, offered, own_hash(kind))
+
+    def close(self) -> None:
+        """Write the index and close the file.
+
+        Raises:
+            SwarmError: if it cannot be written.
+        """
+        for subscription in self._subscriptions.values():
+            self._link.node.destroy_subscription(subscription)
+        self._subscriptions.clear()
+        self.bag.close()
+
+
+def _with_information(
+    take: Callable[[bytes, Mapping[str, Any]], None],
+) -> Callable[..., None]:
+    """Return a callback that rclpy gives a message and when it was sent and received.
+
+    Executors of rclpy pass two arguments; its EventsExecutor passes one tuple of both.
+    """
+
+    def received(*arguments: Any) -> None:
+        take(*(arguments if len(arguments) == 2 else arguments[0]))
+
+    received.__signature__ = inspect.signature(take)  # type: ignore[attr-defined]
+    return received

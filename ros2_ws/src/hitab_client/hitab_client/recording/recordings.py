@@ -1,0 +1,109 @@
+"""The recorded runs: where they are, what they are called, and what can be done with them."""
+
+from __future__ import annotations
+
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from hitab_client.errors import SwarmError
+from hitab_client.run_folder import state_home
+
+SUFFIX = ".mcap"
+NAME = re.compile(r"\w[\w .+()-]{0,99}", re.ASCII)
+NAME_RULE = "letters, digits, spaces, and . _ + - ( ); the first one is a letter or a digit"
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One recorded run.
+
+    Attributes:
+        when: it was recorded last, s since 1970.
+        size: bytes.
+    """
+
+    path: Path
+    when: float
+    size: int
+
+    @property
+    def name(self) -> str:
+        """The name of its file."""
+        return self.path.name
+
+
+def recordings_folder() -> Path:
+    """Return the folder of recordings."""
+    return state_home() / "recordings"
+
+
+def new_recording(swarm: str) -> Path:
+    """Return the path of the next recording."""
+    stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
+    return recordings_folder() / f"{swarm or 'swarm'}_{stamp}{SUFFIX}"
+
+
+def recordings() -> list[Recorded]:
+    """Return what was recorded, newest first."""
+    found = []
+    for path in recordings_folder().glob(f"*{SUFFIX}"):
+        try:
+            stat = path.stat()
+        except OSError:
+            continue  # it has just gone
+        found.append(Recorded(path, stat.st_mtime, stat.st_size))
+    return sorted(found, key=lambda recorded: recorded.when, reverse=True)
+
+
+def recording(name: str) -> Path:
+    """Return the file of a recording.
+
+    Raises:
+        SwarmError: if there is none of this name.
+    """
+    path = recordings_folder() / name
+    if path.parent != recordings_folder() or path.suffix != SUFFIX or not path.is_file():
+        raise SwarmError(f'There is no recording "{name}" in {recordings_folder()}.')
+    return path
+
+
+def rename(name: str, new: str) -> Path:
+    """Give a recording another name, and return its file.
+
+    Args:
+        name: of its file.
+        new: with or without the suffix.
+
+    Raises:
+        SwarmError: if there is none, the name cannot be that of a file or is taken, or the folder
+            cannot be written.
+    """
+    path, stem = recording(name), new.strip().removesuffix(SUFFIX)
+    if NAME.fullmatch(stem) is None:
+        raise SwarmError(f'"{new}" cannot be the name of a recording: use {NAME_RULE}.')
+    there = path.with_name(f"{stem}{SUFFIX}")
+    if there == path:
+        return path
+    try:
+        there.hardlink_to(path)  # fails if the name is taken
+        path.unlink()
+    except FileExistsError:
+        raise SwarmError(f'There is a recording "{there.name}" already: choose another.') from None
+    except OSError as error:
+        raise SwarmError(f"{path} cannot be renamed: {error.strerror}.") from None
+    return there
+
+
+def delete(name: str) -> None:
+    """Delete a recording.
+
+    Raises:
+        SwarmError: if there is none, or it cannot be deleted.
+    """
+    path = recording(name)
+    try:
+        path.unlink()
+    except OSError as error:
+        raise SwarmError(f"{path} cannot be deleted: {error.strerror}.") from None

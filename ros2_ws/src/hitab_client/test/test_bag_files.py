@@ -1,0 +1,212 @@
+"""A bag has what ``ros2 bag`` looks for in it; what is no sound bag is refused in one line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from hitab_msgs import msg
+from hitab_msgs.srv import BeginTraining, EditExamples
+from mcap.reader import make_reader
+from mcap.writer import Writer
+from mcap_ros2.decoder import DecoderFactory
+from rclpy.serialization import serialize_message
+from std_msgs.msg import String
+
+from hitab_client.errors import SwarmError
+from hitab_client.recording import (
+    definition,
+    message_class,
+    opened,
+    session_of,
+    type_name,
+    write_metadata_file,
+)
+from hitab_client.recording.bag_file import BagFile
+from hitab_ros import own_hash, qos, session_topics
+
+STATUS = "hitab_msgs/msg/AgentStatus"
+REQUEST = BeginTraining.Request(automaton="Near", features=["DistanceTo(ball)"], request=2**63)
+
+
+def write(path: Path, messages: dict[str, Any]) -> BagFile:
+    """Write one message per topic, sent one after the other."""
+    bag = BagFile(path)
+    for at, (topic, message) in enumerate(messages.items()):
+        kind = type_name(type(message))
+        profile = qos.LATCHED if topic.endswith("status") else qos.EVENTS
+        channel = bag.add_topic(topic, kind, [profile], own_hash(kind))
+        bag.write(channel, serialize_message(message), received=2000 + at, sent=1000 + at)
+    bag.close()
+    return bag
+
+
+def session() -> dict[str, Any]:
+    request = session_topics.request_text("begin", REQUEST)
+    return {
+        "/one/known": msg.Distribution(source="one", digest="d"),
+        "/one/status": msg.AgentStatus(agent="one", domain="keepaway"),
+        "/one/requested": String(data=request),
+        "/one/perceived": msg.Percept(sequence=7, values=[1.5]),
+    }
+
+
+def test_latched_topics_are_offered_again_as_latched(tmp_path: Path) -> None:
+    write(tmp_path / "a.mcap", session())
+    with (tmp_path / "a.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    by_topic = {channel.topic: channel.metadata for channel in summary.channels.values()}
+    (latched,) = yaml.safe_load(by_topic["/one/status"]["offered_qos_profiles"])
+    assert latched == {
+        "history": "keep_last",
+        "depth": 1,
+        "reliability": "reliable",
+        "durability": "transient_local",
+        "deadline": {"sec": 0, "nsec": 0},
+        "lifespan": {"sec": 0, "nsec": 0},
+        "liveliness": "system_default",
+        "liveliness_lease_duration": {"sec": 0, "nsec": 0},
+        "avoid_ros_namespace_conventions": False,
+    }
+    (events,) = yaml.safe_load(by_topic["/one/known"]["offered_qos_profiles"])
+    assert (events["reliability"], events["durability"]) == ("reliable", "volatile")
+    assert by_topic["/one/status"]["topic_type_hash"] == own_hash(STATUS)
+
+
+def test_a_bag_says_of_itself_what_a_folder_says_of_it(tmp_path: Path) -> None:
+    bag = write(tmp_path / "a.mcap", session())
+    with (tmp_path / "a.mcap").open("rb") as file:
+        records = {one.name: one.metadata for one in make_reader(file).iter_metadata()}
+    inside = yaml.safe_load(records["rosbag2"]["serialized_metadata"])
+    path = write_metadata_file(tmp_path, bag.information())
+    beside = yaml.safe_load(path.read_text())["rosbag2_bagfile_information"]
+    assert path.name == "metadata.yaml"
+    assert inside == beside
+    assert beside["version"] == 9
+    assert beside["message_count"] == 4
+    assert beside["relative_file_paths"] == ["a.mcap"]
+    assert beside["duration"] == {"nanoseconds": 3}
+    assert [one["topic_metadata"]["name"] for one in beside["topics_with_message_count"]] == [
+        *session()
+    ]
+
+
+def test_others_decode_every_message(tmp_path: Path) -> None:
+    write(tmp_path / "a.mcap", session())
+    with (tmp_path / "a.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        decoded = {c.topic: m for _, c, _, m in reader.iter_decoded_messages()}
+    assert set(decoded) == set(session())
+    assert decoded["/one/perceived"].values == [1.5]
+
+
+def test_a_request_is_read_as_it_was_written() -> None:
+    edit = EditExamples.Request(action="retime", numbers=[1, 4], ago=0.1 + 0.2)
+    for service, request in (("begin", REQUEST), ("edit_examples", edit)):
+        text = session_topics.request_text(service, request)
+        assert session_topics.request_of(text) == (service, request)
+    other = '{"service": "reboot", "request": {}}'
+    for wrong in ("", "[]", other, text.replace("ago", "then"), text.replace("[1, 4]", "4")):
+        with pytest.raises(ValueError, match="is no request to an agent"):
+            session_topics.request_of(wrong)
+
+
+def test_a_session_is_read_in_the_order_in_which_it_was_sent(tmp_path: Path) -> None:
+    write(tmp_path / "a.mcap", session())
+    for name in ("one", "/one"):
+        found = session_of(tmp_path / "a.mcap", name)
+        assert (found.agent, found.domain, found.known.digest) == ("one", "keepaway", "d")
+        assert [name for _, name, _ in found.sent] == [
+            "known",
+            "status",
+            "requested",
+            "perceived",
+        ]
+
+
+def test_a_folder_with_one_file_is_a_recording(tmp_path: Path) -> None:
+    write(tmp_path / "bag" / "bag_0.mcap", session())
+    assert session_of(tmp_path / "bag", "one").domain == "keepaway"
+
+
+def test_nothing_is_written_over(tmp_path: Path) -> None:
+    write(tmp_path / "a.mcap", session())
+    with pytest.raises(SwarmError, match=r"a\.mcap exists already"):
+        BagFile(tmp_path / "a.mcap")
+
+
+def refusal(path: Path, agent: str = "one") -> str:
+    with pytest.raises(SwarmError) as refused:
+        session_of(path, agent)
+    text = str(refused.value)
+    assert "\n" not in text
+    return text
+
+
+def test_what_is_no_recording_is_refused_and_what_would_be_one_is_named(tmp_path: Path) -> None:
+    whole = tmp_path / "whole.mcap"
+    write(whole, session())
+    data = whole.read_bytes()
+    for size in (len(data) - 1, len(data) // 2, 20, 8):
+        (tmp_path / "cut.mcap").write_bytes(data[:size])
+        assert "cut.mcap is not complete: its end, with the index, is missing" in refusal(
+            tmp_path / "cut.mcap"
+        )
+    for text in (b"SQLite format 3\0", b"", b"#ROSBAG V2.0\n"):
+        (tmp_path / "other.db3").write_bytes(text)
+        assert "other.db3 is no recording in MCAP" in refusal(tmp_path / "other.db3")
+    assert "there is no such recording" in refusal(tmp_path / "absent.mcap")
+    (tmp_path / "empty").mkdir()
+    assert "has no file of a bag (*.mcap)" in refusal(tmp_path / "empty")
+
+
+def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    write(path, session())
+    data = bytearray(path.read_bytes())
+    data[60:90] = b"\xff" * 30
+    path.write_bytes(bytes(data))
+    assert "a.mcap cannot be read" in refusal(path)
+
+
+def test_a_recording_of_other_topics_names_what_is_missing(tmp_path: Path) -> None:
+    write(tmp_path / "a.mcap", {"/one/status": msg.AgentStatus(agent="one")})
+    assert "has no session of an agent to train from" in refusal(tmp_path / "a.mcap")
+    write(tmp_path / "b.mcap", session())
+    assert 'no session of an agent "two" (has: /one' in refusal(tmp_path / "b.mcap", "two")
+    without = session()
+    del without["/one/status"]
+    write(tmp_path / "c.mcap", without)
+    assert "lacks the topic /one/status" in refusal(tmp_path / "c.mcap")
+
+
+def test_messages_with_another_definition_are_not_trained_from(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2", library="another version")
+        for topic, message in session().items():
+            kind = type_name(type(message))
+            text = definition(kind) + ("\nuint8 more" if topic == "/one/perceived" else "")
+            schema = writer.register_schema(kind, "ros2msg", text.encode())
+            channel = writer.register_channel(topic, "cdr", schema)
+            writer.add_message(channel, 1, serialize_message(message), 1)
+        writer.finish()
+    refused = refusal(path)
+    assert "hitab_msgs/msg/Percept on /one/perceived" in refused
+    assert "use the version of HiTAB that recorded it" in refused
+
+
+def test_the_file_of_a_newer_version_of_a_bag_is_still_opened(tmp_path: Path) -> None:
+    write(tmp_path / "a.mcap", session())
+    with opened(tmp_path / "a.mcap") as messages:
+        assert {m.type_hash for m in messages if m.schema.name == STATUS} == {own_hash(STATUS)}
+
+
+def test_a_type_that_is_not_installed_is_refused_with_its_package() -> None:
+    with pytest.raises(SwarmError, match="install the ROS package nowhere_msgs"):
+        message_class("nowhere_msgs/msg/Thing")
+    assert message_class("hitab_msgs/msg/Percept") is msg.Percept

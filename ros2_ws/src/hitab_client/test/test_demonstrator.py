@@ -1,0 +1,313 @@
+"""What comes of keys and buttons; the agents are played by the test."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
+
+from hitab_client import SwarmError, reaction_time
+from hitab_client.demonstrating import Demonstrator, KeyboardInput
+from hitab_client.demonstrating.demonstrator import FOUND_S, PATIENCE_S, PENDING_MAX
+from hitab_client.demonstrating.keyboard import HOLD_S
+from hitab_core import Use
+
+ONE, TWO = "robot_1", "robot_2"
+
+
+class Topic:
+    """A publisher; how many listen is up to the test."""
+
+    def __init__(self, name: str, listeners: list[int]) -> None:
+        self.topic_name = name
+        self.sent: list[Any] = []
+        self.get_subscription_count = lambda: listeners[0]
+
+    def publish(self, message: Any) -> None:
+        self.sent.append(message)
+
+
+class Node:
+    """A node whose timers the test rings."""
+
+    def __init__(self) -> None:
+        self.topics: dict[str, Topic] = {}
+        self.timers: list[Any] = []
+        self.listeners = [1]
+
+    def create_publisher(self, kind: Any, topic: str, qos: Any, **options: Any) -> Topic:
+        self.topics[topic] = Topic(topic, self.listeners)
+        return self.topics[topic]
+
+    def create_timer(self, period: float, callback: Any, clock: Any) -> None:
+        self.timers.append(callback)
+
+    def create_subscription(self, *arguments: Any) -> None:
+        pass
+
+    def destroy_publisher(self, topic: Topic) -> None:
+        pass
+
+    def get_fully_qualified_name(self) -> str:
+        return "/hitab"
+
+    def get_subscriptions_info_by_topic(self, topic: str) -> list[Any]:
+        return []
+
+    def get_clock(self) -> Any:
+        stamp = WorldStatus().stamp
+        return SimpleNamespace(now=lambda: SimpleNamespace(to_msg=lambda: stamp))
+
+
+class Agents:
+    """A swarm client whose agents do at once what they are asked."""
+
+    prefix = ""
+    demonstrator = "ann"
+    expected = (ONE, TWO)
+
+    def __init__(self) -> None:
+        self.link = SimpleNamespace(node=Node())
+        self.statuses = {name: AgentStatus(agent=name, mode="idle") for name in self.expected}
+        self.done: list[Any] = []
+
+    def agents(self) -> list[str]:
+        return sorted(self.statuses)
+
+    def await_agent(self, agent: str) -> AgentStatus:
+        return self.statuses[agent]
+
+    def vocabulary(self, agent: str) -> Any:
+        behaviors = ["Forward", "GoTo(A)"]
+        return SimpleNamespace(
+            domain="test", behaviors=behaviors, trained=[], targets=["goal", "home"]
+        )
+
+    def ask(self, agent: str, kind: Any, service: str) -> Any:
+        return SimpleNamespace(name="Wander", chosen_states=[], parameters=["B"])
+
+    def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:
+        use = str(Use(behavior, tuple(arguments))) if behavior else ""
+        self.done.append(("perform", agent, use))
+        self.become(agent, "performing" if use else "idle", *([use] if use else []))
+
+    def set_mode(self, agent: str, mode: str) -> Any:
+        self.done.append((mode, agent))
+        self.become(agent, mode, "Start")
+        return SimpleNamespace(message=f"{agent} is {mode}")
+
+    def command(self, agent: str, behavior: str, **fields: Any) -> AgentStatus:
+        self.done.append(("command", agent, behavior, fields["ago"], fields["seen"]))
+        self.become(agent, "training", behavior)
+        return self.statuses[agent]
+
+    def become(self, agent: str, mode: str, *path: str) -> None:
+        self.statuses[agent] = AgentStatus(
+            agent=agent, mode=mode, active_path=path, behavior="Wander"
+        )
+
+
+class Desk:
+    """A demonstrator at a clock that the test moves."""
+
+    def __init__(self, *, asks: bool = True) -> None:
+        self.now = 100.0
+        self.agents = Agents()
+        self.world = SimpleNamespace(status=None, state=None, speed=1.0)
+        clock = lambda: self.now  # noqa: E731
+        world: Any = self.world
+        agents: Any = self.agents
+        self.demonstrator = Demonstrator(agents, world, asks=asks, clock=clock)
+        self.keyboard = KeyboardInput(self.demonstrator, 0.2, 0.8, clock)
+        self.demonstrator.choose(ONE)
+        self.demonstrator.look()
+        self.now += FOUND_S + 1.0
+
+    def press(self, *keys: str) -> str:
+        for key in keys:
+            self.keyboard.press(key)
+            self.demonstrator.work()
+            self.ring()
+        return self.demonstrator.said
+
+    def ring(self) -> None:
+        for timer in self.agents.link.node.timers:
+            timer()
+
+    @property
+    def driven(self) -> tuple[float, float, float]:
+        """What the robot's relay was sent last."""
+        sent = self.agents.link.node.topics[f"/{ONE}/cmd_vel_teleop"].sent
+        if not sent:
+            return 0.0, 0.0, 0.0
+        twist = sent[-1].twist
+        return twist.linear.x, twist.linear.y, twist.angular.z
+
+
+@pytest.fixture
+def desk(tmp_path: Any, monkeypatch: Any) -> Desk:
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+    return Desk()
+
+
+def test_a_behavior_is_commanded_in_training_and_performed_otherwise(desk):
+    assert "learns from commands only in training" in desk.press("1")
+    assert desk.agents.done == [("perform", ONE, "Forward")]
+    desk.agents.become(ONE, "testing", "Forward")
+    assert desk.press("1").startswith(f"{ONE} performs Forward; Wander has")
+    assert desk.agents.done[1:] == [("training", ONE), ("command", ONE, "Forward", 0.0, 0)]
+
+
+def test_a_command_counts_for_what_was_seen_when_the_key_was_pressed(desk):
+    reaction_time.keep("ann", 0.25)
+    desk.agents.become(ONE, "training", "Start")
+    desk.demonstrator.press_behavior("Forward")
+    desk.now += 0.5  # until an agent has answered
+    desk.demonstrator.work()
+    assert desk.agents.done[-1][3:] == (pytest.approx(0.75), 0), "a robot's time went on"
+    desk.world.status = WorldStatus(mode="running", pace="realtime", factor=2.0)
+    desk.world.state = WorldState(cycle=70)
+    desk.demonstrator.press_behavior("Forward")
+    desk.now += 0.5
+    desk.world.state = WorldState(cycle=80)
+    desk.demonstrator.work()
+    assert desk.agents.done[-1][3:] == (pytest.approx(0.5), 70)
+
+
+def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
+    desk.demonstrator.press_behavior("Forward")
+    desk.now += PATIENCE_S + 0.1
+    desk.demonstrator.work()
+    assert "Forward is left out: it was pressed 1.1 s ago" in desk.demonstrator.said
+    assert desk.demonstrator.failed
+    for _ in range(50):
+        desk.demonstrator.press_behavior("Forward")
+    desk.demonstrator.work()
+    assert len(desk.agents.done) == PENDING_MAX
+
+
+def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):
+    desk.demonstrator.press_behavior("Forward")
+    desk.demonstrator.press("next")
+    desk.demonstrator.press_behavior("Forward")
+    desk.demonstrator.work()
+    assert [agent for _, agent, _ in desk.agents.done] == [ONE, TWO]
+    desk.press("]")
+    assert desk.demonstrator.agent == ONE
+
+
+def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
+    desk.press("2")
+    assert desk.demonstrator.asked.targets == ("goal", "home")
+    desk.press("2")
+    assert desk.agents.done == [("perform", ONE, "GoTo(home)")]
+    desk.press("2", "x")
+    assert desk.demonstrator.asked is None
+    assert len(desk.agents.done) == 1
+    desk.agents.become(ONE, "training", "Start")
+    desk.press("2", "3")
+    assert desk.agents.done[-1][2] == "GoTo(B)", "a parameter of the training"
+
+
+def test_who_cannot_be_asked_learns_how_to_name_a_target(desk):
+    desk = Desk(asks=False)
+    desk.demonstrator.press_behavior("GoTo(A)")
+    desk.demonstrator.work()
+    assert "such as GoTo(goal); the targets are goal, home" in desk.demonstrator.said
+    desk.demonstrator.press_behavior("GoTo(home)")
+    desk.demonstrator.work()
+    assert desk.agents.done == [("perform", ONE, "GoTo(home)")]
+
+
+def test_an_error_is_said_and_the_next_key_counts(desk, monkeypatch):
+    def refuse(*arguments: Any) -> None:
+        raise SwarmError("no")
+
+    monkeypatch.setattr(desk.agents, "perform", refuse)
+    assert desk.press("1") == "no"
+    assert desk.demonstrator.failed
+    monkeypatch.undo()
+    desk.press("1")
+    assert not desk.demonstrator.failed
+
+
+def test_an_arrow_key_drives_for_a_moment_and_two_of_them_together(desk):
+    desk.press("up")
+    assert desk.driven == (0.2, 0.0, 0.0)
+    desk.now += HOLD_S / 2
+    desk.press("left")
+    assert desk.driven == (0.2, 0.0, 0.8)
+    desk.now += HOLD_S * 0.75
+    desk.press("left")
+    assert desk.driven == (0.0, 0.0, 0.8), "the other one was let go"
+    desk.press("shift-left")
+    assert desk.driven == (0.0, 0.2, 0.8)
+    desk.now += HOLD_S + 0.01
+    desk.ring()
+    assert desk.driven == (0.0, 0.0, 0.0)
+
+
+def test_an_agent_that_acts_is_halted_before_its_robot_is_driven_and_its_training_kept(desk):
+    desk.agents.become(ONE, "testing", "Forward")
+    desk.keyboard.press("up")
+    desk.ring()
+    assert desk.driven == (0.0, 0.0, 0.0)
+    desk.demonstrator.work()
+    desk.ring()
+    assert desk.agents.done == [("perform", ONE, ""), ("training", ONE)]
+    assert desk.driven == (0.2, 0.0, 0.0)
+
+
+def test_what_begins_to_act_ends_the_driving_until_the_person_lets_go(desk):
+    def deflected(seconds: float = 0.5) -> tuple[float, float, float]:
+        desk.demonstrator.steer((0.3, 0.0, 0.0), seconds)
+        desk.demonstrator.work()
+        desk.ring()
+        return desk.driven
+
+    assert deflected() == (0.3, 0.0, 0.0)
+    desk.demonstrator.press_behavior("Forward")
+    assert deflected() == (0.0, 0.0, 0.0)
+    desk.now += 0.4
+    assert deflected() == (0.0, 0.0, 0.0), "the stick is still held"
+    assert desk.agents.done == [("perform", ONE, "Forward")]
+    desk.demonstrator.steer((0.0, 0.0, 0.0), 0.0)
+    assert deflected() == (0.3, 0.0, 0.0)
+    assert desk.agents.done[1:] == [("perform", ONE, "")]
+    assert deflected() == (0.3, 0.0, 0.0)
+    desk.agents.become(ONE, "performing", "Forward")  # by somebody else
+    assert deflected() == (0.0, 0.0, 0.0)
+    assert "acts again: let go" in desk.demonstrator.said
+
+
+@pytest.mark.parametrize("velocity", [(float("nan"), 0.0, 0.0), (0.1, float("inf"), 0.0)])
+def test_what_is_no_velocity_stops_the_robot(desk, velocity):
+    desk.press("up")
+    desk.demonstrator.steer(velocity, 1.0)
+    assert desk.driven == (0.0, 0.0, 0.0)
+
+
+def test_a_robot_without_a_relay_cannot_be_driven_and_its_agent_is_left_alone(desk):
+    desk.agents.link.node.listeners[0] = 0
+    desk.agents.become(ONE, "performing", "Forward")
+    said = desk.press("up")
+    assert f"no velocity_relay listens on /{ONE}/cmd_vel_teleop" in said
+    assert desk.agents.done == []
+    told = desk.demonstrator.told
+    desk.press("up", "up")
+    assert desk.demonstrator.told == told, "it is said once"
+
+
+def test_the_emergency_stop_counts_at_once_and_what_was_pressed_before_it_no_more(desk):
+    desk.press("up")
+    desk.demonstrator.press_behavior("Forward")
+    desk.keyboard.press(" ")
+    assert desk.demonstrator.switch.engaged
+    assert desk.driven == (0.0, 0.0, 0.0)
+    desk.demonstrator.work()
+    assert desk.agents.done == []
+    assert "no robot's relay listens" in desk.demonstrator.said
+    desk.now += HOLD_S + 0.01
+    assert desk.press("up") == "the emergency stop holds the robots"
+    desk.press("G")
+    assert not desk.demonstrator.switch.engaged

@@ -1,0 +1,78 @@
+"""The files that say what the buttons of a joystick do."""
+
+from pathlib import Path
+
+import pytest
+
+from hitab_client import DescriptionError
+from hitab_client.demonstrating.demonstrator import ACTIONS
+from hitab_client.demonstrating.joystick_mapping import (
+    Button,
+    parse_mapping,
+    read_mapping,
+    shipped_mappings,
+)
+
+RIGHT = """
+buttons: {A: 0, B: 1, C: 2, Up: {axis: 3, above: 0.5}}
+hold: B
+behaviors: {A: GoTo(ball), Up: 2}
+actions: {C: stop}
+driving: {ahead: {axis: 1, speed: -0.3}}
+"""
+
+
+def parsed(text):
+    return parse_mapping(text, Path("my.yaml"))
+
+
+def test_a_mapping_names_buttons_and_what_they_do():
+    mapping = parsed(RIGHT)
+    assert mapping.buttons["Up"] == Button(3, above=0.5)
+    assert mapping.behaviors == {"A": "GoTo(ball)", "Up": 2}
+    assert (mapping.buttons_min, mapping.axes_min) == (3, 4)
+    assert mapping.driving["ahead"].speed == -0.3
+
+
+@pytest.mark.parametrize("name", shipped_mappings())
+def test_shipped_mappings_give_a_button_to_all_that_a_person_needs(name):
+    mapping = read_mapping(name)
+    needed = {*ACTIONS} - {"redo"}
+    assert needed <= {*mapping.actions.values()}
+    assert {*mapping.behaviors.values()} == {1, 2, 3, 4}
+    assert {*mapping.driving} == {"ahead", "turn"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wrong"),
+    [
+        ("hold: B", "hold: D", r"my.yaml:3: `D` is not among the buttons \(has: A, B, C, Up\)"),
+        ("hold: B", "", "`hold:` is missing here"),
+        ("hold: B", "hold: A", "my.yaml:4: `A` is used twice: for hold and for a behavior"),
+        ("C: 2", "C: 0", "my.yaml:2: `C:` is the same button as A"),
+        ("C: 2", "C: -1", "`C: -1` must be at least 0"),
+        ("C: 2", "C: two", '`C:` must be a whole number, not the text "two"'),
+        ("C: stop", "C: stopp", r'my.yaml:5: `C: stopp` is not known .* Did you mean "stop"\?'),
+        ("C: stop", "", "no button stops the robots: give one the action `stop`"),
+        ("GoTo(ball)", "GoTo(", "`A: GoTo\\(` must be a behavior, such as Forward"),
+        ("Up: 2", "Up: 0", "`Up: 0` must be a behavior, .* or the number of one, from 1"),
+        ("above: 0.5", "above: 2", "`above: 2` must be from -1 to 1"),
+        (", above: 0.5", "", "needs either `above:` or `below:`"),
+        ("-0.3", "0", "my.yaml:6: `speed: 0` must be a number other than 0"),
+        ("-0.3", ".inf", "`speed: inf` must be a number other than 0"),
+        ("ahead:", "forward:", "`forward:` is not known here .has: ahead, left, turn"),
+        ("driving:", "deadzone: 1\ndriving:", "`deadzone: 1` must be from 0 to 0.9"),
+        ("driving:", "timeout: .nan\ndriving:", "`timeout: nan` must be from 0.05 to 2"),
+        ("driving:", "format: 9\ndriving:", "has format version 9"),
+        ("buttons:", "knobs:", "`buttons:` is missing here"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_line(old, new, wrong):
+    assert old in RIGHT
+    with pytest.raises(DescriptionError, match=wrong):
+        parsed(RIGHT.replace(old, new, 1))
+
+
+def test_a_mapping_that_is_not_there_names_those_that_are():
+    with pytest.raises(DescriptionError, match=r"none is shipped \(has: gamepad, xbox"):
+        read_mapping("xbx")

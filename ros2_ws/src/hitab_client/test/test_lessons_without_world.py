@@ -1,0 +1,42 @@
+"""Lessons of robots that have no simulated world."""
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from hitab_client.errors import LessonError
+from hitab_client.lessons.lesson_file import parse_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_client.lessons.watching import Watch
+
+LESSON = """\
+lesson: Wander
+agent: robot_1
+steps:
+  - {step}
+"""
+
+
+@pytest.mark.parametrize("step", ["place: {ball: {x: 1}}", "new_episode: true"])
+def test_that_nothing_can_be_put_somewhere_is_told_by_file_and_line(step):
+    lesson = parse_lesson(LESSON.format(step=step), Path("wander.yaml"))
+    player = LessonPlayer(lesson, SimpleNamespace(statuses={}), None)
+    refused = pytest.raises(LessonError, match=r"wander\.yaml:4: .* no simulated world")
+    with refused:
+        player._play(lesson.steps[0])
+
+
+@pytest.mark.parametrize(
+    ("automata", "values", "expected"),
+    [
+        # A flag has a value only as a feature of an automaton: the outermost one that uses it.
+        (["Patrol", "GoTo(A)", ""], [1.0, 0.0, math.nan], 1.0),
+        ([""], [0.5], 0.5),
+    ],
+)
+def test_a_flag_is_read_as_the_automaton_sees_it(automata, values, expected):
+    answer = SimpleNamespace(automata=automata, features=["Done"] * len(values), values=values)
+    swarm = SimpleNamespace(statuses={"robot_1": None}, ask=lambda *_, **__: answer)
+    assert Watch(swarm)._reading("robot_1", "Done") == expected

@@ -1,0 +1,90 @@
+"""Swarms are told apart where several are meant, and found where another HITAB_HOME has them."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hitab_client import swarm_choice
+from hitab_client.errors import SwarmError
+from hitab_client.run_folder import MARK, RunFolder, RunRecord, swarms_of_other_homes
+
+RED = RunRecord("red", "r.yaml", 3, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
+ANOTHER_RED = replace(RED, domain_id=4, identity="red-12345678")
+BLUE = replace(RED, swarm="blue", domain_id=5, identity="blue-0a1b2c3d")
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch) -> Path:
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
+    return tmp_path
+
+
+def registered(path: Path, record: RunRecord) -> None:
+    folder = RunFolder(path)
+    folder.prepare()
+    folder.write(record, register=True)
+
+
+@pytest.fixture
+def three(home: Path, monkeypatch) -> None:
+    """Two swarms of one name, and a third."""
+    for name, record in (("one", RED), ("two", ANOTHER_RED), ("three", BLUE)):
+        registered(home / name, record)
+    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
+
+
+def test_only_swarms_that_match_are_offered_with_what_tells_them_apart(three, home):
+    with pytest.raises(SwarmError) as refused:
+        swarm_choice.find_running("red")
+    first, *lines = str(refused.value).splitlines()
+    assert first == 'several swarms called "red" are up; choose one with --swarm NAME:'
+    for line, record, name in zip(lines, (RED, ANOTHER_RED), ("one", "two"), strict=True):
+        assert line.startswith(f"  {record.identity}: started ")
+        assert line.endswith(f", ROS domain {record.domain_id}, {home / name}")
+    found = swarm_choice.find_running(ANOTHER_RED.identity)
+    assert found is not None
+    assert found[1] == ANOTHER_RED
+
+
+def test_down_offers_its_own_ways_out(three):
+    with pytest.raises(SwarmError) as refused:
+        swarm_choice.to_take_down("red")
+    first, *lines = str(refused.value).splitlines()
+    assert "stop one with `hitab down NAME`, or all with `hitab down --all`" in first
+    assert len(lines) == 2
+    found = swarm_choice.to_take_down(RED.identity)
+    assert found is not None
+    assert found[1] == RED
+    with pytest.raises(SwarmError, match="several swarms are up; stop one"):
+        swarm_choice.to_take_down(None)
+
+
+def test_swarms_of_another_home_are_found_unless_they_are_temporary(home, monkeypatch):
+    elsewhere, run = home / "elsewhere", RunFolder(home / "elsewhere" / "it's red")
+    idle = [sys.executable, "-c", "input()"]
+    environment = {**os.environ, "HITAB_HOME": str(elsewhere), MARK: str(run.path)}
+    with subprocess.Popen(idle, env=environment, stdin=subprocess.PIPE) as supervisor:
+        try:
+            run.prepare()
+            record = replace(RED, supervisor=supervisor.pid)
+
+            def found() -> list[RunRecord]:
+                return [one for folder, one in swarms_of_other_homes() if folder.path == run.path]
+
+            run.write(record, register=False)
+            assert found() == []
+            with monkeypatch.context() as patch:
+                patch.setenv("HITAB_HOME", str(elsewhere))
+                run.write(record, register=True)
+                assert found() == [], "it is of this home"
+            assert found() == [record]
+            monkeypatch.setattr(swarm_choice, "swarms_of_other_homes", lambda: [(run, record)])
+            told = swarm_choice.none_is_up(0)
+            assert '"red" was started with another HITAB_HOME and runs in ROS domain 3' in told
+            assert f"--swarm '{elsewhere}/it'\"'\"'s red'" in told
+        finally:
+            supervisor.kill()

@@ -1,0 +1,204 @@
+"""Questions about the side of a circle on which a command was never shown.
+
+"In ApproachBall, you showed TurnToBall on one side only, at DirectionTo(ball) = 10 deg. Is it
+right on the other side, too, with DirectionTo(ball) = -10 deg?" On a circle a command among
+default examples holds for the side on which it was given (`hitab_core.learning.boundaries`). On
+the other side the default example reaches to the place opposite to it, and nobody has said that it
+should. Whoever shows how to turn to the left often means the right as well; but who turns away
+from a wall may mean one side. The examples cannot tell, and one command can.
+
+**Where it is asked.** As far from the default example as the command is on its own side, so that
+what is learned is as exact on both sides. If the answer is to stay, the command was perhaps only
+meant farther on: it is asked again, twice as far, up to a quarter of the circle, within which the
+command itself would hold for a side.
+
+**When it is asked.** Only about circles that the learned tree tests, where half the circle beside
+the default examples is without any command; and not if the agent has perceived much, and never
+anything on that half.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.grounds import around, branches_of, situation_in_words
+from hitab_core.advice.situations import Perceived
+from hitab_core.arrays import Booleans
+from hitab_core.learning import Leaf, Node
+from hitab_core.learning.boundaries import on_circle
+from hitab_core.learning.tree_nodes import ArcNode
+
+
+@dataclass(frozen=True, slots=True)
+class UnshownSide:
+    """A side of a circle on which a command was not shown.
+
+    Attributes:
+        state: whose decision it is about.
+        next_state: that was commanded on the other side.
+        feature: index of the circle.
+        shown: positions of the examples of the command nearest to the default ones, among those
+            of the state.
+        situation: in which to ask: a value for each feature; NaN: any.
+        share: how often the agent was there, as a share of the readings in the state.
+        text: the question.
+    """
+
+    state: str
+    next_state: str
+    feature: int
+    shown: tuple[int, ...]
+    situation: tuple[float, ...]
+    share: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Gap:
+    """The part of a circle between a default example and the next one of a command.
+
+    Attributes:
+        default, shown: their values.
+        up: 1 if the way from the default example to the other one leads upwards, else -1.
+        width: of that way.
+    """
+
+    default: float
+    shown: float
+    up: int
+    width: float
+
+
+def unshown_sides(
+    evidence: Evidence, readings: ArrayLike = (), here: ArrayLike | None = None
+) -> list[UnshownSide]:
+    """Return the sides of circles to ask about, those that occur most often first.
+
+    There are none about other classifiers than trees.
+
+    Args:
+        evidence: the examples of the state.
+        readings, here: see `hitab_core.advice.ambiguity.ambiguities`.
+
+    Raises:
+        FeatureValueError, VocabularyError, ValueError: as learning from the examples.
+    """
+    tree = evidence.learn()
+    if tree is None:
+        return []
+    perceived = Perceived.of(evidence, readings, here)
+    found = []
+    for node, there in _arcs(tree.root_, evidence):
+        gaps = _gaps(node, there, evidence)
+        place = gaps and _place(node, *gaps)
+        if gaps is None or place is None:
+            continue
+        narrow, wide = gaps
+        beyond = (perceived.values[:, node.feature] - wide.default) * wide.up % node.period
+        on_it = (beyond > 0) & (beyond < node.period / 2)  # NaN is not
+        if perceived.enough and not on_it.any():
+            continue  # it hardly ever comes there
+        here_times = perceived.times * perceived.here
+        share = float(here_times[on_it].sum() / here_times.sum())
+        column = evidence.values[:, node.feature]
+        rows = np.flatnonzero(there & (column == narrow.shown) & ~evidence.default).tolist()
+        found.append(_asked(evidence, node.feature, rows, place, tree.features_used, share))
+    return sorted(found, key=lambda side: -side.share)
+
+
+def _arcs(root: Node, evidence: Evidence) -> Iterator[tuple[ArcNode, Booleans]]:
+    """Yield the nodes of a tree that test a circle, with the examples whose values they test."""
+    waiting = [(root, np.ones(len(evidence.next_states), np.bool_))]
+    while waiting:
+        node, there = waiting.pop()
+        if isinstance(node, Leaf):
+            continue
+        column = evidence.values[:, node.feature]
+        if isinstance(node, ArcNode):
+            yield node, there & ~np.isnan(column)
+        branch_of = branches_of(node, column)
+        for i, branch in enumerate(node.branches):
+            waiting.append((branch, there & ((branch_of == i) | (branch_of == -1))))
+
+
+def _gaps(node: ArcNode, there: Booleans, evidence: Evidence) -> tuple[_Gap, _Gap] | None:
+    """Return the gaps beside the default examples of one branch, the narrower one first.
+
+    Returns:
+        None if the examples beside the ends of the arc are not default ones on the same branch,
+        and others on the other one.
+    """
+    column = evidence.values[:, node.feature]
+    values = np.unique(column[there])
+    if len(values) < 2:
+        return None
+
+    def is_kept(value: float) -> bool:
+        return bool(evidence.default[there & (column == value)].all())
+
+    found, kept = [], set()
+    for end, upper_branch in ((node.start, 0), (node.end, 1)):
+        below, above = around(values, end, node.period)
+        if is_kept(below) == is_kept(above):
+            return None
+        width = (above - below) % node.period
+        if is_kept(below):
+            kept.add(1 - upper_branch)
+            found.append(_Gap(below, above, 1, width))
+        else:
+            kept.add(upper_branch)
+            found.append(_Gap(above, below, -1, width))
+    if len(kept) != 1:
+        return None
+    narrow, wide = sorted(found, key=lambda gap: gap.width)
+    return narrow, wide
+
+
+def _place(node: ArcNode, narrow: _Gap, wide: _Gap) -> float | None:
+    """Return where to ask in the wider gap; None if nothing is to be asked."""
+    period = node.period
+    kept = (narrow.default - wide.default) * -wide.up % period
+    away = max(narrow.width, kept)
+    if wide.width <= period / 2 or kept + away > period / 4:
+        return None
+    place = on_circle(wide.default + wide.up * away, period)
+    return place if node.branch_for(place) == node.branch_for(wide.default) else None
+
+
+def _asked(
+    evidence: Evidence,
+    feature: int,
+    rows: Sequence[int],
+    place: float,
+    tested: Sequence[int],
+    share: float,
+) -> UnshownSide:
+    """Return what to ask.
+
+    Args:
+        evidence, feature, share: see `UnshownSide`.
+        rows: positions of the nearest examples on the other side, oldest first.
+        place: value of the feature where to ask.
+        tested: the features that the tree tests.
+    """
+    last = rows[-1]
+    label = evidence.next_states[last]
+    there = tuple(evidence.values[last].tolist())
+    situation = (*there[:feature], place, *there[feature + 1 :])
+    shown = situation_in_words(evidence, there, [feature])
+    where = situation_in_words(evidence, situation, tested)
+    return UnshownSide(
+        evidence.state,
+        label,
+        feature,
+        tuple(row for row in rows if evidence.next_states[row] == label),
+        situation,
+        share,
+        f"In {evidence.state}, you showed {label} on one side only, at {shown}. Is it right on "
+        f"the other side, too, with {where}?",
+    )

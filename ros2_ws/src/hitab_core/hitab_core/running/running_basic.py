@@ -1,0 +1,88 @@
+"""A basic behavior being performed by one agent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hitab_core.action_behavior import ActionBehavior, ActionCall, calls_of, goal_of
+from hitab_core.domain import BasicBehavior, Domain
+from hitab_core.running.senses import resolved
+from hitab_core.use import Use
+
+
+class RunningBasicBehavior:
+    """A basic behavior being performed; a one-shot one pulses once per start."""
+
+    __slots__ = ("_one_shot", "_pulse", "_pulsed", "_start", "_stop", "raised")
+
+    def __init__(self, domain: Domain, body: Any, behavior: BasicBehavior, use: Use) -> None:
+        self._start = resolved(behavior.start, body, domain, use)
+        self._pulse = resolved(behavior.pulse, body, domain, use)
+        self._stop = resolved(behavior.stop, body, domain, use)
+        self._one_shot = behavior.one_shot
+        self._pulsed = False
+        self.raised: set[str] = set()
+
+    @property
+    def active_path(self) -> list[str]:
+        """Nothing: a basic behavior has no states."""
+        return []
+
+    def start(self) -> None:
+        """Start performing."""
+        self._pulsed = False
+        self._start()
+
+    def tick(self) -> None:
+        """Pulse once; a one-shot behavior only the first time."""
+        if self._one_shot:
+            if self._pulsed:
+                return
+            self._pulsed = True
+        self._pulse()
+
+    def stop(self) -> None:
+        """Stop performing."""
+        self._stop()
+
+
+class RunningAction(RunningBasicBehavior):
+    """An action being performed by its server; see `ActionBehavior`.
+
+    The goal is sent with the first pulse, not at the start: then there is a percept to make it
+    of, and nothing happens while a simulated world is paused.
+    """
+
+    __slots__ = ("_behavior", "_call", "_calls", "_goal", "_use")
+
+    def __init__(self, domain: Domain, body: Any, behavior: ActionBehavior, use: Use) -> None:
+        super().__init__(domain, body, behavior, use)
+        self._behavior = behavior
+        self._use = use
+        self._calls = calls_of(body)
+        self._call: ActionCall | None = None
+        self._goal = resolved(
+            lambda body, *targets: goal_of(behavior, body, targets), body, domain, use
+        )
+
+    def start(self) -> None:
+        """Start performing, with no flag raised."""
+        self.raised.clear()
+        super().start()
+
+    def tick(self) -> None:
+        """Pulse once; send the goal if that has not happened yet, raise a flag if it is over."""
+        super().tick()
+        call = self._call
+        if call is None:
+            call = self._call = self._calls.begin(self._behavior, self._use, self._goal)
+        call.pulses += 1
+        if call.outcome:
+            self.raised.add(call.outcome)
+
+    def stop(self) -> None:
+        """Cancel the goal, unless it is over; stop performing."""
+        call, self._call = self._call, None
+        if call is not None:
+            self._calls.leave(call)
+        super().stop()

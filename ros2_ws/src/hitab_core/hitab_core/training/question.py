@@ -1,0 +1,130 @@
+"""A question of an agent to its demonstrator, its answers, and what questions are found from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from hitab_core.advice.evidence import Evidence, answer_kind
+from hitab_core.advice.proposals import Correction
+from hitab_core.domain import Scale
+from hitab_core.errors import TrainingError
+from hitab_core.example import Example
+from hitab_core.vocabulary import has
+
+REMOVE, KEEP = "remove", "keep"
+
+
+class QuestionKind(StrEnum):
+    """What a question is about."""
+
+    CONTRADICTION = "contradiction"
+    MISTAKE = "mistake"
+    SPARSE = "sparse"
+    AMBIGUITY = "ambiguity"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One answer to a question.
+
+    Attributes:
+        name: what the person says.
+        effect: what it does, for people.
+        record: the step of the training that it is, as the journal records it; None: nothing is
+            changed, and the question is not asked again.
+    """
+
+    name: str
+    effect: str
+    record: Mapping[str, Any] | None
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question to the demonstrator.
+
+    Attributes:
+        number: unique within the training.
+        kind: what it is about.
+        text: the question.
+        state: label of the state whose decision it is about.
+        examples: numbers of the examples that it is about.
+        choices: what can be answered; the first one is proposed.
+        situation: values of the automaton's features in which to decide; NaN: any. Empty: none.
+        key: what makes it the same question again.
+    """
+
+    number: int
+    kind: QuestionKind
+    text: str
+    state: str
+    examples: tuple[int, ...]
+    choices: tuple[Choice, ...]
+    situation: tuple[float, ...] = ()
+    key: tuple[Any, ...] = field(default=(), repr=False)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The key as plain data, for the journal."""
+        return tuple(map(str, self.key))
+
+
+@dataclass(frozen=True)
+class Material:
+    """What questions are found from.
+
+    Attributes:
+        examples: of the training.
+        scales, names, units: of the features.
+        classifier: that learns from them.
+        labels: of the states, without Start.
+        corrections: of what the automaton did by itself.
+        perceived: the features' values in what was perceived, each with the state of that time.
+    """
+
+    examples: tuple[Example, ...]
+    scales: tuple[Scale, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    classifier: str
+    labels: tuple[str, ...]
+    corrections: tuple[Correction, ...] = ()
+    perceived: tuple[tuple[str, tuple[float, ...]], ...] = ()
+
+    def evidence(self, state: str) -> Evidence:
+        """Return what the transition function of a state is learned from."""
+        return Evidence.of(
+            state, self.examples, self.scales, self.names, self.units, self.classifier
+        )
+
+
+def added(state: str, situation: Sequence[float], next_state: str) -> Mapping[str, Any]:
+    """Return the step of a training that adds an example, as the journal records it."""
+    values = [None if math.isnan(value) else value for value in situation]
+    kind = answer_kind(state, next_state).value
+    return {
+        "do": "add",
+        "state": state,
+        "features": values,
+        "next_state": next_state,
+        "kind": kind,
+    }
+
+
+def choice_of(question: Question, name: str) -> Choice:
+    """Return a choice by its name; empty: the proposed one.
+
+    Raises:
+        TrainingError: if there is none of this name.
+    """
+    if not name:
+        return question.choices[0]
+    for choice in question.choices:
+        if choice.name == name:
+            return choice
+    there = [choice.name for choice in question.choices]
+    raise TrainingError(f'question {question.number} has no choice "{name}" {has(there, name)}')

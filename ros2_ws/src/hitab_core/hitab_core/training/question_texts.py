@@ -1,0 +1,89 @@
+"""What questions to the demonstrator say: short sentences in words of the README."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.grounds import situation_in_words
+from hitab_core.advice.proposals import Proposal
+from hitab_core.example import Example
+from hitab_core.wording import numbered, some
+
+REASONS = 2
+"""How many reasons a question gives; the strongest come first."""
+
+SHOWN = 4
+"""Of a situation with more values, those are named that the decision depends on."""
+
+
+def commanded(group: Sequence[Example]) -> str:
+    """Return a question about commands that contradict each other.
+
+    Examples:
+        >>> stop, turn = (Example("Go", (), s, number=n) for n, s in ((3, "Stop"), (5, "Turn")))
+        >>> commanded([stop, turn]).partition("situation, ")[2]
+        'you commanded Stop (example 3) and Turn (example 5): which holds?'
+    """
+    by_label: dict[str, list[int]] = {}
+    for example in group:
+        by_label.setdefault(example.next_state, []).append(example.number)
+    said = [f"{label} ({numbered('example', n)})" for label, n in by_label.items()]
+    return f"In {group[0].state}, in the same situation, you commanded {_and(said)}: which holds?"
+
+
+def mistaken(proposal: Proposal, examples: Iterable[Example]) -> str:
+    """Return a question about a command that was perhaps a mistake."""
+    them = [e for e in examples if e.number in proposal.examples]
+    first = next((e for e in them if not e.is_default), them[0])
+    what = f"the command {first.next_state} in {first.state}"
+    return (
+        f"Was {what} ({numbered('example', proposal.examples)}) a mistake? "
+        f"{sentences(proposal.evidence[:REASONS])} "
+        f"Perhaps {proposal.instead} was meant ({proposal.score:.0%} likely a mistake)."
+    )
+
+
+def unshown(proposal: Proposal, evidence: Evidence) -> str:
+    """Return a question about a situation in which too little was shown."""
+    assert proposal.place is not None
+    where = situation(evidence, proposal.place)
+    return f"What is right in {proposal.state}{where}? {sentences(proposal.evidence[:REASONS])}"
+
+
+def situation(evidence: Evidence, values: Sequence[float]) -> str:
+    """Return a situation in words, such as `` with Range = 2 m``, or nothing."""
+    features: Sequence[int] = range(len(values))
+    if len(values) > SHOWN:
+        tree = evidence.learn()
+        features = sorted(tree.features_used)[:SHOWN] if tree is not None else features[:SHOWN]
+    words = situation_in_words(evidence, values, features)
+    return f" with {words}" if words else ""
+
+
+def answered(state: str, next_state: str) -> str:
+    """Return what an answer does that says what is right in a situation."""
+    if next_state == state:
+        return f"adds an example: stay in {state} there"
+    return f"adds an example: go to {next_state} there"
+
+
+def removed(proposal: Proposal) -> str:
+    """Return what deleting a mistake does."""
+    return f"deletes {numbered('example', proposal.examples)}; {proposal.change}"
+
+
+def sentences(texts: Iterable[str]) -> str:
+    """Return texts as sentences.
+
+    Examples:
+        >>> sentences(["it is late", "nobody knows"])
+        'It is late. Nobody knows.'
+    """
+    return " ".join(f"{text[:1].upper()}{text[1:]}." for text in texts if text)
+
+
+def _and(texts: Sequence[str]) -> str:
+    if len(texts) == 2:
+        return " and ".join(texts)
+    return some(texts, len(texts))

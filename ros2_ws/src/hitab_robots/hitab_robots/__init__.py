@@ -1,0 +1,15 @@
+"""Robots with the standard sensors and drives: ready words, the link to them, and the relay.
+
+Declaring a robot and its words needs no ROS; only the link and the relay load it.
+
+    Robot, Drive             what a robot has: the body of a domain
+    Odometry, Scan, Sector,  its sensors, each with what it reads and how it is mounted
+    Battery, Imu, Range,
+    Joints, Mount
+    motion, reading, ...     ready words: basic behaviors, features and targets
+    RobotLink                for `Domain.of(..., link="hitab_robots:RobotLink")`
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,192 @@
+"""A robot with standard sensors and a drive, and its body, on which words act. No ROS here."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+
+from hitab_core import VocabularyError, quantity, unknown
+from hitab_robots.sensors import Sensor
+from hitab_robots.velocity import STILL, Drive, Velocity
+
+MEMORY_S = 10.0
+"""How far back a body remembers how it moved, s."""
+
+TIME = "time"
+"""The first value of each percept: when it is, s."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """What a robot has, as plain data; given to a domain, it makes the bodies.
+
+    Its percept is the time in s and then the values of its sensors, in their order; its action is
+    ``[ahead, left, turn]`` in m/s, m/s and rad/s, or empty if no behavior drives it.
+
+    Attributes:
+        sensors: each with a name of its own.
+        drive: limits of its velocity, and which message it takes.
+        odometry: the sensor that says where the robot is.
+        body: class of the bodies, derived from `RobotBody`, if words need to remember something;
+            None: `RobotBody` itself.
+
+    Examples:
+        >>> from hitab_robots import Odometry
+        >>> robot = Robot((Odometry(),))
+        >>> body = robot("robot_1")
+        >>> body.sense([0.1, 1.0, 2.0, 0.0, 0.5, 0.0, 0.0], ())
+        >>> body["odom.y"]
+        2.0
+    """
+
+    sensors: tuple[Sensor, ...]
+    drive: Drive = field(default_factory=Drive)
+    odometry: str = "odom"
+    body: type[RobotBody] | None = None
+
+    def __post_init__(self) -> None:
+        names = [sensor.name for sensor in self.sensors]
+        for name in names:
+            if names.count(name) > 1 or name == TIME:
+                raise VocabularyError(
+                    f'a second sensor "{name}" of a robot; give it another `name`, and the topic '
+                    "as `topic`"
+                )
+
+    def __call__(self, name: str) -> RobotBody:
+        """Return the body of one agent."""
+        return (self.body or RobotBody)(self)
+
+    @cached_property
+    def values(self) -> tuple[str, ...]:
+        """The names of the numbers of a percept."""
+        return (TIME, *(value for sensor in self.sensors for value in sensor.values))
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """The place of each of these numbers."""
+        return {name: i for i, name in enumerate(self.values)}
+
+
+@dataclass(frozen=True, slots=True)
+class _Moment:
+    """Where the robot was, and what it had been told to do until then."""
+
+    time: float
+    x: float
+    y: float
+    heading: float
+    told: Velocity
+
+
+@dataclass(slots=True)
+class Motion:
+    """How far a robot was told to move, and did: lengths of ways, m, and turns, rad."""
+
+    told_way: float = 0.0
+    told_turn: float = 0.0
+    way: float = 0.0
+    turn: float = 0.0
+
+
+class RobotBody:
+    """What one robot perceives now, and does next.
+
+    Attributes:
+        robot: what it has.
+        velocity: what it does next; None: no behavior drives it.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.velocity: Velocity | None = None
+        self._values: Sequence[float] = (math.nan,) * len(robot.values)
+        self._past: deque[_Moment] = deque()
+
+    def __getitem__(self, name: str) -> float:
+        """Return a value by name, such as ``odom.x``; NaN if there is none now.
+
+        Raises:
+            VocabularyError: if the robot has no such value.
+        """
+        index = self.robot.index.get(name)
+        if index is None:
+            raise VocabularyError(unknown("value", name, self.robot.index, " of the robot"))
+        return self._values[index]
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        """Take a percept. Until a behavior says otherwise, the robot is not driven."""
+        if len(values) != len(self.robot.values):
+            raise VocabularyError(
+                f"a percept has {quantity(len(values), 'value')} and this robot "
+                f"{len(self.robot.values)}; both must come of one declaration"
+            )
+        self._values = values
+        self._remember()
+        self.velocity = None
+
+    def act(self) -> tuple[Sequence[float], str]:
+        """Return the action; this robot has nothing to say to others."""
+        return self.velocity or (), ""
+
+    def drive(self, ahead: float, turn: float = 0.0, left: float = 0.0) -> None:
+        """Move so until the next percept, within the limits of the robot's drive.
+
+        Args:
+            ahead: m/s, negative backwards.
+            turn: rad/s, counter-clockwise.
+            left: m/s, of robots that can move sideways.
+        """
+        self.velocity = self.robot.drive.clipped((ahead, left, turn))
+
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """Where the robot is and which way it faces, in the frame of its odometry: m, m, rad."""
+        name = self.robot.odometry
+        return self[f"{name}.x"], self[f"{name}.y"], self[f"{name}.heading"]
+
+    @property
+    def position(self) -> tuple[float, float] | None:
+        """Where the robot is, m, m, as its commander hears of it; None: it does not know."""
+        if f"{self.robot.odometry}.x" not in self.robot.index:
+            return None
+        x, y, _ = self.place
+        return None if math.isnan(x) or math.isnan(y) else (x, y)
+
+    def _remember(self) -> None:
+        if f"{self.robot.odometry}.x" not in self.robot.index:
+            return
+        time, past = self._values[0], self._past
+        if past and not past[-1].time < time <= past[-1].time + 1.0:
+            past.clear()  # it was not driven meanwhile, or the clock was set
+        past.append(_Moment(time, *self.place, self.velocity or STILL))
+        while time - past[0].time > MEMORY_S:
+            past.popleft()
+
+    def moved(self, seconds: float) -> Motion | None:
+        """Return how far the robot was told to move of late, and how far it did.
+
+        Args:
+            seconds: how far to look back, at most `MEMORY_S`.
+
+        Returns:
+            None if it was not told to move all that time, or does not remember that long.
+        """
+        now = self._values[0]
+        recent = [moment for moment in self._past if moment.time >= now - seconds - 1e-9]
+        if not recent or now - self._past[0].time < seconds - 1e-9:
+            return None
+        motion = Motion()
+        for before, after in pairwise(recent):
+            if after.told == STILL:
+                return None
+            step = after.time - before.time
+            motion.told_way += math.hypot(after.told[0], after.told[1]) * step
+            motion.told_turn += abs(after.told[2]) * step
+            motion.way += math.hypot(after.x - before.x, after.y - before.y)
+            motion.turn += abs(math.remainder(after.heading - before.heading, math.tau))
+        return motion if len(recent) > 1 else None

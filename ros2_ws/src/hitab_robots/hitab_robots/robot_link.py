@@ -1,0 +1,218 @@
+"""The link of an agent to a robot with standard messages: sensors in, velocity out.
+
+A domain whose body is a `hitab_robots.robot.Robot` names it as its link:
+``Domain.of(..., link="hitab_robots:RobotLink")``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from geometry_msgs.msg import TwistStamped
+from hitab_msgs.msg import EmergencyStop, Percept
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, qos_profile_sensor_data
+
+from hitab_agent import AgentNode, OnPercept
+from hitab_core import HitabError
+from hitab_robots.frames import mounts_of_tf
+from hitab_robots.freshness import AHEAD_S, Freshness
+from hitab_robots.mount import Mount
+from hitab_robots.relay_process import RelayProcess
+from hitab_robots.robot import Robot
+from hitab_robots.sensors import Sensor
+from hitab_robots.settings import VELOCITY, RelaySettings, declare, declare_number
+from hitab_robots.velocity import REST_S
+from hitab_ros import EmergencySwitch, names
+from hitab_ros.stamps import seconds_of
+
+STARTING_S = 3.0
+"""How long sensors and the relay may take to be found before their silence is a fault, s."""
+
+NEWEST = QoSProfile(depth=1)
+"""Of velocities: reliable, and only the newest counts."""
+
+
+class RobotLink:
+    """Ticks the agent at a fixed rate with what the sensors said last, and drives as it says.
+
+    Its parameters: ``rate``, Hz; for each sensor its ``patience``, s, and for those whose place
+    matters ``x``, ``y``, ``yaw`` and ``upside_down``, such as ``scan.yaw``. With ``base_frame``,
+    the places come from tf2 instead.
+
+    The velocity goes to the robot's relay (`hitab_robots.velocity_relay`), never to its base: the
+    relay stops the robot when the agent cannot. The link starts it and hands its parameters on
+    (`hitab_robots.settings`), unless ``relay`` is false, since one is started elsewhere.
+    """
+
+    def __init__(self, node: AgentNode, world: str, on_percept: OnPercept) -> None:
+        domain = node.agent.domain
+        if not isinstance(domain.body, Robot):
+            raise HitabError(
+                f'domain "{domain.name}": the link hitab_robots:RobotLink needs a body made by '
+                "hitab_robots.Robot(sensors=...); give the domain one, or a link of its own"
+            )
+        self._node = node
+        self._on_percept = on_percept
+        self._faults = node.guard.faults
+        self._clock = node.get_clock()
+        self._began = self._now()
+        rate = declare_number(node, "rate", 10.0)
+        mounts = _mounts_of_tf(node)
+        self._sensors = [_SensorInput(node, sensor, mounts) for sensor in domain.body.sensors]
+        self._velocities = node.create_publisher(TwistStamped, VELOCITY, NEWEST)
+        settings = RelaySettings.declare(node, domain.body.drive)
+        self._relay = RelayProcess(node, settings) if declare(node, "relay", True) else None
+        self._rest_until = self._began
+        self._cycle = 0
+        # The more keep a stop, the surer it reaches a relay that is found late.
+        self._switch = EmergencySwitch(node, self._emergency, hands_on=True)
+        node.create_timer(1.0 / rate, self._tick)
+
+    def _now(self) -> float:
+        return float(self._clock.now().nanoseconds) * 1e-9
+
+    def _tick(self) -> None:
+        now = self._clock.now()
+        seconds = self._now()
+        self._cycle += 1
+        values = [seconds]
+        for sensor in self._sensors:
+            values += sensor.freshness.values(seconds)
+        percept = Percept(
+            stamp=now.to_msg(), sequence=self._cycle, cycle=self._cycle, values=values
+        )
+        action, _ = self._on_percept(percept)
+        self._drive(action, seconds)
+        if not 0.0 <= seconds - self._began < STARTING_S:
+            self._look_for_faults(seconds)
+
+    def _drive(self, action: Any, seconds: float) -> None:
+        """Send the velocity on; without one, stand still for a moment and then leave the robot."""
+        if action:
+            self._rest_until = seconds + REST_S
+        elif not self._rest_until - REST_S <= seconds <= self._rest_until:
+            return
+        velocity = TwistStamped()
+        velocity.header.stamp = self._clock.now().to_msg()
+        velocity.header.frame_id = "base_link"
+        if action:
+            twist = velocity.twist
+            twist.linear.x, twist.linear.y, twist.angular.z = action
+        self._velocities.publish(velocity)
+
+    def _look_for_faults(self, seconds: float) -> None:
+        for sensor in self._sensors:
+            self._faults.set(f"sensor {sensor.name}", sensor.trouble(seconds))
+        if self._relay is not None:
+            self._faults.set("relay", self._relay.look_after())
+        elif self._velocities.get_subscription_count() == 0:
+            self._faults.set(
+                "relay",
+                f"nothing passes the velocity on to the robot: no {names.VELOCITY_RELAY} listens "
+                f"on {self._velocities.topic_name}; start it with `ros2 run hitab_robots "
+                f"{names.VELOCITY_RELAY}` in the agent's namespace, or let the parameter relay "
+                "be true",
+            )
+        else:
+            self._faults.clear("relay")
+
+    def _emergency(self, state: EmergencyStop) -> None:
+        text = ""
+        if state.engaged:
+            why = f" ({state.reason})" if state.reason else ""
+            text = f"emergency stop by {state.by or 'somebody'}{why}; `hitab go` releases it"
+        self._faults.set("emergency stop", text)
+
+    def close(self) -> None:
+        """Bring the robot to rest before the agent ends."""
+        self._velocities.publish(TwistStamped())
+        self._velocities.wait_for_all_acked(Duration(seconds=0.5))
+        if self._relay is not None:
+            self._relay.end()
+
+
+class _SensorInput:
+    """One sensor's topic, and its last reading.
+
+    Attributes:
+        name: of the sensor.
+        freshness: holds the reading.
+    """
+
+    def __init__(
+        self, node: Node, sensor: Sensor, mounts: Callable[[str], Mount | None] | None
+    ) -> None:
+        self.name = sensor.name
+        self._node = node
+        self._sensor = sensor
+        self._clock = node.get_clock()
+        patience = declare_number(node, f"{sensor.name}.patience", sensor.patience)
+        simulated = node.get_parameter("use_sim_time").value
+        ahead = math.inf if simulated else AHEAD_S
+        self.freshness = Freshness(len(sensor.fields), patience, ahead)
+        self._mounts = mounts if sensor.mount is not None else None
+        self._unplaced = ""
+        self._mount = sensor.mount
+        if self._mount is not None:
+            self._mount = _declared_mount(node, sensor.name, self._mount)
+        self._subscription = node.create_subscription(
+            _message_class(sensor), sensor.topic_name, self._take, qos_profile_sensor_data
+        )
+
+    def _take(self, message: Any) -> None:
+        mount = self._mount
+        self._unplaced = ""
+        if self._mounts is not None:
+            mount = self._mounts(message.header.frame_id)
+            if mount is None:
+                self._unplaced = message.header.frame_id or "(none)"
+                return
+        self.freshness.take(
+            self._sensor.read(message, mount),
+            seconds_of(message.header.stamp),
+            self._clock.now().nanoseconds * 1e-9,
+        )
+
+    def trouble(self, now: float) -> str:
+        """Return why the sensor has no values, and what is wrong with it otherwise."""
+        what = f"sensor {self.name}, {self._subscription.topic_name}"
+        if self._unplaced:
+            return f"{what}: tf2 knows no way from its frame {self._unplaced} to base_frame"
+        if self.freshness.trouble:
+            return f"{what}: {self.freshness.trouble}; set the clocks of all machines"
+        if self.freshness.is_fresh(now):
+            return ""
+        if self._node.count_publishers(self._sensor.topic_name):
+            return f"{what}: nothing new comes, though it is published"
+        number = self._node.context.get_domain_id()
+        return (
+            f"{what}: nobody publishes it in ROS domain {number}; start the robot's driver there "
+            f"(ROS_DOMAIN_ID={number}), or remap the topic; let ROS_AUTOMATIC_DISCOVERY_RANGE "
+            "reach the driver if it is on another computer"
+        )
+
+
+def _message_class(sensor: Sensor) -> Any:
+    package, _, name = sensor.message.partition("/msg/")
+    try:
+        return getattr(import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError) as error:
+        raise HitabError(
+            f'sensor "{sensor.name}" sends {sensor.message}, which cannot be imported: {error}; '
+            f"install the ROS package {package}"
+        ) from error
+
+
+def _mounts_of_tf(node: Node) -> Callable[[str], Mount | None] | None:
+    base_frame = declare(node, "base_frame", "")
+    return mounts_of_tf(node, base_frame) if base_frame else None
+
+
+def _declared_mount(node: Node, name: str, mount: Mount) -> Mount:
+    x, y, yaw = (float(declare(node, f"{name}.{f}", getattr(mount, f))) for f in ("x", "y", "yaw"))
+    return Mount(x, y, yaw, bool(declare(node, f"{name}.upside_down", mount.upside_down)))

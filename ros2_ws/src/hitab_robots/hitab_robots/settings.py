@@ -1,0 +1,109 @@
+"""The parameters of a robot, of its link, on the agent's node, and of its relay; their topics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.node import Node
+
+from hitab_core import HitabError
+from hitab_robots.velocity import Drive
+
+COMMANDS = "cmd_vel"
+"""Topic to the base; relative to the robot's namespace."""
+
+VELOCITY = "cmd_vel_agent"
+"""Topic from an agent to its relay, `TwistStamped`; relative to the agent's namespace."""
+
+OF_RELAY = {
+    "max_velocity": "m/s ahead, m/s to the left, rad/s; also backwards",
+    "max_accel": "how fast the robot may gain speed, per s",
+    "max_decel": "how fast it may lose speed, per s, unless it has to stop",
+    "enable_stamped_cmd_vel": "whether the base takes TwistStamped instead of Twist",
+    "cmd_vel_timeout": "s; the robot stops when no velocity of its agent came for longer",
+    "smoothing_frequency": "Hz; how often a velocity is sent to the base",
+}
+"""Parameters that the link hands on to the relay that it starts."""
+
+DESCRIPTIONS = {
+    **OF_RELAY,
+    "rate": "Hz; how often the agent decides and acts",
+    "relay": "start the relay; false: it is started elsewhere",
+    "base_frame": "the robot's frame, such as base_link, to have tf2 tell where sensors sit; "
+    "empty: the sensors' parameters tell",
+    "state_dir": "folder where an emergency stop survives a crash; empty: none",
+    "agent_pid": "process to end with, once the robot stands still; 0: none",
+}
+OF_SENSOR = {
+    "patience": "s; an older reading has no value",
+    "x": "m; where the sensor sits in the robot's frame",
+    "y": "m; where the sensor sits in the robot's frame",
+    "yaw": "rad; which way the sensor faces in the robot's frame",
+    "upside_down": "whether the sensor is turned over about its x axis",
+}
+"""Parameters after the name of a sensor, such as ``scan.yaw``."""
+
+
+def declare(node: Node, name: str, default: Any) -> Any:
+    """Declare a parameter that does not change, and return its value."""
+    sensor, _, field = name.rpartition(".")
+    description = OF_SENSOR[field] if sensor else DESCRIPTIONS[name]
+    descriptor = ParameterDescriptor(description=description, read_only=True)
+    return node.declare_parameter(name, default, descriptor).value
+
+
+def declare_number(node: Node, name: str, default: float) -> float:
+    """Declare a number that must be above zero, such as a rate, and return its value.
+
+    Raises:
+        HitabError: if it is not.
+    """
+    value = float(declare(node, name, default))
+    if not 0.0 < value < math.inf:
+        raise HitabError(f"the parameter {name} is {value:g}; it must be above 0")
+    return value
+
+
+@dataclass(frozen=True)
+class RelaySettings:
+    """How a relay drives its robot's base; each field, and each of the drive's, is a parameter."""
+
+    drive: Drive
+    cmd_vel_timeout: float = 0.3
+    smoothing_frequency: float = 20.0
+
+    @classmethod
+    def declare(cls, node: Node, drive: Drive) -> RelaySettings:
+        """Declare the parameters and return their values.
+
+        Args:
+            node: of the agent or the relay.
+            drive: the defaults.
+
+        Raises:
+            HitabError: if a value makes no sense.
+        """
+
+        def limits(name: str) -> Any:
+            return tuple(map(float, declare(node, name, list(getattr(drive, name)))))
+
+        stamped = declare(node, "enable_stamped_cmd_vel", drive.enable_stamped_cmd_vel)
+        return cls(
+            Drive(limits("max_velocity"), limits("max_accel"), limits("max_decel"), stamped),
+            declare_number(node, "cmd_vel_timeout", cls.cmd_vel_timeout),
+            declare_number(node, "smoothing_frequency", cls.smoothing_frequency),
+        )
+
+    def arguments(self) -> Iterator[str]:
+        """Yield the command line that gives a relay these parameters."""
+        for name in OF_RELAY:
+            value = getattr(self, name, None)
+            if value is None:
+                value = getattr(self.drive, name)
+            if isinstance(value, tuple):
+                value = list(value)
+            yield from ("-p", f"{name}:={str(value).lower()}")

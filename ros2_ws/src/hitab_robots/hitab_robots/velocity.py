@@ -1,0 +1,174 @@
+"""Velocities of a robot's base: their limits, and when the robot has to stand still.
+
+No ROS here. A velocity is ``(ahead, left, turn)`` in m/s, m/s and rad/s (REP 103).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hitab_core import VocabularyError
+
+Velocity = tuple[float, float, float]
+
+STILL: Velocity = (0.0, 0.0, 0.0)
+
+REST_S = 1.0
+"""How long a robot that has to stand still is sent zeros, s; then others may drive it."""
+
+STEP_MAX_S = 0.25
+"""The longest time between two velocities, s, for which a base may gain speed."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How a robot's base is driven; the numbers are those of its velocity.
+
+    The names are those of Nav2's velocity smoother; the relay has parameters of the same names,
+    whose defaults these are.
+
+    Attributes:
+        max_velocity: m/s, m/s, rad/s; also backwards. 0: it does not move so.
+        max_accel: how fast it may gain speed, per s.
+        max_decel: how fast it may lose speed, per s. Whoever stops the robot does not wait for it.
+        enable_stamped_cmd_vel: whether the base takes `TwistStamped` instead of `Twist`.
+    """
+
+    max_velocity: Velocity = (0.5, 0.0, 2.5)
+    max_accel: Velocity = (2.5, 0.0, 3.2)
+    max_decel: Velocity = (2.5, 0.0, 3.2)
+    enable_stamped_cmd_vel: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("max_velocity", "max_accel", "max_decel"):
+            limits = getattr(self, name)
+            if len(limits) != 3 or not all(0.0 <= limit < math.inf for limit in limits):
+                raise VocabularyError(
+                    f"{name} of a drive is {list(limits)}; it must be three numbers from 0 on: "
+                    "ahead, to the left, turning"
+                )
+
+    def clipped(self, velocity: Sequence[float]) -> Velocity:
+        """Return a velocity within the limits of speed; standing still if it is no velocity."""
+        if not is_velocity(velocity):
+            return STILL
+        ahead, left, turn = (
+            max(-most, min(most, wanted))
+            for wanted, most in zip(velocity, self.max_velocity, strict=True)
+        )
+        return ahead, left, turn
+
+    def towards(self, wanted: Sequence[float], now: Velocity, seconds: float) -> Velocity:
+        """Return the velocity after some time on the way to the wanted one.
+
+        Args:
+            wanted: where to; within the limits or not.
+            now: the present velocity.
+            seconds: how long there was to change it.
+        """
+        seconds = max(0.0, min(seconds, STEP_MAX_S))
+        ahead, left, turn = (
+            _towards(to, at, gain * seconds, loss * seconds)
+            for to, at, gain, loss in zip(
+                self.clipped(wanted), now, self.max_accel, self.max_decel, strict=True
+            )
+        )
+        return ahead, left, turn
+
+
+def is_velocity(values: Sequence[float]) -> bool:
+    """Whether these are three numbers, none of them infinite or NaN."""
+    return len(values) == 3 and all(map(math.isfinite, values))
+
+
+def _towards(wanted: float, now: float, gain: float, loss: float) -> float:
+    """Return a speed on the way from one to another, through standing still if it turns round."""
+    if now * wanted < 0.0:
+        wanted = 0.0
+    step = gain if abs(wanted) > abs(now) else loss
+    return now + max(-step, min(step, wanted - now))
+
+
+class _Wish:
+    """The velocity that somebody wants, and when they last said so.
+
+    Attributes:
+        velocity: within the limits.
+        since: s; when it was commanded.
+    """
+
+    def __init__(self) -> None:
+        self.velocity = STILL
+        self.since = -math.inf
+
+
+class Gate:
+    """Decides which velocity a base gets: the commanded one, none, or zero.
+
+    A person who drives by hand counts, and not the agent, until the person is silent.
+
+    Attributes:
+        engaged: whether the emergency stop is engaged.
+        closed: whether nothing more will pass.
+        silent: whether every last command is too old.
+    """
+
+    def __init__(self, drive: Drive, timeout: float, now: float) -> None:
+        """Let nothing pass yet: send zeros, since the base may hold what it was told before.
+
+        Args:
+            drive: the limits.
+            timeout: s; a command that is older counts for nothing.
+            now: s; any steady clock.
+        """
+        self.engaged = self.closed = False
+        self.silent = True
+        self._drive = drive
+        self._timeout = timeout
+        self._velocity = STILL
+        self._agent, self._person = _Wish(), _Wish()
+        self._before = now
+        self._rest_until = now + REST_S
+
+    def command(self, velocity: Sequence[float], now: float, *, by_hand: bool = False) -> bool:
+        """Take a command; return whether it is one: numbers, none of them infinite or NaN.
+
+        One that is not has the robot stand still.
+
+        Args:
+            velocity: that is wanted.
+            now: s.
+            by_hand: whether a person commands it, and not the agent.
+        """
+        wish = self._person if by_hand else self._agent
+        wish.velocity = self._drive.clipped(velocity)
+        wish.since = now
+        if is_velocity(velocity):
+            return True
+        if wish is self._counting(now):
+            self._velocity = STILL
+        return False
+
+    def velocity(self, now: float) -> Velocity | None:
+        """Return what to send to the base now; None: nothing, so that others can drive it."""
+        seconds, self._before = now - self._before, now
+        wish = None if self.closed else self._counting(now)
+        self.silent = wish is None
+        if self.engaged or wish is None:
+            moved = self._velocity != STILL
+            self._velocity = self._agent.velocity = self._person.velocity = STILL
+            if moved or (self.engaged and not self.closed):
+                self._rest_until = now + REST_S
+            return STILL if now <= self._rest_until else None
+        self._velocity = self._drive.towards(wish.velocity, self._velocity, seconds)
+        self._rest_until = now + REST_S
+        return self._velocity
+
+    def _counting(self, now: float) -> _Wish | None:
+        """Return whose command counts; None: nobody's."""
+        for wish in (self._person, self._agent):
+            if 0.0 <= now - wish.since <= self._timeout:
+                return wish
+        return None

@@ -1,0 +1,221 @@
+"""Ready words for robots: basic behaviors, features and targets of a `RobotBody`. No ROS here.
+
+A value is named as the sensor and what it reads, such as ``odom.x`` or ``scan.ahead.range``.
+Features are required unless said otherwise: a robot whose sensor is silent must not drive on.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from hitab_core import BasicBehavior, Feature, FeatureKind, Target, VocabularyError
+from hitab_robots.robot import MEMORY_S, RobotBody
+
+Point = tuple[float, float]
+
+
+def motion(
+    name: str, ahead: float = 0.0, turn: float = 0.0, left: float = 0.0, description: str = ""
+) -> BasicBehavior:
+    """Return a behavior that moves at a constant velocity; without one, it stands still.
+
+    Args:
+        name: a word.
+        ahead: m/s.
+        turn: rad/s, counter-clockwise.
+        left: m/s, of robots that can move sideways.
+        description: for people; empty: the velocity in words.
+
+    Examples:
+        >>> from hitab_robots import Robot
+        >>> body = Robot(())("robot_1")
+        >>> motion("Arc", ahead=0.2, turn=0.5).pulse(body)
+        >>> (ahead, _, turn), _ = body.act()
+        >>> ahead, turn
+        (0.2, 0.5)
+    """
+
+    def pulse(body: RobotBody) -> None:
+        body.drive(ahead, turn, left)
+
+    return BasicBehavior(name, pulse, description=description or _moving(ahead, turn, left))
+
+
+def _moving(ahead: float, turn: float, left: float) -> str:
+    """Return what a velocity is, in words."""
+    parts = ((ahead, "m/s ahead"), (left, "m/s to the left"), (turn, "rad/s to the left"))
+    return ", ".join(f"{value:g} {unit}" for value, unit in parts if value) or "stands still"
+
+
+def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Feature:
+    """Return a feature that is one of the robot's values, such as ``imu.pitch``.
+
+    Args:
+        name: a word.
+        value: the name of the value.
+        required: whether nothing is decided without it.
+        more: kind, unit and others of `Feature`.
+    """
+    more.setdefault("description", f"the value {value}")
+    return Feature(name, lambda body: body[value], required=required, **more)
+
+
+def nearest_range(name: str, sector: str, *, required: bool = True) -> Feature:
+    """Return how far away the nearest thing in a sector is, m; the most if there is nothing.
+
+    Args:
+        name: a word.
+        sector: of a scanner, such as ``scan.ahead``.
+        required: whether nothing is decided without it.
+
+    Examples:
+        >>> from hitab_robots import Robot, Scan, Sector
+        >>> robot = Robot((Scan(sectors=(Sector("ahead", width=0.5),)),))
+        >>> body = robot("robot_1")
+        >>> body.sense([0.1, 0.8, -0.2], ())
+        >>> nearest_range("RangeAhead", "scan.ahead").read(body)
+        0.8
+    """
+    nearest = f"how far away the nearest thing is that {sector} sees"
+    return reading(name, f"{sector}.range", required=required, unit="m", description=nearest)
+
+
+def nearest_bearing(name: str, sector: str, *, required: bool = False) -> Feature:
+    """Return where the nearest thing in a sector is, rad from ahead; no value if there is nothing.
+
+    Args:
+        name: a word.
+        sector: of a scanner, such as ``scan.around``.
+        required: whether nothing is decided without it.
+    """
+    return reading(
+        name,
+        f"{sector}.bearing",
+        required=required,
+        kind=FeatureKind.TOROIDAL,
+        unit="rad",
+        description=f"in which direction the nearest thing is that {sector} sees; 0: ahead",
+    )
+
+
+def distance_to(name: str = "DistanceTo", *, required: bool = True) -> Feature:
+    """Return the distance from the robot's centre to a target, m."""
+
+    def read(body: RobotBody, point: Point) -> float:
+        x, y, _ = body.place
+        return math.hypot(point[0] - x, point[1] - y)
+
+    return Feature(
+        name,
+        read,
+        parameters=("X",),
+        unit="m",
+        required=required,
+        description="how far away the target is",
+    )
+
+
+def heading_to(name: str = "HeadingTo", *, required: bool = True) -> Feature:
+    """Return where a target is, rad from where the robot faces: 0 is ahead, positive left.
+
+    Examples:
+        >>> from hitab_robots import Odometry, Robot
+        >>> body = Robot((Odometry(),))("robot_1")
+        >>> body.sense([0.1, 1.0, 0.0, math.pi / 2, 0.0, 0.0, 0.0], ())
+        >>> heading_to().read(body, (0.0, 0.0))
+        1.5707963267948966
+    """
+
+    def read(body: RobotBody, point: Point) -> float:
+        x, y, heading = body.place
+        return math.remainder(math.atan2(point[1] - y, point[0] - x) - heading, math.tau)
+
+    return Feature(
+        name,
+        read,
+        FeatureKind.TOROIDAL,
+        parameters=("X",),
+        unit="rad",
+        required=required,
+        description="in which direction the target is; 0: ahead",
+    )
+
+
+def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> Feature:
+    """Return whether the robot was told to move for a while and did not.
+
+    The odometry tells whether it moved: wheels that spin on the spot look like moving.
+
+    Args:
+        name: a word.
+        seconds: how long it must have been told to move.
+        fraction: of the way, or of the turn, that it was told; who moves less is stuck.
+
+    Raises:
+        VocabularyError: if that is longer than a body remembers.
+    """
+    if not 0.0 < seconds <= MEMORY_S:
+        raise VocabularyError(
+            f'feature "{name}" looks back {seconds:g} s; it must be up to {MEMORY_S:g} s'
+        )
+
+    def read(body: RobotBody) -> float:
+        if any(map(math.isnan, body.place)):
+            return math.nan
+        moved = body.moved(seconds)
+        if moved is None:
+            return 0.0
+        drives = moved.told_way > 0.0 and moved.way >= fraction * moved.told_way
+        turns = moved.told_turn > 0.0 and moved.turn >= fraction * moved.told_turn
+        return float(not (drives or turns))
+
+    return Feature(
+        name,
+        read,
+        FeatureKind.BOOLEAN,
+        required=True,
+        description=f"it should have moved in the last {seconds:g} s and has not",
+    )
+
+
+def battery_low(
+    name: str = "BatteryLow", below: float = 0.2, sensor: str = "battery_state"
+) -> Feature:
+    """Return whether the battery holds less than a part of its charge.
+
+    Args:
+        name: a word.
+        below: from 0 to 1.
+        sensor: name of the battery.
+    """
+
+    def read(body: RobotBody) -> float:
+        charge = body[f"{sensor}.percentage"]
+        return charge if math.isnan(charge) else float(charge < below)
+
+    low = f"the battery holds less than {below:.0%} of its charge"
+    return Feature(name, read, FeatureKind.BOOLEAN, description=low)
+
+
+def place(name: str, x: float, y: float, description: str = "") -> Target:
+    """Return a target that stays where it is, m, in the frame of the odometry."""
+    return Target(name, lambda body: (x, y), description)
+
+
+def nearest_return(name: str, sector: str = "scan.around", description: str = "") -> Target:
+    """Return a target that is where the nearest thing is now, in the frame of the odometry.
+
+    Args:
+        name: a word.
+        sector: of a scanner.
+        description: for people.
+    """
+
+    def resolve(body: RobotBody) -> Point:
+        x, y, heading = body.place
+        distance, bearing = body[f"{sector}.range"], body[f"{sector}.bearing"]
+        angle = heading + bearing
+        return x + distance * math.cos(angle), y + distance * math.sin(angle)
+
+    return Target(name, resolve, description)

@@ -1,0 +1,194 @@
+"""The relay between an agent and its robot's base, as nodes on topics."""
+
+import json
+import math
+import subprocess
+import sys
+
+import pytest
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.experimental import EventsExecutor
+from rclpy.parameter import Parameter
+
+from hitab_core import HitabError, VocabularyError
+from hitab_robots.settings import COMMANDS, VELOCITY
+from hitab_robots.velocity_relay import FILE, VelocityRelay
+from hitab_ros import EmergencySwitch, make_node, names
+from hitab_ros.testing import context_of_its_own, spin_until
+
+ROBOT = "/robot_1"
+
+
+class Bench:
+    """A relay between an agent and a base, both played by the test."""
+
+    def __init__(self, context, **parameters):
+        self.context = context
+        self.executor = EventsExecutor(context=context)
+        self.sent, self.finished = [], []
+        self.stamped = parameters.get("enable_stamped_cmd_vel", False)
+        self.peer = self.add(make_node("peer", namespace=ROBOT, context=context))
+        kind = TwistStamped if self.stamped else Twist
+        self.peer.create_subscription(kind, COMMANDS, self._hear, 100)
+        self.commands = self.peer.create_publisher(TwistStamped, VELOCITY, 1)
+        self.by_hand = self.peer.create_publisher(TwistStamped, names.TELEOP, 1)
+        self.switch = EmergencySwitch(self.peer)
+        self.start(**parameters)
+
+    def start(self, **parameters):
+        given = [Parameter(name, value=value) for name, value in parameters.items()]
+        self.relay = self.add(
+            VelocityRelay(
+                lambda: self.finished.append(1),
+                namespace=ROBOT,
+                context=self.context,
+                parameter_overrides=given,
+            )
+        )
+        topics = (self.commands, self.by_hand)
+        self.until(lambda: all(topic.get_subscription_count() > 0 for topic in topics))
+
+    def add(self, node):
+        self.executor.add_node(node)
+        return node
+
+    def end_relay(self):
+        self.executor.remove_node(self.relay)
+        self.relay.destroy_node()
+
+    def _hear(self, message):
+        twist = message.twist if self.stamped else message
+        self.sent.append((twist.linear.x, twist.linear.y, twist.angular.z))
+
+    def until(self, condition, each=lambda: None):
+        spin_until(self.executor, condition, each)
+
+    def drive(self, ahead, turn=0.0, by_hand=False):
+        command = TwistStamped()
+        command.twist.linear.x, command.twist.angular.z = ahead, turn
+        (self.by_hand if by_hand else self.commands).publish(command)
+
+    def until_it_moves(self):
+        self.sent.clear()
+        self.until(lambda: any(v[0] > 0.1 for v in self.sent), lambda: self.drive(0.2))
+
+    def until_it_stands(self, each=lambda: None):
+        self.sent.clear()
+        self.until(lambda: self.sent and self.sent[-1] == (0.0, 0.0, 0.0), each)
+
+
+@pytest.fixture
+def bench(request, tmp_path):
+    with context_of_its_own() as context:
+        parameters = {"state_dir": str(tmp_path), **getattr(request, "param", {})}
+        bench = Bench(context, **parameters)
+        yield bench
+        for node in list(bench.executor.get_nodes()):
+            bench.executor.remove_node(node)
+            node.destroy_node()
+        bench.executor.shutdown()
+
+
+@pytest.mark.parametrize(
+    "bench", [{}, {"enable_stamped_cmd_vel": True}], ids=["Twist", "TwistStamped"], indirect=True
+)
+def test_what_the_agent_commands_passes_and_its_silence_stops_the_robot(bench):
+    bench.until_it_moves()
+    bench.until_it_stands()
+
+
+def test_limits_are_parameters(bench):
+    bench.end_relay()
+    bench.start(max_velocity=[0.15, 0.0, 0.5], max_accel=[9.0, 0.0, 9.0])
+    bench.sent.clear()
+    bench.until(lambda: (0.15, 0.0, -0.5) in bench.sent, lambda: bench.drive(2.0, -2.0))
+    assert max(velocity[0] for velocity in bench.sent) == 0.15
+    with pytest.raises(VocabularyError, match="max_accel of a drive"):
+        VelocityRelay(
+            context=bench.context, parameter_overrides=[Parameter("max_accel", value=[1.0])]
+        )
+
+
+def test_a_timeout_that_makes_no_sense_is_refused(bench):
+    with pytest.raises(HitabError, match="cmd_vel_timeout is 0; it must be above 0"):
+        VelocityRelay(
+            context=bench.context, parameter_overrides=[Parameter("cmd_vel_timeout", value=0.0)]
+        )
+
+
+def test_nothing_that_is_no_number_passes(bench):
+    bench.until_it_moves()
+    bench.until_it_stands(lambda: bench.drive(math.nan, math.inf))
+    bench.until_it_moves()
+    assert all(map(math.isfinite, (number for velocity in bench.sent for number in velocity)))
+
+
+def test_a_person_drives_through_the_relay_within_its_limits_and_counts_before_the_agent(bench):
+    def both():
+        bench.drive(0.4)
+        bench.drive(-9.0, by_hand=True)
+
+    bench.until(lambda: bench.sent and bench.sent[-1][0] == -0.5, both)
+    bench.until_it_moves()
+    bench.until_it_stands()
+    bench.switch.set(True, "ann")
+    bench.until_it_stands(lambda: bench.drive(0.2, by_hand=True))
+    bench.sent.clear()
+    bench.until(lambda: len(bench.sent) > 20, lambda: bench.drive(0.2, by_hand=True))
+    assert {*bench.sent} == {(0.0, 0.0, 0.0)}
+
+
+def test_an_emergency_stops_the_robot_though_its_agent_drives_on(bench):
+    bench.until_it_moves()
+    bench.switch.set(True, "ann", "a dog")
+    bench.until_it_stands(lambda: bench.drive(0.2))
+    bench.sent.clear()
+    bench.until(lambda: len(bench.sent) > 20, lambda: bench.drive(0.2))
+    assert {*bench.sent} == {(0.0, 0.0, 0.0)}
+    bench.switch.set(False, "ann")
+    bench.until_it_moves()
+
+
+def test_a_relay_that_is_started_again_still_holds_the_robot(bench, tmp_path):
+    bench.switch.set(True, "ann")
+    file = tmp_path / "robot_1" / FILE
+    bench.until(file.exists)
+    bench.end_relay()
+    bench.switch.state = None
+    bench.start(state_dir=str(tmp_path))
+    bench.until(lambda: bench.switch.engaged)
+    bench.until_it_stands(lambda: bench.drive(0.2))
+    bench.switch.set(False, "ann")
+    bench.until(lambda: not json.loads(file.read_text())["engaged"])
+    bench.until_it_moves()
+
+
+def test_a_damaged_file_holds_the_robot(bench, tmp_path):
+    bench.end_relay()
+    (tmp_path / "robot_1").mkdir(exist_ok=True)
+    (tmp_path / "robot_1" / FILE).write_text("{")
+    bench.start(state_dir=str(tmp_path))
+    bench.until(lambda: bench.switch.engaged)
+    assert "cannot be read" in bench.switch.state.reason
+
+
+def test_a_relay_whose_agent_is_gone_stops_the_robot_and_ends(bench):
+    bench.end_relay()
+    bench.start(agent_pid=1 << 30)  # nobody's
+    bench.sent.clear()
+    bench.until(lambda: bench.finished, lambda: bench.drive(0.2))
+    assert {*bench.sent} == {(0.0, 0.0, 0.0)}
+
+
+def test_a_relay_that_ends_stops_the_robot(bench):
+    bench.until_it_moves()
+    bench.end_relay()
+    bench.until(lambda: bench.sent[-1] == (0.0, 0.0, 0.0))
+
+
+def test_a_relay_loads_no_agent():
+    # It guards the robot from its first moment on, and each robot runs one.
+    loaded = (
+        "import sys, hitab_robots.velocity_relay; print('hitab_agent.agent_node' in sys.modules)"
+    )
+    assert subprocess.check_output([sys.executable, "-c", loaded], text=True) == "False\n"

@@ -1,0 +1,43 @@
+"""How the relay of a robot is started."""
+
+from types import SimpleNamespace
+
+import pytest
+from rclpy.parameter import Parameter
+
+from hitab_robots import Drive
+from hitab_robots import relay_process as started_by
+from hitab_robots.settings import RelaySettings
+from hitab_ros import GuardedNode
+from hitab_ros.testing import context_of_its_own
+
+
+@pytest.fixture
+def command_of(monkeypatch):
+    """Return the command line of the relay that an agent with some parameters starts."""
+    started = []
+    popen = SimpleNamespace(Popen=lambda command, **_: started.append(command), DEVNULL=None)
+    monkeypatch.setattr(started_by, "subprocess", popen)
+
+    def start(*ros_args, **parameters):
+        with context_of_its_own() as context:
+            node = GuardedNode(
+                "agent",
+                namespace="/robot_1",
+                context=context,
+                cli_args=["--ros-args", *ros_args],
+                parameter_overrides=[Parameter(k, value=v) for k, v in parameters.items()],
+            )
+            node.settings = SimpleNamespace(state_dir="")
+            started_by.RelayProcess(node, RelaySettings(Drive()))
+            node.destroy_node()
+        return " ".join(started.pop())
+
+    return start
+
+
+def test_a_relay_takes_the_simulated_clock_of_its_agent(command_of):
+    assert "use_sim_time" not in command_of()
+    command = command_of("-r", "/clock:=/left/clock", use_sim_time=True)
+    assert "-p use_sim_time:=true -r /clock:=/left/clock" in command
+    assert "-r cmd_vel:=/robot_1/cmd_vel" in command

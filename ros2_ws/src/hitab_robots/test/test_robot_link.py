@@ -1,0 +1,161 @@
+"""The link of an agent to its robot; the test plays the robot and the engine of the agent."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from geometry_msgs.msg import TwistStamped
+from rclpy.experimental import EventsExecutor
+from rclpy.parameter import Parameter
+from rclpy.qos import qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+
+from hitab_core import Domain, HitabError
+from hitab_robots import Robot, RobotLink, Scan, Sector
+from hitab_robots.settings import VELOCITY
+from hitab_ros import GuardedNode, make_node
+from hitab_ros.stamps import as_time
+from hitab_ros.testing import context_of_its_own, spin_until
+
+ROBOT = Robot((Scan(sectors=(Sector("ahead", width=0.2),)),))
+
+
+class Desk:
+    """An agent's node with a link, and its robot."""
+
+    def __init__(self, context, body=ROBOT, **parameters):
+        self.executor = EventsExecutor(context=context)
+        given = {"relay": False, "rate": 50.0, **parameters}
+        self.node = GuardedNode(
+            "agent",
+            namespace="/robot_1",
+            context=context,
+            parameter_overrides=[Parameter(k, value=v) for k, v in given.items()],
+        )
+        domain = Domain.of("test", "1", body, behaviors=(), features=())
+        self.node.agent = SimpleNamespace(domain=domain)
+        self.robot = make_node("robot", namespace="/robot_1", context=context)
+        for node in (self.node, self.robot):
+            self.executor.add_node(node)
+        self.scans = self.robot.create_publisher(
+            LaserScan, "scan", qos_profile_sensor_data, temporary=True
+        )
+        self.percepts, self.action = [], ()
+        self.link = RobotLink(self.node, "world", self._tick)
+
+    def _tick(self, percept):
+        self.percepts.append(dict(zip(ROBOT.values, percept.values, strict=True)))
+        return self.action, ""
+
+    def hear_velocities(self):
+        velocities = []
+        self.robot.create_subscription(TwistStamped, VELOCITY, velocities.append, 10)
+        return velocities
+
+    def scan(self, *ranges, age=0.0, stamp=None):
+        """Publish a scan whose first ray is ahead in its own frame, and the second at its left."""
+        message = LaserScan(
+            angle_increment=math.pi / 2, range_min=0.1, range_max=9.0, ranges=ranges
+        )
+        if stamp is None:
+            stamp = self.robot.get_clock().now().nanoseconds - int(age * 1e9)
+        message.header.stamp = as_time(stamp)
+        self.scans.publish(message)
+
+    def until(self, condition, each=lambda: None):
+        spin_until(self.executor, condition, each)
+
+    def reads(self, value):
+        """Whether the last percept has this range ahead."""
+        found = self.percepts[-1]["scan.ahead.range"] if self.percepts else None
+        return found is not None and found == pytest.approx(value, nan_ok=True)
+
+    def has_fault(self, text):
+        return any(text in fault for fault in self.node.guard.faults.texts())
+
+
+@pytest.fixture
+def desk(request):
+    with context_of_its_own() as context:
+        desk = Desk(context, **getattr(request, "param", {}))
+        yield desk
+        for node in (desk.node, desk.robot):
+            desk.executor.remove_node(node)
+            node.destroy_node()
+        desk.executor.shutdown()
+
+
+def test_what_a_sensor_says_is_perceived_until_it_is_silent(desk):
+    desk.until(lambda: desk.reads(2.0), lambda: desk.scan(2.0, 5.0))
+    desk.until(lambda: desk.reads(math.nan))
+    desk.until(lambda: desk.has_fault("sensor scan, /robot_1/scan: nothing new comes, though"))
+    desk.until(lambda: not desk.has_fault("scan"), lambda: desk.scan(2.0))
+
+
+def test_who_publishes_no_sensor_learns_in_which_ros_domain_the_driver_has_to_be(desk):
+    desk.robot.destroy_publisher(desk.scans)
+    number = desk.node.context.get_domain_id()
+    where = f"in ROS domain {number}; start the robot's driver there (ROS_DOMAIN_ID={number})"
+    desk.until(lambda: desk.has_fault(f"sensor scan, /robot_1/scan: nobody publishes it {where}"))
+
+
+@pytest.mark.parametrize("desk", [{"scan.yaw": -math.pi / 2}], indirect=True)
+def test_which_way_a_scanner_faces_is_a_parameter(desk):
+    desk.until(lambda: desk.reads(5.0), lambda: desk.scan(2.0, 5.0))
+
+
+@pytest.mark.parametrize("desk", [{"scan.patience": 10.0}], indirect=True)
+def test_age_is_counted_from_the_stamp_and_patience_is_a_parameter(desk):
+    desk.until(lambda: desk.reads(2.0), lambda: desk.scan(2.0, age=1.0))
+    desk.until(lambda: desk.reads(math.nan), lambda: desk.scan(3.0, age=3600.0))
+    old = "its readings are too old when they arrive; set the clocks"
+    desk.until(lambda: desk.has_fault(old), lambda: desk.scan(3.0, age=3600.0))
+
+
+@pytest.mark.parametrize("desk", [{"use_sim_time": True}], indirect=True)
+def test_a_simulated_clock_that_comes_later_than_the_scans_is_no_fault(desk):
+    clock = desk.robot.create_publisher(Clock, "/clock", 1)
+    time = 10.0
+
+    def simulate():
+        nonlocal time
+        time += 0.1
+        desk.scan(2.0, stamp=int((time + 0.3) * 1e9))
+        clock.publish(Clock(clock=as_time(int(time * 1e9))))
+
+    desk.until(lambda: desk.reads(2.0) and time > 20.0, simulate)
+    assert not desk.has_fault("ahead")
+
+
+def test_a_robot_that_nothing_drives_is_told_to_stand_still_and_then_left_alone(desk):
+    velocities = desk.hear_velocities()
+    desk.action = (0.2, 0.1, -0.3)
+    desk.until(lambda: velocities)
+    twist = velocities[-1].twist
+    assert (twist.linear.x, twist.linear.y, twist.angular.z) == (0.2, 0.1, -0.3)
+    assert velocities[-1].header.stamp.sec > 0
+    desk.action = ()
+    desk.until(lambda: velocities[-1].twist.angular.z == 0.0)
+    ticks = 0
+
+    def is_quiet():
+        nonlocal ticks
+        if velocities:
+            velocities.clear()
+            ticks = len(desk.percepts)
+        return len(desk.percepts) - ticks > 25
+
+    desk.until(is_quiet)
+
+
+def test_that_nothing_relays_is_a_fault(desk):
+    desk.until(lambda: desk.has_fault("no velocity_relay listens on /robot_1/cmd_vel_agent"))
+    desk.hear_velocities()
+    desk.until(lambda: not desk.has_fault("relay"))
+
+
+def test_a_body_that_is_no_robots_is_refused():
+    refused = pytest.raises(HitabError, match=r'domain "test": the link hitab_robots:RobotLink')
+    with context_of_its_own() as context, refused:
+        Desk(context, body=object)

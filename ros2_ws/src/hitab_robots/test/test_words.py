@@ -1,0 +1,194 @@
+"""Ready words on a robot that drives as commanded, or does not."""
+
+import math
+import subprocess
+import sys
+
+import pytest
+
+from hitab_core import Domain, VocabularyError
+from hitab_robots import (
+    Battery,
+    Drive,
+    Odometry,
+    Robot,
+    RobotBody,
+    Scan,
+    Sector,
+    battery_low,
+    distance_to,
+    heading_to,
+    motion,
+    nearest_bearing,
+    nearest_range,
+    nearest_return,
+    place,
+    reading,
+    stuck,
+)
+
+ROBOT = Robot(
+    (Odometry(), Scan(sectors=(Sector("ahead", 0.0, 0.5), Sector("around"))), Battery()),
+    Drive(max_velocity=(0.5, 0.0, 1.0)),
+)
+DOMAIN = Domain.of(
+    "cart",
+    "1",
+    ROBOT,
+    behaviors=(motion("Forward", 0.4), motion("Left", turn=1.0), motion("Stop")),
+    features=(
+        nearest_range("RangeAhead", "scan.ahead"),
+        nearest_bearing("BearingOfNearest", "scan.around"),
+        distance_to(),
+        heading_to(),
+        stuck(),
+        battery_low(),
+        reading("Speed", "odom.vx", unit="m/s"),
+    ),
+    targets=(place("home", 0.0, 0.0), nearest_return("obstacle")),
+    link="hitab_robots:RobotLink",
+)
+
+
+def sense(body, **given):
+    """Have the body perceive; what is not given has no value."""
+    values = {name.replace("__", "."): value for name, value in given.items()}
+    body.sense([values.get(name, math.nan) for name in ROBOT.values], ())
+
+
+def read(body, feature, *targets):
+    points = [DOMAIN.targets[target].resolve(body) for target in targets]
+    return DOMAIN.features[feature].read(body, *points)
+
+
+def test_declaring_a_robot_needs_no_ros():
+    script = (
+        "import sys\nfrom hitab_robots import *\n"
+        "from hitab_robots import Robot, Scan, stuck\n"
+        "assert 'rclpy' not in sys.modules\n"
+    ).replace("from hitab_robots import *\n", "")
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_a_behavior_drives_within_the_limits_and_without_one_the_robot_is_left_alone():
+    body = DOMAIN.body("robot_1")
+    assert list(body.act()[0]) == []
+    DOMAIN.behaviors["Forward"].pulse(body)
+    assert list(body.act()[0]) == [0.4, 0.0, 0.0]
+    body.drive(3.0, -3.0, 3.0)
+    assert list(body.act()[0]) == [0.5, 0.0, -1.0]
+    DOMAIN.behaviors["Stop"].pulse(body)
+    assert list(body.act()[0]) == [0.0, 0.0, 0.0]
+    sense(body)
+    assert list(body.act()[0]) == []
+
+
+def test_where_things_are():
+    body = DOMAIN.body("robot_1")
+    sense(
+        body,
+        odom__x=1.0,
+        odom__y=1.0,
+        odom__heading=math.pi / 2,
+        scan__around__range=2.0,
+        scan__around__bearing=-math.pi / 2,
+    )
+    assert read(body, "DistanceTo", "home") == pytest.approx(math.sqrt(2))
+    assert read(body, "HeadingTo", "home") == pytest.approx(math.radians(135))
+    assert DOMAIN.targets["obstacle"].resolve(body) == pytest.approx((3.0, 1.0))
+    assert read(body, "DistanceTo", "obstacle") == pytest.approx(2.0)
+    assert read(body, "HeadingTo", "obstacle") == pytest.approx(-math.pi / 2)
+    assert read(body, "BearingOfNearest") == pytest.approx(-math.pi / 2)
+    assert math.isnan(read(body, "RangeAhead"))
+
+
+def test_a_silent_sensor_leaves_its_words_without_a_value():
+    body = DOMAIN.body("robot_1")
+    sense(body, time=1.0)
+    for name, feature in DOMAIN.features.items():
+        assert math.isnan(read(body, name, *["home"] * len(feature.parameters))), name
+
+
+@pytest.mark.parametrize(("charge", "low"), [(0.19, 1.0), (0.2, 0.0), (math.nan, math.nan)])
+def test_a_low_battery(charge, low):
+    body = DOMAIN.body("robot_1")
+    sense(body, battery_state__percentage=charge)
+    assert read(body, "BatteryLow") == pytest.approx(low, nan_ok=True)
+
+
+def drive(body, seconds, velocity, moves=1.0, turns=1.0, *, begin=0.0):
+    """Drive for a while, and sense what comes of it; return whether it was stuck, each time."""
+    x = heading = 0.0
+    found = []
+    for step in range(round(seconds * 10) + 1):
+        sense(body, time=begin + step / 10, odom__x=x, odom__y=0.0, odom__heading=heading)
+        found.append(read(body, "Stuck"))
+        body.drive(*velocity)
+        x += body.velocity[0] / 10 * moves
+        heading = math.remainder(heading + body.velocity[2] / 10 * turns, math.tau)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("velocity", "moves", "turns", "expected"),
+    [
+        ((0.4, 0.0), 1.0, 1.0, 0.0),
+        ((0.4, 0.0), 0.1, 1.0, 1.0),
+        ((0.0, 1.0), 1.0, 1.0, 0.0),
+        ((0.0, 1.0), 1.0, 0.0, 1.0),
+        ((0.4, 1.0), 0.0, 1.0, 0.0),  # it turns at least
+        ((0.0, 0.0), 1.0, 1.0, 0.0),  # told to stand still
+        ((5.0, 0.0), 0.9, 1.0, 0.0),  # what is beyond its limits is not expected of it
+    ],
+)
+def test_who_was_told_to_move_and_did_not_is_stuck(velocity, moves, turns, expected):
+    found = drive(DOMAIN.body("robot_1"), 5.0, velocity, moves, turns)
+    assert {*found[:20]} == {0.0}  # it takes some time to be sure
+    assert {*found[21:]} == {expected}
+
+
+def test_a_clock_that_is_set_back_does_not_look_like_being_stuck():
+    body = DOMAIN.body("robot_1")
+    drive(body, 5.0, (0.4, 0.0), begin=100.0)
+    assert {*drive(body, 1.9, (0.4, 0.0), 0.0)} == {0.0}
+
+
+def test_a_body_can_remember_what_words_need():
+    class Counting(RobotBody):
+        bumps = 0
+
+    robot = Robot((Odometry(),), body=Counting)
+    body = robot("robot_1")
+    body.bumps += 1
+    assert (body.bumps, robot("robot_2").bumps, body.robot) == (1, 0, robot)
+
+
+def test_what_the_robot_does_not_have_is_named():
+    body = DOMAIN.body("robot_1")
+    with pytest.raises(VocabularyError, match=r'unknown value "scan\.ahed\.range" of the robot'):
+        body["scan.ahed.range"]
+    with pytest.raises(VocabularyError, match="a percept has 2 values"):
+        body.sense([1.0, 2.0], ())
+    with pytest.raises(VocabularyError, match='a second sensor "odom"'):
+        Robot((Odometry(), Odometry()))
+    with pytest.raises(VocabularyError, match="looks back 60 s"):
+        stuck(seconds=60.0)
+
+
+def test_each_ready_word_says_what_it_is():
+    words = (*DOMAIN.behaviors.values(), *DOMAIN.features.values())
+    assert [word.name for word in words if not word.description] == []
+    assert DOMAIN.behaviors["Left"].description == "1 rad/s to the left"
+    assert motion("Stop").description == "stands still"
+    assert motion("Stop", description="waits").description == "waits"
+    assert reading("Speed", "odom.vx", description="how fast").description == "how fast"
+
+
+def test_a_commander_hears_where_the_robot_is_unless_it_does_not_know():
+    robot = Robot((Odometry(), Scan()))
+    body = robot("robot_1")
+    assert body.position is None
+    values = dict.fromkeys(robot.values, math.nan) | {"odom.x": 1.0, "odom.y": 2.0}
+    body.sense(list(values.values()), ())
+    assert body.position == (1.0, 2.0)
+    assert Robot((Scan(),))("robot_1").position is None

@@ -1,0 +1,146 @@
+"""What a process finds wrong, on ROS's topic ``/diagnostics``, where rqt and others show it.
+
+One message per process and second, however many agents it runs; and one soon after a change.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.qos import QoSProfile
+
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.steady_timer import steady_timer
+
+TOPIC = "/diagnostics"  # absolute, as in REP 107
+PERIOD_S = 1.0
+SOON_S = 0.1
+"""How long after a change a message is sent, for all changes until then."""
+
+LOOKED_AT_PER_S = 1000
+"""With more agents, changes wait longer, so that looking at all of them costs little."""
+
+SHOWN_MAX = 50
+"""Maximum number of statuses in a message: of many agents, those that have something wrong."""
+
+
+class Level(IntEnum):
+    """How bad it is, as ``diagnostic_msgs/DiagnosticStatus`` numbers it."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+    @property
+    def severity(self) -> int:
+        """How it compares: an error is worse than what nothing is known of."""
+        return (Level.OK, Level.WARN, Level.STALE, Level.ERROR).index(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """What is wrong with one agent or world; cheap to make, since of many few are shown.
+
+    Attributes:
+        name: of it.
+        hardware: that it stands for; unique.
+        found: what is wrong; the worst counts, and of those the first is the message.
+        details: returns the message if nothing is wrong, and more that is of interest, by key.
+    """
+
+    name: str
+    hardware: str
+    found: Sequence[tuple[Level, str]]
+    details: Callable[[], tuple[str, Mapping[str, object]]]
+
+    @property
+    def level(self) -> Level:
+        """The worst of what is wrong."""
+        return self._worst[0] if self.found else Level.OK
+
+    @property
+    def _worst(self) -> tuple[Level, str]:
+        return max(self.found, key=lambda one: one[0].severity)
+
+    def status(self) -> DiagnosticStatus:
+        """Return it as a message."""
+        fine, values = self.details()
+        level, message = self._worst if self.found else (Level.OK, fine)
+        if len(self.found) > 1:
+            message += f" (and {len(self.found) - 1} more)"
+        values = {**values, **{f"problem {i}": text for i, (_, text) in enumerate(self.found, 1)}}
+        return DiagnosticStatus(
+            level=bytes([level]),
+            name=f"hitab: {self.name}",
+            message=message,
+            hardware_id=self.hardware,
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+        )
+
+
+class Diagnostics:
+    """Publishes the statuses of a process; without a subscriber it only looks for one."""
+
+    def __init__(self, node: GuardedNode, read: Callable[[], Sequence[Diagnosis]]) -> None:
+        """Begin to publish.
+
+        Args:
+            node: that stands for its process.
+            read: returns what is wrong with each of its agents, or with its world.
+        """
+        self._read = read
+        self._node = node
+        self._heard = self._due = False
+        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, QoSProfile(depth=10))
+        steady_timer(node, PERIOD_S, self._look)
+        self._soon = steady_timer(node, SOON_S, self._publish)
+        self._soon.cancel()
+
+    def soon(self) -> None:
+        """Publish soon, since something has changed."""
+        if self._heard and not self._due:
+            self._due = True
+            self._soon.reset()
+
+    def _look(self) -> None:
+        self._heard = self._publisher.get_subscription_count() > 0
+        if self._heard:
+            self._publish()
+
+    def _publish(self) -> None:
+        self._due = False
+        self._soon.cancel()
+        found = self._read()
+        self._soon.timer_period_ns = int(max(SOON_S, len(found) / LOOKED_AT_PER_S) * 1e9)
+        array = DiagnosticArray(status=shown(found, self._node.get_namespace()))
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(array)
+
+
+def shown(found: Sequence[Diagnosis], process: str) -> list[DiagnosticStatus]:
+    """Return the status of one agent; of several a summary, and those that are not fine.
+
+    Args:
+        found: what is wrong with each agent of a process.
+        process: its namespace.
+    """
+    if len(found) <= 1:
+        return [one.status() for one in found]
+    counts = Counter(one.level for one in found)
+    told = ", ".join(f"{counts[level]} {level.name}" for level in Level if counts[level])
+    worst = max(counts, key=lambda level: level.severity)
+    values = {"agents": len(found)} | {level.name: counts[level] for level in Level}
+    summary = Diagnosis(
+        process.rpartition("/")[2],
+        process,
+        [] if worst is Level.OK else [(worst, told)],
+        lambda: (told, values),
+    )
+    wrong = [one for one in found if one.found]
+    wrong.sort(key=lambda one: one.level.severity, reverse=True)
+    return [summary.status(), *(one.status() for one in wrong[:SHOWN_MAX])]

@@ -1,0 +1,35 @@
+"""How long to wait for others, on a busy machine too."""
+
+from __future__ import annotations
+
+import time
+
+BUSY_FACTOR = 5.0
+"""How many times as long a wait may be if the machine is too busy."""
+
+
+class Patience:
+    """Waits for a number of seconds, in steps.
+
+    Time in which this process wanted to run and could not does not count: on a machine that is too
+    busy for it, those that it waits for need longer as well.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self._left = seconds
+        self._looked = time.monotonic()
+        self._end = self._looked + BUSY_FACTOR * seconds
+        self._used = time.process_time()
+        self._step = 0.0
+
+    def step(self, longest: float) -> float:
+        """Return how long to wait before the next look, s; 0: the time is over.
+
+        Args:
+            longest: how long at most, s.
+        """
+        looked, used = time.monotonic(), time.process_time()
+        self._left -= min(looked - self._looked, self._step + used - self._used)
+        self._looked, self._used = looked, used
+        self._step = 0.0 if looked > self._end else min(longest, max(self._left, 0.0))
+        return self._step

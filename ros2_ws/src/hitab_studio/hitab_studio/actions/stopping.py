@@ -1,0 +1,47 @@
+"""The emergency stop of all robots."""
+
+from __future__ import annotations
+
+from hitab_client import SwarmError
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.session import Session
+
+BUTTON = "emergency stop in the studio"
+"""The reason that others are shown."""
+
+
+async def stop_robots(session: Session) -> None:
+    """Have all robots stand still at once, also while a recording is open.
+
+    This is no action: pages ask for it in a way that does not need their connection.
+
+    Raises:
+        SwarmError: if they were not stopped.
+    """
+    link, who = session.shared.link, session.demonstrator
+    try:
+        listeners = await link.do(lambda _: link.stop_robots(True, who, BUTTON))
+    except SwarmError as error:
+        raise SwarmError(
+            f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
+        ) from None
+    heard = "" if listeners else "; nobody listens at present, and who comes later obeys"
+    session.tell(f"emergency stop: all robots have to stand still{heard}")
+
+
+@action("release-dialog")
+async def release_dialog(session: Session, data: Data) -> None:
+    """Ask whether the robots may move again."""
+    known = session.shared.store.known
+    if known.is_stopped:
+        session.close_dialog()
+        session.dialog = {"kind": "release", "by": known.emergency.by or "somebody"}
+
+
+@action("release-robots", urgent=True)
+async def release_robots(session: Session, data: Data) -> None:
+    """Let the robots move again."""
+    link, who = session.shared.link, session.demonstrator
+    await link.do(lambda _: link.stop_robots(False, who))
+    session.close_dialog()
+    session.tell("the emergency stop is released: the robots obey their agents again")

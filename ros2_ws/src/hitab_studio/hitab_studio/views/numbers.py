@@ -1,0 +1,68 @@
+"""How the page writes numbers: the same everywhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hitab_core import (
+    FLAGS,
+    RADIANS,
+    Example,
+    FeatureKind,
+    Use,
+    quantity,
+    shown_unit,
+    shown_value,
+)
+from hitab_studio.session import Session
+
+MANY = 100.0
+"""Numbers from here on are written with one decimal less."""
+
+
+def measure(value: float, kind: str = "", unit: str = "") -> str:
+    """Return the value of a feature, with two decimals and its unit; angles in degrees.
+
+    Args:
+        value: NaN if there is none.
+        kind: of the feature; a boolean is yes or no, a category its number.
+        unit: of the feature; may be empty.
+    """
+    if math.isnan(value):
+        return "no value"
+    if kind == FeatureKind.BOOLEAN:
+        return "yes" if value else "no"
+    if kind == FeatureKind.CATEGORICAL:
+        return str(int(value))
+    digits = 2 if abs(value) < MANY else 1
+    if unit == RADIANS:
+        digits = 1
+    value, unit = shown_value(value, unit), shown_unit(unit)
+    text = f"{value:.{digits}f}"
+    text = text.removeprefix("-") if float(text) == 0.0 else text
+    return f"{text} {unit}" if unit else text
+
+
+def measured(session: Session, feature: str, value: float) -> str:
+    """Return the value of a feature of the agent for people, with its unit."""
+    words, name = session.watched.vocabulary, Use.parse(feature).name
+    kind = FeatureKind.BOOLEAN if name in FLAGS else words.kinds.get(name, "")
+    return measure(value, kind, words.units.get(name, ""))
+
+
+def duration(seconds: float) -> str:
+    """Return a time for people, such as ``25 s`` or ``3 min 20 s``."""
+    whole = round(seconds)
+    minutes, rest = divmod(whole, 60)
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
+def counted(examples: Sequence[Example]) -> str:
+    """Say how many examples count, and how many are superseded if any is."""
+    count = sum(example.is_learned for example in examples)
+    superseded = len(examples) - count
+    if not superseded:
+        return quantity(count, "example")
+    counts, are = "count" if count != 1 else "counts", "are" if superseded != 1 else "is"
+    return f"{quantity(count, 'example')} {counts}, {superseded} {are} superseded"

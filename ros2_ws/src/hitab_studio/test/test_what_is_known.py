@@ -1,0 +1,270 @@
+"""The page says what is known, and no more: of a swarm that starts, is slow or has ended."""
+
+import asyncio
+import math
+import re
+import time
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hitab_msgs.msg import AgentStatus, CommanderStatus, WorldStatus
+
+from hitab_client import Learned, SwarmError
+from hitab_core import Example, FeatureKind
+from hitab_core.domain import Scale
+from hitab_core.example import ExampleKind
+from hitab_core.training import TrainingCost
+from hitab_studio.actions import perform
+from hitab_studio.actions.registry import ACTIONS
+from hitab_studio.finding import Choice, Target
+from hitab_studio.known import JOINING_SECONDS, Known
+from hitab_studio.learned import Vocabulary
+from hitab_studio.session import TABS, Session
+from hitab_studio.studio import Studio
+from hitab_studio.views import render
+from hitab_studio.watching import Watched
+
+ONE = "keeper_1"
+UP = Target(0, "keepaway", (ONE, "keeper_2"), 1, folder="/keepaway", world=True)
+OVER = Target(0, problem="keepaway has ended. Another swarm is up. Choose the one to show:")
+
+
+def shown(known: Known, *panels: str, tab: str = "teach", agent: str = ONE) -> str:
+    """Return what panels of a page say."""
+
+    async def made() -> str:
+        session = Studio(lambda: Target(0)).open()
+        session.shared.store.known = known
+        session.agent, session.tab = agent, tab
+        return "".join(render(panel, session) for panel in panels)
+
+    return asyncio.run(made())
+
+
+def hears(*names: str) -> dict[str, Any]:
+    return {name: AgentStatus(agent=name, mode="idle") for name in names}
+
+
+# -- a swarm that has ended -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tab", [tab for tab in TABS if tab not in ("swarm", "record")])
+def test_nothing_is_said_of_an_agent_whose_swarm_has_ended(tab):
+    said = shown(Known(OVER), "overlay", "side", tab=tab)
+    assert "is empty" not in said
+    assert "Nothing" not in said
+    assert "No training" not in said
+    assert "is not known until it answers" in said
+    assert f'{ONE}</b> <span class="soft" data-test="absent">is not up' in said
+    assert "when its swarm is up again" in said
+    assert "does not answer" not in said
+
+
+def in_a_studio(use: Callable[[Studio, Session], None]) -> None:
+    async def made() -> None:
+        studio = Studio(lambda: Target(0))
+        session = studio.open()
+        studio._take([Known(UP, 1, statuses=hears(ONE))])
+        use(studio, session)
+
+    asyncio.run(made())
+
+
+def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
+    def use(studio: Studio, session: Session) -> None:
+        session.dialog = {"kind": "distribute", "behavior": "Chase", "receivers": [], "agent": ONE}
+        studio._take([Known(UP, 2, statuses=hears(ONE, "keeper_2"))])
+        assert session.dialog, "its swarm is there"
+        studio._take([Known(OVER, 3)])
+        assert "dialog" not in render("dialog", session)
+        assert "The dialog was closed: keepaway is not there any more." in render(
+            "messages", session
+        )
+        session.dialog = {"kind": "help"}
+        studio._take([Known(UP, 4)])
+        assert session.dialog, "it is about no swarm"
+
+    in_a_studio(use)
+
+
+def test_a_refusal_is_shown_in_the_dialog_that_asked_for_it():
+    async def refuses(session: Session, data: Any) -> None:
+        raise SwarmError("Choose at least one feature.")
+
+    async def nothing(session: Session, data: Any) -> None: ...
+
+    async def made(monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setitem(ACTIONS, "refuses", refuses)
+        monkeypatch.setitem(ACTIONS, "nothing", nothing)
+        session = Studio(lambda: Target(0)).open()
+        session.shared.store.known = Known(UP, statuses=hears(ONE))
+        session.agent = ONE
+        new = {"kind": "new", "agent": ONE, "resume": "", "name": "", "parameter": ""}
+        caution = {"kind": "caution", "agent": ONE}
+        rename = {"kind": "rename-recording", "name": "a"}
+        for dialog in (new, caution, rename, {"kind": "snapshots"}):
+            session.dialog = dict(dialog)
+            await perform(session, {"do": "refuses"})
+            assert "Choose at least one feature." in render("dialog", session)
+            assert "Choose" not in render("messages", session)
+            await perform(session, {"do": "why", "reason": "It is not ready."})
+            assert "It is not ready." in render("dialog", session)
+            await perform(session, {"do": "nothing"})
+            assert 'data-test="refused"' not in render("dialog", session)
+        session.close_dialog()
+        await perform(session, {"do": "refuses"})
+        assert "Choose at least one feature." in render("messages", session)
+
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        asyncio.run(made(monkeypatch))
+
+
+# -- a swarm that starts ----------------------------------------------------------------------
+
+
+def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
+    target = Target(0, "thousand", tuple(f"forager_{i}" for i in range(1000)), 1, world=True)
+    coming = Known(target, joined=time.monotonic(), world=WorldStatus(mode="running"))
+    said = shown(coming, "top", "agents", "side", tab="swarm", agent="")
+    assert "0 of 1000 agents, waiting to hear from them" in said
+    assert "Waiting to hear from 1000 agents" in said
+    assert "No agent" not in said
+    said = shown(coming, "agents", "overlay", agent="forager_1")
+    assert "not responding" not in said.lower()
+    assert "has not been heard yet" in said
+    late = Known(target, joined=time.monotonic() - JOINING_SECONDS - 1, world=WorldStatus())
+    assert "No agent answers" in shown(late, "side", tab="swarm", agent="")
+    assert "Not responding" in shown(late, "overlay", agent="forager_1")
+    some = Known(UP, statuses=hears(ONE), joined=time.monotonic(), world=WorldStatus())
+    assert "1 of 2 agents, waiting for the others" in shown(some, "top")
+    both = Known(UP, statuses=hears(ONE, "keeper_2"), joined=time.monotonic())
+    assert not both.is_waiting
+
+
+def test_a_world_that_was_not_heard_yet_is_not_said_to_be_none():
+    said = shown(Known(UP, statuses=hears(ONE)), "overlay")
+    assert "No world" not in said
+    assert "Waiting for the world of keepaway" in said
+
+
+def test_agents_that_are_called_alike_are_counted_without_those_below_them():
+    groups = {
+        f"company_{i}": SimpleNamespace(
+            subordinates=[f"squad_{5 * i + j}" for j in range(5)], superior="staff", order=""
+        )
+        for i in range(45)
+    }
+    agents = (*groups, *(sub for group in groups.values() for sub in group.subordinates))
+    known = Known(Target(0, "many", agents, 1), statuses=hears(*agents), groups=groups)
+    title = shown(known, "agents", agent="").partition('data-test="fold-company_…"')[2]
+    assert '<span class="soft" title="45 agents called so, and 225 under them">45<' in title
+
+
+def test_an_order_stands_under_a_commander_that_was_not_heard_yet():
+    groups = {
+        "general_1": CommanderStatus(commander="general_1", subordinates=["staff_1"]),
+        "company_1": CommanderStatus(commander="company_1", superior="staff_1", order="Go"),
+    }
+    agents = ("company_1", "general_1", "staff_1")
+    known = Known(Target(0, "many", agents), groups=groups, statuses=hears(*agents))
+    said = shown(known, "side", tab="swarm", agent="")
+    places = [said.index(f'data-key="gr-{n}"') for n in ("general_1", "staff_1", "company_1")]
+    assert places == sorted(places)
+    assert '--depth: 2"><span class="name">company_1' in said
+    assert "not heard yet" in said
+
+
+# -- a swarm that is slow ---------------------------------------------------------------------
+
+
+def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_not(stand_in):
+    async def use(studio: Studio) -> None:
+        stand_in.alive = ("world", "nobody")
+        deadline = time.monotonic() + 60.0
+        while (observer := studio.link._observer) is None or len(observer._signs._heard) < 2:
+            assert time.monotonic() < deadline, "the signs are heard"
+            await asyncio.sleep(0.01)
+        stand_in.alive = ()
+        while "nobody" not in studio.store.known.silent:
+            assert time.monotonic() < deadline, "what sends nothing else falls silent"
+            await asyncio.sleep(0.01)
+        assert "world" not in studio.store.known.silent
+
+    async def run() -> None:
+        studio = Studio(lambda: stand_in.target)
+        await studio.start()
+        try:
+            await use(studio)
+        finally:
+            await studio.stop()
+
+    asyncio.run(asyncio.wait_for(run(), 100.0))
+
+
+# -- what lies on what ------------------------------------------------------------------------
+
+
+def test_the_hint_stands_among_the_notices_and_not_on_them():
+    known = Known(
+        UP,
+        statuses=hears(ONE, "keeper_2"),
+        scene=SimpleNamespace(names=(), mode="running"),
+        world=WorldStatus(),
+        silent={"world": time.monotonic()},
+    )
+    notices = shown(known, "overlay", agent="").partition('class="below-notices"')[0]
+    assert "Choose an agent" in notices
+    assert 'data-test="world-absent"' in notices
+
+
+def test_other_swarms_have_a_heading_where_no_world_is_shown():
+    choices = (Choice("keepaway", "/keepaway", 0, 3),)
+    robots = Target(0, "robots", (ONE,), 1, folder="/robots", choices=choices)
+    said = shown(Known(robots, statuses=hears(ONE)), "overlay")
+    assert said.index("Other swarms that are up") < said.index('data-test="swarm-keepaway"')
+    several = Target(0, problem="Several swarms are up. Choose the one to show:", choices=choices)
+    assert "Other swarms" not in shown(Known(several), "overlay")
+
+
+# -- numbers ----------------------------------------------------------------------------------
+
+
+def test_the_commands_of_a_training_are_counted_once_and_angles_are_in_degrees():
+    def taught(number: int, command: int) -> Example:
+        kind = ExampleKind.DEMONSTRATED
+        return Example("Start", (math.pi / 2,), "Stop", kind, number, command, ago=0.1)
+
+    scales = (Scale(FeatureKind.TOROIDAL, math.tau),)
+    examples = (taught(1, 1), taught(2, 2), taught(3, 3))
+    training = Learned(
+        "Chase",
+        "training",
+        "",
+        "tree",
+        (),
+        (),
+        ("Stop",),
+        ("Bearing",),
+        ("rad",),
+        scales,
+        examples,
+    )
+    # One of them came with the answer to a question, so two commands were given.
+    cost = TrainingCost("Chase", "", 20.0, 0.0, 2, 3, 0, 0, 1, 0, False)
+    readings = {("Chase", "Bearing"): (math.pi / 2,)}
+    words = Vocabulary(domain="d", units={"Bearing": "rad"}, kinds={"Bearing": "toroidal"})
+    watched = Watched(vocabulary=words, training=training, cost=cost, readings=readings)
+    status = AgentStatus(agent=ONE, mode="training", behavior="Chase", examples=3)
+    known = Known(UP, statuses={ONE: status}, watched={ONE: watched})
+    said = shown(known, "side")
+    assert re.findall(r"(\d+) commands", said) == ["2"]
+    assert "in the world" not in said, "it is counted between steps only: 0 s while one tests"
+    assert "3 examples" in said
+    assert "<b>90.0 deg</b>" in said
+    assert '<b class="value">90.0</b><span class="unit">deg</span>' in said
+    assert "Seconds from the situation of the example until" in said, "0.10 s ago has a reason"
+    table = shown(known, "side", tab="examples")
+    assert '<td class="num" data-key="v-Bearing">90.0</td>' in table
+    assert 'title="Bearing, in deg"' in table

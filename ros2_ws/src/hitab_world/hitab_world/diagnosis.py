@@ -1,0 +1,45 @@
+"""What is wrong with a world, for the topic ``/diagnostics``."""
+
+from __future__ import annotations
+
+from hitab_core import some
+from hitab_ros import Guard
+from hitab_ros.diagnostics import Diagnosis, Level
+from hitab_world.course import Course
+
+NAMED_MAX = 10  # most agents that a message names
+
+
+def diagnosis_of_world(course: Course, guard: Guard, hardware: str, errors: set[str]) -> Diagnosis:
+    """Return what is wrong with a world.
+
+    Args:
+        course: of the world.
+        guard: of its node; its faults are shown.
+        hardware: the world's namespace, which is unique.
+        errors: the keys of faults with which it cannot go on.
+    """
+    world, control, attendance = course.world, course.control, course.attendance
+    found = [
+        (Level.ERROR if key in errors else Level.WARN, text)
+        for key, text in guard.faults.by_key.items()
+    ]
+    missing = attendance.missing
+    if missing:
+        found.append((Level.WARN, f"nobody answers for {some(missing, NAMED_MAX)}"))
+
+    def details() -> tuple[str, dict[str, object]]:
+        mode = "paused" if control.at_rest else "running"
+        values = {
+            "mode": mode,
+            "pace": control.pace,
+            "factor": control.factor,
+            "cycle": world.cycle,
+            "agents": len(world.agents),
+            "missing agents": len(missing),
+            "missed deadlines": attendance.missed_deadlines,
+            "reproducible": course.reproducible,
+        }
+        return mode, values
+
+    return Diagnosis(world.name, hardware, found, details)

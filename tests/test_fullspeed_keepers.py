@@ -1,0 +1,99 @@
+"""Keepers for takers at full speed: what their lessons teach, and that it is what is shipped."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.opened_library import open_library
+from hitab_client.lessons.lesson_file import read_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_client.shipped import find_file, shipped
+from hitab_core import Repertoire
+from hitab_world.inprocess import perform, play
+from keepaway_world.parameters import variant
+from keepaway_world.verbs.evaluation import trained_keepers
+from keepaway_world.world import KeepawayWorld
+
+LESSONS = ("play_ball", "keepaway")
+MOST_EXAMPLES = 60
+FULL_SPEED = {"taker_speed": 1.0, "ball_collides": True}
+LIBRARY = shipped("libraries", "keepaway_fullspeed")
+RECORDS = Path(__file__).parents[1] / "benchmarks" / "records.py"
+
+
+def examples_of(library: Path) -> dict[str, list[tuple]]:
+    """Return what was taught, but for the numbers of the world's cycles."""
+    return {
+        name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
+        for name, automaton in open_library(library).load().items()
+    }
+
+
+@pytest.fixture(scope="module")
+def learned(home, tmp_path_factory):
+    """Return what keeper_1 has learned from the lessons."""
+    folder = tmp_path_factory.mktemp("fullspeed")
+    swarm = trained_keepers(None, "", FULL_SPEED, domain="keepaway_fullspeed")
+    with temporary_swarm(swarm, folder) as running:
+        for name in LESSONS:
+            lesson = read_lesson(find_file(f"fullspeed/{name}", "lessons", "lesson"))
+            report = LessonPlayer(lesson, running.agents, running.world).play()
+        return examples_of(Path(report.path).parent)
+
+
+def records(*options: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, str(RECORDS), *options], capture_output=True, text=True, timeout=100
+    )
+
+
+@pytest.mark.long
+def test_what_is_shipped_is_what_the_lessons_teach_with_at_most_sixty_examples(learned):
+    assert learned == examples_of(LIBRARY)
+    assert sum(len(of_one) for of_one in learned.values()) <= MOST_EXAMPLES
+
+
+def test_what_is_shipped_uses_no_hand_written_automaton():
+    opened = open_library(LIBRARY)
+    names = {name for a in opened.load().values() for name in (s.name for s in a.states)}
+    assert not names & set(opened.domain.automata)
+
+
+def test_they_last_longer_than_keepers_that_know_distances_only():
+    """Half of the others' episodes are over after ten seconds, so twenty of each tell enough."""
+
+    def cycles(library: str) -> int:
+        opened = open_library(shipped("libraries", library))
+        game = variant("standard", sight="quantised", taker_policy="reference")
+        world = KeepawayWorld(game, seed=3)
+        players = perform(world, Repertoire(opened.domain, opened.load()), "Keepaway")
+        return sum(played.cycles for played in play(world, players, 6, cycles_max=200))
+
+    assert cycles("keepaway_fullspeed") >= 1.3 * cycles("keepaway_predictive")
+
+
+def test_the_records_compare_trained_keepers_and_rules_over_the_same_episodes(tmp_path):
+    path = tmp_path / "r.json"
+    done = records("--episodes", "2", "--longest", "4", "--sight", "full", "--json", str(path))
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(path.read_text())["full"]
+    assert [len(team["seconds"]) for team in figures.values()] == [2, 2]
+    assert "trained (31 examples) - rules (near 4.5, slack 0.2):" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (("--sight", "none"), "none"),
+        (("--game", "1v2"), "keepers is 1"),
+    ],
+)
+def test_the_records_refuse_what_there_is_not(options, named):
+    done = records(*options)
+    assert done.returncode == 2
+    assert named in done.stderr
+    assert "Traceback" not in done.stderr

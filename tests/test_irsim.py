@@ -1,0 +1,253 @@
+"""Robots in ir-sim, examples/irsim_robots: what holds without the simulator, and a run with it."""
+
+import ast
+import importlib.util
+import math
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sensor_msgs.msg import LaserScan
+
+from hitab_bringup import parse_swarm
+from hitab_client.lessons.lesson_file import read_lesson
+from hitab_commander import KIND_FILE, read_kind
+from hitab_commander.commander_domain import commander_domain
+from hitab_core import Automaton, BehaviorLibrary, Repertoire, Use
+from hitab_core.domain import load_domain
+from hitab_robots import Mount
+from hitab_world.inprocess import AutomatonPlayer
+
+ROOT = Path(__file__).parents[1]
+EXAMPLE = ROOT / "examples/irsim_robots"
+PACKAGE = EXAMPLE / "irsim_robots"
+LIBRARIES = EXAMPLE / "libraries"
+sys.path[:0] = [str(EXAMPLE), str(ROOT / "benchmarks")]
+BEAMS = 72
+ROBOT_LEARNS = {"Wander", "Steer", "GoAround", "GoTo", "Patrol"}
+
+
+def trained(folder: str) -> dict[str, Automaton]:
+    """Return what the robots or the captain have learned, learned again from the examples."""
+    if folder == "robot":
+        domain = load_domain("irsim_robots.domain:DOMAIN")
+    else:
+        domain = commander_domain(read_kind(LIBRARIES / folder / KIND_FILE))
+    return dict(BehaviorLibrary(LIBRARIES / folder, domain).load())
+
+
+def imported(path: Path) -> set[str]:
+    """Return the packages that a file imports, anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add((node.module or "").partition(".")[0])
+    return found
+
+
+def test_the_bridge_and_its_room_know_nothing_of_hitab():
+    # What they import of this package they import without its words.
+    assert [name for name in imported(PACKAGE / "bridge.py") if name.startswith("hitab")] == []
+    of_room = imported(PACKAGE / "room.py")
+    assert [name for name in of_room if name.startswith(("hitab", "rclpy"))] == []
+    text = (PACKAGE / "bridge.py").read_text(encoding="utf-8")
+    assert set(re.findall(r"^from irsim_robots\.(\w+)", text, re.MULTILINE)) == {"room"}
+    assert imported(PACKAGE / "__init__.py") == set()
+
+
+def test_everything_that_is_installed_is_pinned_with_hashes():
+    text = (EXAMPLE / "requirements.txt").read_text(encoding="utf-8")
+    lines = text.replace("\\\n", "").splitlines()
+    pinned = [line for line in lines if line and not line.startswith("#")]
+    assert all(re.match(r"[\w-]+==[\d.]+ .*--hash=sha256:", line) for line in pinned)
+    assert any(line.startswith("ir-sim==") for line in pinned)
+
+
+@pytest.mark.parametrize("name", ["school.yaml", "swarm.yaml"])
+def test_the_swarms_are_of_two_robots_under_a_captain(name):
+    path = EXAMPLE / name
+    # Installed, its domain has a name; here it is where it is.
+    text = path.read_text(encoding="utf-8").replace(
+        "domain: irsim\n", "domain: irsim_robots.domain:DOMAIN\n"
+    )
+    swarm = parse_swarm(text, path)
+    assert [agent.name for agent in swarm.agents] == ["robot_1", "robot_2"]
+    (captain,) = swarm.commanders
+    assert captain.kind == read_kind(LIBRARIES / "captain" / KIND_FILE)
+
+
+def test_the_lessons_take_ten_commands_each_at_most_and_the_page_says_how_many():
+    page = (ROOT / "docs/irsim.md").read_text(encoding="utf-8")
+    lessons = [read_lesson(path) for path in sorted((EXAMPLE / "lessons").glob("*.yaml"))]
+    assert {lesson.name for lesson in lessons} == {*ROBOT_LEARNS, "Duty"}
+    for lesson in lessons:
+        commands = [step for step in lesson.steps if step.kind == "command"]
+        assert len(commands) <= 10
+        assert f"{len(commands)} commands" in lesson.file.read_text(encoding="utf-8")
+        (row,) = re.findall(rf"^\| `{lesson.name}\b.*\| (\d+) \| (\d+) \|$", page, re.MULTILINE)
+        folder = "captain" if lesson.name == "Duty" else "robot"
+        learned = trained(folder)[lesson.name]
+        assert (int(row[0]), int(row[1])) == (len(commands), len(learned.examples))
+        assert len({example.command for example in learned.examples}) == len(commands)
+
+
+near = st.floats(0.2, 6.0)
+percepts = st.tuples(
+    near, near, st.floats(0.5, 8.5), st.floats(0.5, 6.5), st.floats(-math.pi, math.pi)
+)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.lists(percepts, min_size=1, max_size=60))
+def test_the_trained_robots_do_not_drive_at_what_is_near_whatever_they_do(seen):
+    domain = load_domain("irsim_robots.domain:DOMAIN")
+    repertoire = Repertoire(replace(domain, automata=trained("robot")))
+    player = AutomatonPlayer(repertoire, Use("Patrol"), "robot_1")
+    player.begin(1, 0)
+    for i, (ahead, beside, x, y, heading) in enumerate(seen):
+        scan = [ahead, 0.0, min(ahead, beside), 0.0]
+        player.body.sense([0.2 * i, x, y, heading, 0.0, 0.0, 0.0, *scan], ())
+        player.tick()
+        velocity, _ = player.body.act()
+        if velocity:  # none where a round ends
+            assert velocity[0] == 0.0 or ahead > 0.5
+
+
+def test_the_captain_orders_both_robots_to_patrol_and_to_wander_after_a_round():
+    from two_robots_runs import hierarchy
+
+    for which in ("trained", "rules"):
+        team = hierarchy(which)
+        for player in team.players.values():
+            player.begin(1, 0)
+        orders = []
+        # A robot that is at each place in turn, with nothing near, goes round at once.
+        places = (1.5, 1.5), (7.5, 1.5), (7.5, 5.5), (1.5, 5.5)
+        for i in range(60):
+            for player in team.players.values():
+                x, y = places[i // 10 % 4]
+                scan = [3.0, 0.0, 3.0, 0.0]
+                player.sense([0.2 * i, x, y, 0.0, 0.0, 0.0, 0.0, *scan], ())
+            team.confer()
+            for player in team.players.values():
+                player.tick()
+            (order,) = {team.agents[name].behavior for name in team.players}  # of both the same
+            assert team.agents["captain"].active_path == [order]
+            if orders[-1:] != [order]:
+                orders.append(order)
+        assert orders[:2] == ["Patrol", "Wander"], which
+
+
+def test_each_seed_gives_a_room_of_its_own_with_space_around_robots():
+    from irsim_robots.room import CLEARANCE, HULL, room
+
+    rooms = [room(seed, 2, 0.1) for seed in range(20)]
+    assert rooms[3] == room(3, 2, 0.1)
+    assert len({yaml.safe_dump(one) for one in rooms}) == len(rooms)
+    for one in rooms:
+        places = [robot["state"][:2] for robot in one["robot"]]
+        assert math.dist(*places) > 2 * HULL + CLEARANCE
+        for obstacle in one["obstacle"]:
+            shape = obstacle["shape"]
+            if shape["name"] == "rectangle":
+                half = math.hypot(shape["length"], shape["width"]) / 2.0
+                for at in places:
+                    assert math.dist(at, obstacle["state"][:2]) - half > HULL
+
+
+@given(
+    st.lists(st.floats(0.05, 6.0) | st.just(math.inf), min_size=BEAMS, max_size=BEAMS),
+    st.integers(0, BEAMS - 1),
+)
+def test_a_scanner_that_is_mounted_another_way_gives_the_same_features(ranges, turned):
+    domain = load_domain("irsim_robots.domain:DOMAIN")
+    (scan,) = (sensor for sensor in domain.body.sensors if sensor.name == "scan")
+    step = math.tau / BEAMS
+
+    def read(yaw: float, seen: list[float]) -> list[float]:
+        message = LaserScan(
+            angle_min=-math.pi, angle_increment=step, range_min=0.05, range_max=6.0
+        )
+        message.ranges = [float(distance) for distance in seen]
+        return list(scan.read(message, Mount(yaw=yaw)))
+
+    # The same returns, counted from a scanner that faces elsewhere; 18 beams are 90 degrees.
+    for beams in (turned, BEAMS // 4):
+        elsewhere = list(np.roll(ranges, -beams))
+        expected, found = read(0.0, ranges), read(beams * step, elsewhere)
+        assert found[0] == pytest.approx(expected[0], abs=1e-5)
+
+
+@pytest.mark.long
+@pytest.mark.skipif(
+    importlib.util.find_spec("irsim") is None,
+    reason="ir-sim is not installed: docs/irsim.md shows how, into a folder of its own",
+)
+@pytest.mark.parametrize("yaw", [0.0, math.pi / 2])
+def test_the_simulator_says_where_robots_are_and_what_they_see(yaw):
+    from irsim_robots.bridge import simulation
+    from irsim_robots.room import HEIGHT, WIDTH, room
+
+    world = simulation(room(1, 2, 0.1, yaw))
+    robot = world.robot_list[0]
+    before = robot.state[:3, 0].copy()
+    world.step([np.array([[0.3], [0.0]]), np.array([[0.0], [0.0]])])
+    moved = math.dist(robot.state[:2, 0], before[:2])
+    assert moved == pytest.approx(0.03, abs=1e-6)
+    scan = robot.get_lidar_scan()
+    # The ray that runs straight along x meets a wall or what is before it.
+    x, y, heading = robot.state[:3, 0]
+    for angle, distance in zip(
+        np.linspace(scan["angle_min"], scan["angle_max"], len(scan["ranges"])),
+        scan["ranges"],
+        strict=True,
+    ):
+        way = heading + yaw + angle
+        end = x + distance * math.cos(way), y + distance * math.sin(way)
+        assert -1e-6 <= end[0] <= WIDTH + 1e-6
+        assert -1e-6 <= end[1] <= HEIGHT + 1e-6
+    assert not robot.collision
+
+
+@pytest.mark.long
+@pytest.mark.skipif(
+    importlib.util.find_spec("irsim") is None,
+    reason="ir-sim is not installed: docs/irsim.md shows how, into a folder of its own",
+)
+def test_two_trained_robots_move_without_collision_whichever_way_their_scanners_face():
+    from two_robots_runs import play
+
+    straight, turned = (
+        play("trained", 1, 240.0, yaw, lambda seconds: None) for yaw in (0.0, math.pi / 2)
+    )
+    for name, outcome in straight.items():
+        assert outcome.collided is None
+        assert outcome.visits
+        assert turned[name].visits == outcome.visits
+        assert turned[name].collided is None
+
+
+def test_a_run_counts_places_and_the_first_collision():
+    from two_robots import figures
+    from two_robots_runs import Outcome
+
+    good, bad = Outcome(), Outcome()
+    for at in ((1.5, 1.5), (1.6, 1.5), (4.0, 3.0), (7.5, 1.5), (4.0, 3.0), (7.5, 1.5), (1.5, 1.2)):
+        good.see(at)
+    bad.collide(3.0)
+    bad.collide(4.0)
+    assert good.visits == ["A", "B", "A"]
+    assert bad.collided == 3.0
+    found = figures([{"robot_1": good, "robot_2": bad}, {"robot_1": good, "robot_2": good}])
+    assert found["without_collision"] == 1
+    assert found["collided_robots"] == {"mean": 0.5, "se": 0.5}
+    assert found["places"]["mean"] == 3.0
+    assert found["visits"]["mean"] == 4.5

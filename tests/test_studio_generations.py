@@ -1,0 +1,77 @@
+"""Bootstrapping a team on the page: generations are made, listed, and gone back to."""
+
+from __future__ import annotations
+
+from browsing import ONE, THREE, TWO, away_from_everybody, begin, needs_browser
+
+
+@needs_browser
+def test_generations_of_a_team_are_made_listed_and_undone(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Together")
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    person.click("generations-teach")
+    person.type("generation-episodes", "2")
+    person.type("generation-note", "run")
+    person.click("generation-next")
+    person.sees("generation-1", "run")
+    person.sees("made")
+    person.sees("generation-1", "current")
+    assert "s" in person.text("generation-1")
+    statuses = swarm.agents.statuses
+    person.waits_until(
+        lambda: (
+            (swarm.link.spin(0.02) or [statuses[name].behavior for name in (TWO, THREE)])
+            == ["Together", "Together"]
+        ),
+        "the team performs it",
+    )
+    person.page.keyboard.press("Escape")
+    person.does_not_see("generations-dialog")
+    person.sees("mode", "Training")
+    person.page.wait_for_selector('[data-test="do-Stop"]:not([aria-disabled])')
+    person.click("do-Stop")
+    person.sees("counts", "4 examples")
+
+    person.click("generations-teach")
+    person.type("generation-episodes", "0")
+    person.click("back-1")  # examples that are in no generation are not given up unasked
+    person.sees("making-problem", "2 examples changed since it was saved")
+    person.click("generation-next")
+    person.sees("generation-2", "current")
+    person.sees("made")
+    person.page.wait_for_selector('[data-test="back-1"]:not([aria-disabled])')
+    person.click("back-1")
+    person.sees("generation-1", "current")
+    person.sees("made")
+    person.page.keyboard.press("Escape")
+    person.sees("counts", "2 examples")
+    assert len(swarm.agents.list_examples(ONE).examples) == 2
+
+
+@needs_browser
+def test_a_long_evaluation_shows_how_far_it_is_and_can_be_stopped(swarm, person):
+    swarm.agents.perform(TWO, "")
+    swarm.agents.perform(THREE, "")
+    swarm.agents.begin(ONE, "Slowly", features=["DistanceTo(ball)"], discard=True)
+    person.click(f"agent-{ONE}")
+    person.page.wait_for_selector('[data-test="do-GoFast"]:not([aria-disabled])')
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    person.click("generations-teach")
+    person.type("generation-episodes", "1000")
+    person.click("generation-next")
+    person.sees("making", "of 1000")
+    person.page.keyboard.press("Escape")
+    person.sees("making-notice", "of 1000")
+    off = person.page.locator('[data-test="do-Stop"]')
+    assert "is at work on a generation of Slowly" in off.get_attribute("title")
+    person.page.evaluate("window.studioTell('pause')")
+    person.sees("message", "is at work on a generation")
+    person.click("making-show")
+    person.click("generation-stop")
+    person.sees("making-problem", "It was stopped")
+    person.page.keyboard.press("Escape")
+    person.sees("mode", "Training")
+    assert swarm.world.wait().mode == "paused"

@@ -1,0 +1,237 @@
+"""Examples that are made from a recorded session equal those that were made live, bit for bit."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from hitab_msgs.msg import Percept
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import LaserScan
+
+from hitab_agent import DifferenceError
+from hitab_bringup.bringing_up import RunningSwarm
+from hitab_bringup.from_recording import train_from_recording
+from hitab_client.recording import Recorder, opened
+from hitab_client.recording.bag_file import BagFile
+from hitab_core import HitabError
+from hitab_core.library import SUFFIX
+
+ONE = "keeper_1"
+AUTOMATON = "RecordedNear"
+SECONDS = 60.0
+
+
+def put(swarm: RunningSwarm, distance: float) -> None:
+    """Put the keeper so far from the ball, which lies ahead, and let it see that."""
+    places = {
+        ONE: {"x": -distance, "y": 0.1, "heading": 0.0, "vx": 0.0, "vy": 0.0},
+        "ball": {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0},
+        "taker_1": {"x": -9.0, "y": 9.0},
+        "taker_2": {"x": -8.0, "y": 9.0},
+    }
+    swarm.world.changed(lambda: swarm.world.place(places))
+
+
+def train(swarm: RunningSwarm, look: Any) -> None:
+    """Train with all that a person can do: late commands, tests, corrections, undo and answers."""
+    agents, world = swarm.agents, swarm.world
+    put(swarm, 8.3)
+    agents.command(ONE, "GoFast")
+    world.step(10)
+    agents.command(ONE, "GoSlow", ago=0.4)
+    look()
+    world.step(5)
+    agents.command(ONE, "Stop")
+    agents.command(ONE, "Pass")
+    agents.edit_examples(ONE, "undo")
+    agents.set_mode(ONE, "testing", restart=True)
+    put(swarm, 6.1)
+    world.step(8)
+    agents.set_mode(ONE, "training")
+    agents.command(ONE, "GoMedium")
+    world.step(3)
+    agents.command(ONE, "GoMedium")
+    agents.edit_examples(ONE, "relabel", [4], "GoMedium")
+    agents.edit_examples(ONE, "retime", [1], ago=0.0)
+    for question in agents.questions(ONE).questions[:1]:
+        agents.answer(ONE, question.number)
+    agents.set_mode(ONE, "testing")
+    world.step(10)
+    agents.set_mode(ONE, "training")
+
+
+@dataclass
+class Recorded:
+    path: Path
+    live: dict[str, Any]
+    examples: int
+
+
+def content(folder: Path) -> dict[str, Any]:
+    """Return all of a behavior's file but when and from what it was saved."""
+    text = (folder / f"{AUTOMATON}{SUFFIX}").read_text(encoding="utf-8")
+    whole = dict(yaml.safe_load(text))
+    del whole["checksum"], whole["provenance"]
+    return whole
+
+
+@pytest.fixture(scope="module")
+def recorded(keepers: RunningSwarm, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    agents = keepers.agents
+    if agents.statuses[ONE].mode in ("training", "testing"):
+        agents.discard(ONE)
+    recorder = Recorder(keepers.link, tmp_path_factory.mktemp("bag") / "session.mcap")
+
+    def heard() -> bool:
+        recorder.look()
+        return f"/{ONE}" in recorder.sessions and not recorder.awaited
+
+    assert keepers.link.spin_until(heard, SECONDS)
+    agents.begin(ONE, AUTOMATON, features=["DistanceTo(ball)", "SecondsInState"])
+    train(keepers, recorder.look)
+    saved = agents.save(ONE)
+    keepers.link.spin_until(lambda: agents.statuses[ONE].mode == "idle", SECONDS)
+    keepers.link.spin(0.2)
+    recorder.close()
+    assert recorder.problem == ""
+    there = content(Path(saved.path).parent)
+    return Recorded(recorder.path, there, len(there["examples"]))
+
+
+def test_examples_from_a_recording_equal_those_made_live(
+    recorded: Recorded, tmp_path: Path
+) -> None:
+    folder = tmp_path / "library"
+    outcome = train_from_recording(recorded.path, folder, ONE)
+    assert outcome.done.saved == [AUTOMATON]
+    assert outcome.done.commands == 6
+    assert outcome.done.compared > 10
+    assert outcome.unsaved is None
+    assert recorded.examples > 6
+    assert content(folder) == recorded.live
+
+
+def test_topics_are_offered_again_as_they_were(recorded: Recorded) -> None:
+    """Those who come late get what is latched, also when the bag is played."""
+    with recorded.path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    durability = {}
+    for channel in summary.channels.values():
+        profiles = yaml.safe_load(channel.metadata["offered_qos_profiles"])
+        durability[channel.topic] = {(p["reliability"], p["durability"]) for p in profiles}
+    assert durability[f"/{ONE}/status"] == {("reliable", "transient_local")}
+    assert durability["/world/status"] == {("reliable", "transient_local")}
+    assert durability[f"/{ONE}/command"] == {("reliable", "volatile")}
+    assert durability[f"/{ONE}/perceived"] == {("reliable", "volatile")}
+
+
+def test_others_read_all_of_a_recording(recorded: Recorded) -> None:
+    with recorded.path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        topics = {channel.topic for _, channel, _, _ in reader.iter_decoded_messages()}
+    assert {f"/{ONE}/{name}" for name in ("perceived", "commanded", "requested")} < topics
+
+
+def changed(recorded: Recorded, path: Path, change: Callable[[str, int, bytes], Any]) -> Path:
+    """Write a recording again; ``change`` gets the topic, the number and the data of a message.
+
+    It returns the data to write, or None to leave it out.
+    """
+    bag, channels, numbers = BagFile(path), dict[str, int](), dict[str, int]()
+    with opened(recorded.path) as messages:
+        for message in messages:
+            topic = message.topic
+            numbers[topic] = numbers.get(topic, 0) + 1
+            data = change(topic, numbers[topic], message.data)
+            if data is None:
+                continue
+            if topic not in channels:
+                kind = message.schema.name
+                channels[topic] = bag.add_topic(topic, kind, [], message.type_hash)
+            bag.write(channels[topic], data, message.received, message.sent)
+    bag.close()
+    return path
+
+
+def test_a_percept_that_is_missing_is_noticed(recorded: Recorded, tmp_path: Path) -> None:
+    path = changed(
+        recorded,
+        tmp_path / "gap.mcap",
+        lambda topic, number, data: None if topic == f"/{ONE}/perceived" and number == 9 else data,
+    )
+    with pytest.raises(HitabError, match="percepts are missing between cycle"):
+        train_from_recording(path, tmp_path / "library", ONE)
+
+
+def test_what_differs_in_the_last_bit_is_noticed(recorded: Recorded, tmp_path: Path) -> None:
+    def nudged(topic: str, number: int, data: bytes) -> bytes:
+        if topic != f"/{ONE}/perceived":
+            return data
+        percept = deserialize_message(data, Percept)
+        percept.values = [math.nextafter(value, math.inf) for value in percept.values]
+        return bytes(serialize_message(percept))
+
+    path = changed(recorded, tmp_path / "nudged.mcap", nudged)
+    with pytest.raises(DifferenceError, match=r"in cycle \d+ .*trained from the recording, it"):
+        train_from_recording(path, tmp_path / "library", ONE)
+
+
+def test_a_recording_that_begins_within_a_training_is_refused(
+    recorded: Recorded, tmp_path: Path
+) -> None:
+    path = changed(
+        recorded,
+        tmp_path / "late.mcap",
+        lambda topic, number, data: None if topic == f"/{ONE}/requested" and number == 1 else data,
+    )
+    with pytest.raises(HitabError, match=r"begins in a training: .*before `hitab train`"):
+        train_from_recording(path, tmp_path / "library", ONE)
+
+
+def test_the_command_records_chosen_topics_too_and_trains_from_what_it_recorded(
+    recorded: Recorded,
+    keepers: RunningSwarm,
+    hitab: Callable[..., Any],
+    tmp_path: Path,
+) -> None:
+    bag, library = tmp_path / "bag", tmp_path / "library"
+    scans = keepers.link.node.create_publisher(LaserScan, "/robot_1/scan", 10, temporary=True)
+    done: list[Any] = []
+    options = ("-t", "/robot_1/scan", "-t", "robot_1/odom", "--seconds", "4")
+    thread = threading.Thread(
+        target=lambda: done.append(hitab("record", "-o", str(bag), *options))
+    )
+    thread.start()
+    while thread.is_alive():
+        scans.publish(LaserScan(ranges=[1.5]))
+        keepers.link.spin(0.1)
+    keepers.link.node.destroy_publisher(scans)
+    assert done[0].returncode == 0, done[0].stderr
+    assert f"to {bag}" in done[0].stdout
+    assert "/robot_1/odom is not in it: nobody has published it" in done[0].stderr
+    beside = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    counts = {
+        one["topic_metadata"]["name"]: one["message_count"]
+        for one in beside["topics_with_message_count"]
+    }
+    assert beside["relative_file_paths"] == ["bag_0.mcap"]
+    assert counts["/robot_1/scan"] > 0
+    again = hitab("record", "-o", str(bag))
+    assert f"{bag} exists already" in again.stderr
+
+    trained = hitab("library", "from-recording", str(recorded.path), str(library), "-a", ONE)
+    assert trained.returncode == 0, trained.stderr
+    assert f"saved {AUTOMATON} in {library}" in trained.stdout
+    assert "agrees with the recorded one" in trained.stdout
+    refused = hitab("library", "from-recording", str(bag), str(library))
+    assert f"{library} is not empty" in refused.stderr
