@@ -79,7 +79,8 @@ def test_more_rows_of_behaviors_get_room_once_the_pointer_has_left_the_field(swa
     person.page.mouse.click(*person.on_screen(*person.place_of(TWO)))
     person.sees("behaviors")
     before = field(person, "f.view.scale")
-    person.page.evaluate("document.querySelector('.deck').style.minHeight = '150px'")
+    # By a style sheet: an attribute would go when the server describes the overlay again.
+    person.page.add_style_tag(content=".deck { min-height: 150px }")
     person.page.wait_for_timeout(700)
     assert field(person, "f.view.scale") == before
     person.page.hover(f'[data-test="agent-{TWO}"]')
