@@ -16,6 +16,7 @@ class Course:
         attendance: which agents take part.
         disturbed: whether the world has changed since the agents were shown it.
         restart: whether agents begin at Start with the next percept.
+        begins: whether a run begins with the next cycle.
         in_real_time: whether the run has depended on a clock.
         touched: whether the world was changed from outside since it was last saved.
     """
@@ -26,6 +27,7 @@ class Course:
         self.attendance = attendance
         self.disturbed = True
         self.restart = True
+        self.begins = False
         self.in_real_time = False
         self.touched = False
 
@@ -46,6 +48,7 @@ class Course:
         """Begin the first episode of a run, reproducible so far."""
         self.attendance.missed_deadlines = 0
         self.in_real_time = False
+        self.begins = True
         self.begin_episode(0, seed)
 
     def begin_episode(self, number: int | None = None, seed: int | None = None) -> None:

@@ -114,7 +114,19 @@ class WorldNode(GuardedNode):
         elif self.control.lockstep and not self.attendance.present:
             spinning.spin_once(timeout_sec=0.1)  # no agent has joined yet
         else:
+            if self.course.begins:
+                self._begin_run(spinning)
             self._cycle(spinning)
+
+    def _begin_run(self, spinning: Spinner) -> None:
+        """In lockstep, have all look first, which waits for those given up on in an earlier run.
+
+        Otherwise a run without them would have no missed deadline.
+        """
+        self.course.begins = False
+        if self.control.lockstep:
+            self._show(spinning)
+            self.course.restart = True
 
     def _pause(self, fault: str) -> None:
         """Pause after an error in the world itself, until a person resumes it."""

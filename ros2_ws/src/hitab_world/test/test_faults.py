@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hitab_msgs import msg, srv
+from rclpy.task import Future
 
 from hitab_ros import names, qos
 from hitab_ros.diagnostics import Level
@@ -38,7 +39,7 @@ class Broken:
         self.acted: set[str] = set()
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Go on."""
+        self.seed = self.seed if seed is None else seed
 
     def percept(self, agent: str) -> tuple[list[float], list[str]]:
         if agent in self.broken:
@@ -59,9 +60,16 @@ class Broken:
 
 
 class Running:
-    """The node of a world, run by its own loop, and one that talks to it."""
+    """The node of a world, run by its own loop, and one that talks to it.
+
+    Attributes:
+        waiting: agents that wait for a dead commander in the first round after one in which they
+            only look, as `RoundGate` has them do.
+    """
 
     def __init__(self, spinning: Spinner) -> None:
+        self.waiting: set[str] = set()
+        self.looked: set[str] = set()
         self.world = Broken()
         self.spinning = spinning
         self.node = WorldNode(lambda node, seed: self.world)
@@ -85,6 +93,11 @@ class Running:
         self.peer.create_subscription(msg.WorldStatus, f"/{names.STATUS}", self._hear, qos.LATCHED)
 
     def _answer(self, agent: str, percept: msg.Percept) -> None:
+        if percept.look:
+            self.looked |= self.waiting
+        elif agent in self.looked:
+            self.looked.discard(agent)
+            return
         action = msg.Action(agent=agent, sequence=percept.sequence, values=[1.0])
         self.answers[agent].publish(action)
 
@@ -111,11 +124,15 @@ class Running:
         begun = self.world.cycle
         self.until(lambda: self.world.cycle > begun + 10 and self.world.acted == {*AGENTS})
 
-    def resume(self) -> None:
-        client = self.peer.create_client(srv.Control, f"/{names.CONTROL}")
+    def call(self, kind: Any, name: str, request: Any) -> Future:
+        """Call a service of the world."""
+        client = self.peer.create_client(kind, f"/{name}")
         self.until(client.service_is_ready)
-        future = client.call_async(srv.Control.Request(action="resume"))
-        self.until(future.done)
+        return client.call_async(request)
+
+    def resume(self) -> None:
+        request = srv.Control.Request(action="resume")
+        self.until(self.call(srv.Control, names.CONTROL, request).done)
 
 
 @pytest.fixture
@@ -170,6 +187,17 @@ def test_refused_actions_are_a_fault_as_long_as_they_come(running):
     running.until(lambda: "a: 3 values are no action" in running.status.faults)
     running.world.refused = {}
     running.until(lambda: not running.status.faults)
+
+
+def test_a_run_that_begins_in_another_one_is_marked_if_a_commander_is_dead(running):
+    running.plays()
+    running.waiting.add("b")
+    running.plays()
+    assert running.status.missed_deadlines == 0
+    running.call(srv.Play, names.PLAY, srv.Play.Request(seed=3))
+    running.until(lambda: running.status.missed_deadlines == 1)
+    running.plays()
+    assert (running.status.seed, running.status.reproducible) == (3, False)
 
 
 def test_the_diagnosis_tells_missed_deadlines_and_what_stops_the_world(running):
