@@ -38,6 +38,9 @@ fi
 # The wheels' start-up file sets the library path unless this says that it has: maybe for another
 # environment, so it has to do it again.
 unset PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
+# Container images forbid Python to keep what it has compiled. Each process of a swarm would compile
+# all of its modules again, which takes longer than the rest of its start.
+unset PYTHONDONTWRITEBYTECODE
 
 PATH=$_hitab_venv/bin:$(_hitab_without "$PATH" "$_hitab_venv")
 if [ -n "$_hitab_installed" ]; then
