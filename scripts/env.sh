@@ -41,6 +41,8 @@ unset PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Container images forbid Python to keep what it has compiled. Each process of a swarm would compile
 # all of its modules again, which takes longer than the rest of its start.
 unset PYTHONDONTWRITEBYTECODE
+# Arrays are small here: numpy's own threads cost each command a sixth of a second to start.
+export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}" OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 
 PATH=$_hitab_venv/bin:$(_hitab_without "$PATH" "$_hitab_venv")
 if [ -n "$_hitab_installed" ]; then

@@ -156,6 +156,7 @@ def is_part_of(begun: list[str], orders: list[str]) -> bool:
     return all(basic in remaining for basic in begun)
 
 
+@pytest.mark.long
 def test_a_swarm_survives_being_killed_at_random(swarm: Swarm) -> None:
     choose = random.Random(SEED)
     for order in MEANT:

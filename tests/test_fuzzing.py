@@ -168,6 +168,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("seconds", (60.0 if is_long else 8.0,), ids=str)
 
 
+@pytest.mark.long
 def test_keepers_go_on_whatever_is_sent(home: Path, tmp_path: Path, seed: int, seconds: float):
     with fuzzed(KEEPAWAY, tmp_path, seed, seconds) as running:
         for behavior in ("GoFast", "Stop"):

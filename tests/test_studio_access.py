@@ -105,6 +105,7 @@ def test_axe_finds_nothing_wrong_before_a_training(swarm, looking):
     assert found == []
 
 
+@pytest.mark.long
 @needs_browser
 def test_axe_finds_nothing_wrong_with_a_training(swarm, teaching):
     person = teaching

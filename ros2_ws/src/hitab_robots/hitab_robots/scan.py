@@ -89,14 +89,14 @@ class Scan(Sensor):
             [1.5, 1.5707963267948966, 3.5, nan]
         """
         mount = mount or self.mount or Mount()
+        if not math.isfinite(message.angle_min + message.angle_increment):
+            return [math.nan] * len(self.fields)
         ranges = np.asarray(message.ranges, dtype=np.float64)
         angles = message.angle_min + message.angle_increment * np.arange(len(ranges))
         least = message.range_min if message.range_min > 0.0 else 0.0
         most = message.range_max if self.max_range is None else self.max_range
         if not 0.0 < most < math.inf:
             most = math.nan
-        if not math.isfinite(message.angle_min + message.angle_increment):
-            return [math.nan] * len(self.fields)
 
         near = np.isneginf(ranges)
         ranges = np.where(near, least, ranges)
