@@ -5,6 +5,7 @@ rcssserver 19 and the `keepaway_player` of UT Austin's keepaway 0.6 (the takers 
 build of it, with weaker dashes).
 
 benchmarks/reference_on_rcssserver.py --player keepaway_player --seconds 60 --json real.json
+benchmarks/reference_on_rcssserver.py --player keepaway_player --game 4v3 --side 25
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import signal
 import subprocess
 import tempfile
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
@@ -28,15 +30,15 @@ START_SECONDS = 6  # from the server's start to the first episode
 KICKED = re.compile(r"(\d+),\d+\s+Recv (keepers|takers)_(\d+): .*\(kick ")
 
 
-def options(port: int, folder: Path, fullstate: bool, more: list[str]) -> list[str]:
-    """Return rcssserver's command line options for keepaway in a box of 20 m."""
+def options(port: int, folder: Path, fullstate: bool, side: int, more: Sequence[str]) -> list[str]:
+    """Return rcssserver's command line options for keepaway in a square box."""
     values: dict[str, object] = {
         "port": port,
         "coach_port": port + 1,
         "olcoach_port": port + 2,
         "keepaway": 1,
-        "keepaway_length": 20,
-        "keepaway_width": 20,
+        "keepaway_length": side,
+        "keepaway_width": side,
         "keepaway_start": START_SECONDS,
         "half_time": -1,
         "use_offside": 0,
@@ -58,7 +60,7 @@ def options(port: int, folder: Path, fullstate: bool, more: list[str]) -> list[s
             f"{log}_log_fixed_name": "game",
         }
     values["text_log_compression"] = 0
-    return [f"server::{name}={value}" for name, value in values.items()] + more
+    return [*(f"server::{name}={value}" for name, value in values.items()), *more]
 
 
 def passes_of(folder: Path, ends: list[int]) -> list[int]:
@@ -85,6 +87,8 @@ def main(
     server: Annotated[str, typer.Option(help="The rcssserver program.")] = "rcssserver",
     keepers: Annotated[str, typer.Option(help="Policy: hand, rand or hold.")] = "hand",
     fullstate: Annotated[bool, typer.Option(help="All players see everything exactly.")] = False,
+    game: Annotated[str, typer.Option(help="Keepers against takers, as in 4v3.")] = "3v2",
+    side: Annotated[int, typer.Option(help="Of the square box, m.", min=10)] = 20,
     seconds: Annotated[float, typer.Option(help="How long to play, s.")] = 60.0,
     port: Annotated[int, typer.Option(help="Port of the server.")] = 6500,
     option: Annotated[
@@ -92,7 +96,13 @@ def main(
     ] = None,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
-    """Play episodes of 3 against 2 and print hold time, passes and how episodes ended."""
+    """Play episodes and print hold time, passes and how episodes ended."""
+    counts = re.fullmatch(r"([2-9])v([1-9])", game)
+    if counts is None:
+        raise typer.BadParameter(
+            f'"{game}" is no game; give keepers and takers, as in 4v3', param_hint="--game"
+        )
+    keepers_count, takers_count = int(counts[1]), int(counts[2])
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
 
@@ -103,14 +113,18 @@ def main(
             stack.callback(program.wait)
             stack.callback(program.send_signal, signal.SIGINT)
 
-        start(server, *options(port, folder, fullstate, option or []))
+        start(server, *options(port, folder, fullstate, side, option or []))
         time.sleep(JOIN_SECONDS)
-        teams = (("keepers", keepers, 3, player), ("takers", "hand", 2, taker or player))
+        teams = (
+            ("keepers", keepers, keepers_count, player),
+            ("takers", "hand", takers_count, taker or player),
+        )
         for team, policy, count, program in teams:
             for _ in range(count):
                 start(
                     str(program.resolve()),
-                    *f"-p {port} -k 3 -j 2 -t {team} -e 0 -q {policy}".split(),
+                    *f"-p {port} -k {keepers_count} -j {takers_count}".split(),
+                    *f"-t {team} -e 0 -q {policy}".split(),
                 )
             time.sleep(JOIN_SECONDS)
         time.sleep(START_SECONDS + seconds)
@@ -121,7 +135,8 @@ def main(
     hold = mean_and_error([int(e[3]) / 10.0 for e in episodes])
     passed = mean_and_error([float(p) for p in passes])
     tell(
-        f"UT {keepers} on rcssserver, {'full' if fullstate else 'quantised'} sight",
+        f"UT {keepers} on rcssserver, {game} in {side} m, "
+        f"{'full' if fullstate else 'quantised'} sight",
         {
             "episodes": len(episodes),
             "seconds": hold["mean"],

@@ -8,7 +8,7 @@ keepers.
 - `reaching`: how soon each player can reach the ball, and which is the fastest.
 - `interception`: meeting a rolling ball.
 - `ball_handling`: kicks in one or several steps, holding the ball.
-- `positioning`: getting open for a pass.
+- `positioning`: getting open for a pass. `marking`: standing in the way of one.
 - `policies`: what to do with the ball: hand, rand and hold.
 - `takers`: their opponents.
 

@@ -1,4 +1,4 @@
-"""Getting open for a pass."""
+"""Getting open for a pass, and going to a place."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import cmath
 import math
 from collections.abc import Sequence
 
-from keepaway_world.angles import wrapped
+from keepaway_world.angles import PI, wrapped
 from keepaway_world.interception import Order
 from keepaway_world.reference.prediction import Motion, Predictor, bearing
 from keepaway_world.reference.view import Seen
@@ -59,14 +59,30 @@ def get_open(predictor: Predictor, me: Seen, point: complex, ball: complex) -> O
     motion = Motion.of(me)
     if abs(motion.position - point) < ARRIVED:
         return predictor.turn_to(motion, ball)
+    return go_to(predictor, motion, point, TURN_WHEN_OFF)
+
+
+def go_to(
+    predictor: Predictor, motion: Motion, point: complex, off_most: float, back: float = 0.0
+) -> Order:
+    """Return the command that moves a player to a point, if it need not be there in time.
+
+    Args:
+        predictor: of motion.
+        motion: of the player.
+        point: to go to.
+        off_most: rad, by how much its heading may be off before it turns.
+        back: m, from where on it goes there backwards rather than turn.
+    """
     decay = predictor.parameters.player_decay
     final = motion.position + motion.velocity / (1.0 - decay)
     off = bearing(motion, point - final)
-    if abs(off) < TURN_WHEN_OFF:
+    backwards = abs(wrapped(off + PI)) < off_most and abs(motion.position - point) < back
+    if abs(off) < off_most or backwards:
         return predictor.dash_to(motion, point)
     wanted = cmath.phase(point - final)
     turning, turns = motion.copy(), 0
-    while abs(off) > TURN_WHEN_OFF and turns <= TURNS_AT_ONCE:
+    while abs(off) > off_most and turns <= TURNS_AT_ONCE:
         predictor.turned(turning, predictor.moment(off, abs(turning.velocity)))
         off = wrapped(wanted - turning.heading)
         turns += 1

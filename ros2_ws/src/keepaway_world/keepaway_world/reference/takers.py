@@ -1,4 +1,4 @@
-"""UT Austin's takers: each predicts where to meet the ball, and holds it once it has it."""
+"""UT Austin's takers: two go to meet the ball and hold it once they have it, any others mark."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from keepaway_world.physics import Physics
 from keepaway_world.reference.ball_handling import BallHandling
 from keepaway_world.reference.eyes import Eyes
 from keepaway_world.reference.interception import Meeting
+from keepaway_world.reference.marking import AT_THE_BALL, mark, most_open
 from keepaway_world.reference.prediction import Motion, Predictor, as_sent
+from keepaway_world.reference.reaching import Reach
 from keepaway_world.reference.view import Seen, View
 
 FORWARD = -1.0  # they play towards -x
@@ -39,6 +41,11 @@ class ReferenceTaker:
         if closest is me and apart(me) < kickable:
             handling = BallHandling(self._predictor, me, ball, view.keepers, FORWARD)
             return as_sent(handling.hold(HOLD_RATIO))
+        nearer = sum(apart(taker) < apart(me) for taker in view.takers)
+        if nearer >= AT_THE_BALL:
+            passer = Reach(self._predictor, view).fastest(view.keepers, view.takers)
+            keeper = most_open(passer, view.keepers, view.takers)
+            return as_sent(mark(self._predictor, me, keeper, ball, FORWARD))
         if (
             closest is not me
             and apart(closest) < kickable
@@ -52,7 +59,7 @@ class ReferenceTaker:
 class ReferenceTakers:
     """Decides for all takers of a world, as `keepaway_world.takers.TakerTeam` does.
 
-    They do not know that their dashes are slowed down, and do not mark if there are many.
+    They do not know that their dashes are slowed down.
     """
 
     def __init__(self, physics: Physics) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,13 +11,43 @@ import typer
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 
-app = typer.Typer(help="Keepaway soccer: evaluate keepers, draw the field.", no_args_is_help=True)
+app = typer.Typer(
+    help="Keepaway soccer: evaluate keepers, draw and film the field.", no_args_is_help=True
+)
 
 Episodes = Annotated[int, typer.Option("--episodes", "-n", help="Number of episodes.", min=1)]
 Seed = Annotated[
     int, typer.Option(help="Seed of the run; the same seed gives the same episodes.", min=0)
 ]
 TakerSpeed = Annotated[float, typer.Option(help="Part of full speed; the paper: 0.25.", min=0.0)]
+Library = Annotated[
+    Path | None,
+    typer.Option("--library", "-l", help="A library folder; default: the shipped one."),
+]
+Keepers = Annotated[
+    str,
+    typer.Option(
+        help="trained; or, for comparison, UT Austin's, by their policy for the ball: "
+        "hand (hand-coded), rand (random) or hold; or servo, which run to where the ball is."
+    ),
+]
+Collisions = Annotated[
+    bool | None,
+    typer.Option(
+        "--collisions/--no-collisions",
+        help="Whether players collide with the ball and with each other.",
+    ),
+]
+Behavior = Annotated[str, typer.Option(help="The keepers' top-level behavior.")]
+Parameters = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--parameter",
+        "--set",
+        metavar="NAME=VALUE",
+        help="Another parameter of the game; repeat.",
+    ),
+]
 
 
 def register(app: typer.Typer) -> None:
@@ -26,10 +57,7 @@ def register(app: typer.Typer) -> None:
 
 @app.command()
 def evaluate(
-    library: Annotated[
-        Path | None,
-        typer.Option("--library", "-l", help="A library folder; default: the shipped one."),
-    ] = None,
+    library: Library = None,
     episodes: Episodes = 200,
     taker_speed: TakerSpeed = 0.25,
     seed: Seed = 1,
@@ -40,20 +68,8 @@ def evaluate(
             "Default for trained keepers: lockstep."
         ),
     ] = None,
-    keepers: Annotated[
-        str,
-        typer.Option(
-            help="trained; or, for comparison, UT Austin's, by their policy for the ball: "
-            "hand (hand-coded), rand (random) or hold; or servo, which run to where the ball is."
-        ),
-    ] = "trained",
-    collisions: Annotated[
-        bool | None,
-        typer.Option(
-            "--collisions/--no-collisions",
-            help="Whether players collide with the ball and with each other.",
-        ),
-    ] = None,
+    keepers: Keepers = "trained",
+    collisions: Collisions = None,
     kickable_margin: Annotated[
         float | None, typer.Option(help="How far from a player's body a ball can be kicked, m.")
     ] = None,
@@ -63,16 +79,8 @@ def evaluate(
     ] = "keepaway",
     host: Annotated[str, typer.Option(help="Host of the rcssserver.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port of the rcssserver for players.")] = 6000,
-    behavior: Annotated[str, typer.Option(help="The keepers' top-level behavior.")] = "Keepaway",
-    parameter: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--parameter",
-            "--set",
-            metavar="NAME=VALUE",
-            help="Another parameter of the game; repeat.",
-        ),
-    ] = None,
+    behavior: Behavior = "Keepaway",
+    parameter: Parameters = None,
     plot: Annotated[
         Path | None, typer.Option(help="File for a plot of the episode lengths, PNG or SVG.")
     ] = None,
@@ -94,7 +102,6 @@ def evaluate(
     """
     from hitab_client.shipped import shipped
     from keepaway_world.verbs.evaluation import (
-        KEEPERS,
         PACES,
         RCSSSERVER,
         TRAINED,
@@ -103,8 +110,7 @@ def evaluate(
     )
     from keepaway_world.verbs.evaluation import evaluate as play
 
-    if keepers not in KEEPERS:
-        raise typer.BadParameter(f'keepers "{keepers}" are not one of {", ".join(KEEPERS)}')
+    _check_keepers(keepers)
     if pace is None:
         pace = "lockstep" if keepers == TRAINED else "inprocess"
     if pace not in PACES:
@@ -112,9 +118,7 @@ def evaluate(
     if world not in WORLDS:
         raise typer.BadParameter(f'world "{world}" is not one of {", ".join(WORLDS)}')
     folder = library or shipped("libraries", "keepaway")
-    parameters: dict[str, Any] = {"taker_speed": taker_speed, **_figures(parameter or [])}
-    if collisions is not None:
-        parameters |= {"ball_collides": collisions, "players_collide": collisions}
+    parameters = _game(taker_speed, collisions, parameter)
     if kickable_margin is not None:
         parameters["kickable_margin"] = kickable_margin
     if keepers != TRAINED and (pace != "inprocess" or world == RCSSSERVER):
@@ -149,6 +153,21 @@ def evaluate(
         draw_episode_lengths(evaluation, plot)
         console.note(f"plot in {plot}")
     console.write_json(json, figures)
+
+
+def _check_keepers(keepers: str) -> None:
+    from keepaway_world.verbs.evaluation import KEEPERS
+
+    if keepers not in KEEPERS:
+        raise typer.BadParameter(f'keepers "{keepers}" are not one of {", ".join(KEEPERS)}')
+
+
+def _game(taker_speed: float, collisions: bool | None, texts: list[str] | None) -> dict[str, Any]:
+    """Return the parameters of a game that these options are about."""
+    parameters: dict[str, Any] = {"taker_speed": taker_speed, **_figures(texts or [])}
+    if collisions is not None:
+        parameters |= {"ball_collides": collisions, "players_collide": collisions}
+    return parameters
 
 
 def _figures(texts: list[str]) -> dict[str, Any]:
@@ -199,6 +218,55 @@ def picture(
         state = swarm_up.world.state_at(0)
     draw_field([state.entities], state.width, state.height, path)
     console.say(f"drawn to {path}")
+
+
+@app.command()
+def film(
+    path: Annotated[Path, typer.Argument(help="File for the film: GIF, PNG (animated) or WebP.")],
+    library: Library = None,
+    taker_speed: TakerSpeed = 0.25,
+    seed: Seed = 1,
+    episode: Annotated[int, typer.Option(help="Number of the episode in the run.", min=0)] = 0,
+    begin: Annotated[float, typer.Option(help="s, when the film begins.", min=0.0)] = 0.0,
+    seconds: Annotated[float, typer.Option(help="s, how long it takes.", min=0.1)] = 20.0,
+    speed: Annotated[
+        float, typer.Option(help="Of the film, as a factor of real time.", min=0.1, max=10.0)
+    ] = 1.0,
+    pixels: Annotated[int, typer.Option(help="Width of the pictures.", min=100, max=2000)] = 360,
+    keepers: Keepers = "trained",
+    collisions: Collisions = None,
+    behavior: Behavior = "Keepaway",
+    parameter: Parameters = None,
+) -> None:
+    """Film an episode, which is played without ROS.
+
+    It is the episode that `evaluate` plays with the same options.
+
+    Examples:
+
+      hitab keepaway film paper.gif --seconds 10
+
+      hitab keepaway film hand.webp --keepers hand --taker-speed 1.0 --seed 3 --episode 7
+    """
+    from hitab_client.shipped import shipped
+    from keepaway_world.verbs.evaluation import TRAINED, reference_game, trained_game
+    from keepaway_world.verbs.field_film import check_film, draw_film
+    from keepaway_world.verbs.field_film import film as play
+
+    _check_keepers(keepers)
+    check_film(path)
+    parameters = _game(taker_speed, collisions, parameter)
+    with console.progress("filming", "pictures") as advance, contextlib.ExitStack() as stack:
+        if keepers == TRAINED:
+            folder = library or shipped("libraries", "keepaway")
+            world, players = stack.enter_context(trained_game(folder, behavior, parameters, seed))
+        else:
+            world, players = reference_game(keepers, parameters, seed)
+        filmed = play(world, players, episode, begin, seconds)
+        draw_film(filmed, *world.size, path, advance, pixels=pixels, speed=speed)
+    how = f"; the episode ended: {filmed.ended}" if filmed.ended else ""
+    size = path.stat().st_size / 1000.0
+    console.say(f"filmed {filmed.seconds:.1f} s to {path}, {size:.0f} kB{how}")
 
 
 def demo(

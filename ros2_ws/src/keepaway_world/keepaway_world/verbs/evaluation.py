@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from hitab_client.console import Advance
     from hitab_world import World
     from hitab_world.inprocess import Player
+    from keepaway_world.world import KeepawayWorld
 
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
@@ -155,8 +156,8 @@ def evaluate(
     digest = _check_library(library, behavior)
     if pace == "inprocess":
         began = time.monotonic()
-        with _made(world, parameters, seed) as made:
-            played = _play_inprocess(made, _trained(made, library, behavior), episodes, advance)
+        with trained_game(library, behavior, parameters, seed, world=world) as (made, players):
+            played = _play_inprocess(made, players, episodes, advance)
         wall, missed = time.monotonic() - began, 0
     else:
         swarm = trained_keepers(library, behavior, parameters, world=world, seed=seed)
@@ -181,6 +182,30 @@ def evaluate_reference(
             sight.
         advance: called with the number of episodes played.
     """
+    began = time.monotonic()
+    world, players = reference_game(policy, parameters, seed)
+    played = _play_inprocess(world, players, episodes, advance)
+    return Evaluation(
+        "",
+        "",
+        "",
+        "inprocess",
+        seed,
+        world.parameters.as_dict(),
+        played,
+        time.monotonic() - began,
+        keepers=policy,
+    )
+
+
+def reference_game(
+    policy: str, parameters: Mapping[str, Any], seed: int
+) -> tuple[KeepawayWorld, Mapping[str, Player]]:
+    """Return a world in this process and reference keepers; see `evaluate_reference`.
+
+    Raises:
+        HitabError: if there is no such game.
+    """
     from keepaway_world.parameters import variant
     from keepaway_world.reference_keepers import reference_players
     from keepaway_world.world import KeepawayWorld
@@ -190,20 +215,32 @@ def evaluate_reference(
         figures = variant("standard", **{**defaults, **parameters})
     except ValueError as error:
         raise HitabError(str(error)) from None
-    began = time.monotonic()
     world = KeepawayWorld(figures, seed)
-    played = _play_inprocess(world, reference_players(world, policy), episodes, advance)
-    return Evaluation(
-        "",
-        "",
-        "",
-        "inprocess",
-        seed,
-        figures.as_dict(),
-        played,
-        time.monotonic() - began,
-        keepers=policy,
-    )
+    return world, reference_players(world, policy)
+
+
+@contextlib.contextmanager
+def trained_game(
+    library: Path,
+    behavior: str,
+    parameters: Mapping[str, Any],
+    seed: int,
+    *,
+    world: str = KEEPAWAY,
+) -> Iterator[tuple[World, Mapping[str, Player]]]:
+    """Yield a world in this process and trained keepers; see `evaluate`.
+
+    Raises:
+        LibraryError: if the library cannot be used, or has no such behavior.
+        HitabError: if there is no such game.
+    """
+    from hitab_core import Repertoire
+    from hitab_world.inprocess import perform
+
+    _check_library(library, behavior)
+    opened = open_library(library)
+    with _made(world, parameters, seed) as made:
+        yield made, perform(made, Repertoire(opened.domain, opened.load()), behavior)
 
 
 def _check_library(library: Path, behavior: str) -> str:
@@ -274,14 +311,6 @@ def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World
             yield world
         except WorldError as error:
             raise HitabError(str(error)) from None
-
-
-def _trained(world: World, library: Path, behavior: str) -> Mapping[str, Player]:
-    from hitab_core import Repertoire
-    from hitab_world.inprocess import perform
-
-    opened = open_library(library)
-    return perform(world, Repertoire(opened.domain, opened.load()), behavior)
 
 
 def _play_inprocess(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,16 +33,7 @@ def draw_field(
         title: of the picture.
     """
     drawing, axes = figure(6.4, 6.4 * height / width + 0.3)
-    axes.set_facecolor(GRASS)
-    axes.add_patch(_rectangle(width, height))
-    for name in [thing.name for thing in moments[-1]]:
-        _draw_path(axes, name, moments)
-    for thing in sorted(moments[-1], key=lambda thing: thing.kind == "ball"):
-        _draw_thing(axes, thing)
-    margin = 0.08 * width
-    axes.set_xlim(-width / 2 - margin, width / 2 + margin)
-    axes.set_ylim(-height / 2 - margin, height / 2 + margin)
-    axes.set_aspect("equal")
+    draw_moment(axes, moments[-1], width, height, {t.name: moments for t in moments[-1]})
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
     if title:
@@ -50,11 +41,41 @@ def draw_field(
     save(drawing, path)
 
 
-def _rectangle(width: float, height: float) -> Any:
+def draw_moment(
+    axes: Axes,
+    moment: Sequence[Thing],
+    width: float,
+    height: float,
+    paths: Mapping[str, Sequence[Sequence[Thing]]],
+) -> None:
+    """Draw the field at one moment.
+
+    Args:
+        axes: to draw on.
+        moment: everything in the world.
+        width, height: of the field, m, which is centred on the origin.
+        paths: by the name of a thing, the moments whose path is drawn.
+    """
+    margin = 0.08 * width
+    left, low = -width / 2 - margin, -height / 2 - margin
+    axes.add_patch(_rectangle(left, low, facecolor=GRASS))
+    axes.add_patch(
+        _rectangle(-width / 2, -height / 2, fill=False, edgecolor="white", linewidth=1.5)
+    )
+    for name, moments in paths.items():
+        _draw_path(axes, name, moments)
+    for thing in sorted(moment, key=lambda thing: thing.kind == "ball"):
+        _draw_thing(axes, thing)
+    axes.set_xlim(left, -left)
+    axes.set_ylim(low, -low)
+    axes.set_aspect("equal")
+
+
+def _rectangle(left: float, low: float, **style: Any) -> Any:
+    """Return one that is centred on the origin."""
     from matplotlib.patches import Rectangle
 
-    corner = (-width / 2, -height / 2)
-    return Rectangle(corner, width, height, fill=False, edgecolor="white", linewidth=1.5)
+    return Rectangle((left, low), -2.0 * left, -2.0 * low, **style)
 
 
 def _draw_path(axes: Axes, name: str, moments: Sequence[Sequence[Thing]]) -> None:
