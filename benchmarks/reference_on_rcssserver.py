@@ -11,56 +11,20 @@ benchmarks/reference_on_rcssserver.py --player keepaway_player --game 4v3 --side
 from __future__ import annotations
 
 import re
-import signal
-import subprocess
 import tempfile
 import time
-from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rcss_programs import JOIN_SECONDS, options, size_of, start, start_team
 from report import tell
 
 from keepaway_world.verbs.evaluation import mean_and_error
 
-JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
 START_SECONDS = 6  # from the server's start to the first episode
 KICKED = re.compile(r"(\d+),\d+\s+Recv (keepers|takers)_(\d+): .*\(kick ")
-
-
-def options(port: int, folder: Path, fullstate: bool, side: int, more: Sequence[str]) -> list[str]:
-    """Return rcssserver's command line options for keepaway in a square box."""
-    values: dict[str, object] = {
-        "port": port,
-        "coach_port": port + 1,
-        "olcoach_port": port + 2,
-        "keepaway": 1,
-        "keepaway_length": side,
-        "keepaway_width": side,
-        "keepaway_start": START_SECONDS,
-        "half_time": -1,
-        "use_offside": 0,
-        "forbid_kick_off_offside": 0,
-        "stamina_inc_max": 3500,
-        "visible_angle": 360,
-        "fullstate_l": int(fullstate),
-        "fullstate_r": int(fullstate),
-        "synch_mode": 1,
-        "synch_offset": 80,
-        "min_dash_power": -100,
-        "game_logging": 0,
-    }
-    for log, name in (("text", "text"), ("keepaway", "keepaway")):
-        values |= {
-            f"{name}_logging": 1,
-            f"{log}_log_dir": folder,
-            f"{log}_log_fixed": 1,
-            f"{log}_log_fixed_name": "game",
-        }
-    values["text_log_compression"] = 0
-    return [*(f"server::{name}={value}" for name, value in values.items()), *more]
 
 
 def passes_of(folder: Path, ends: list[int]) -> list[int]:
@@ -97,36 +61,19 @@ def main(
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Play episodes and print hold time, passes and how episodes ended."""
-    counts = re.fullmatch(r"([2-9])v([1-9])", game)
-    if counts is None:
-        raise typer.BadParameter(
-            f'"{game}" is no game; give keepers and takers, as in 4v3', param_hint="--game"
-        )
-    keepers_count, takers_count = int(counts[1]), int(counts[2])
-    with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
-        folder = Path(name)
-
-        def start(*command: str) -> None:
-            program = subprocess.Popen(
-                command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-            )
-            stack.callback(program.wait)
-            stack.callback(program.send_signal, signal.SIGINT)
-
-        start(server, *options(port, folder, fullstate, side, option or []))
+    counts = size_of(game)
+    others: dict[str, object] = {"keepaway_start": START_SECONDS, "visible_angle": 360}
+    for text in option or []:
+        name, equals, value = text.removeprefix("server::").partition("=")
+        if not (name and equals):
+            raise typer.BadParameter(f'"{text}" is not server::NAME=VALUE', param_hint="--option")
+        others[name] = value
+    with tempfile.TemporaryDirectory() as temporary, ExitStack() as stack:
+        folder = Path(temporary)
+        start(stack, folder, server, *options(port, folder, fullstate, side, others))
         time.sleep(JOIN_SECONDS)
-        teams = (
-            ("keepers", keepers, keepers_count, player),
-            ("takers", "hand", takers_count, taker or player),
-        )
-        for team, policy, count, program in teams:
-            for _ in range(count):
-                start(
-                    str(program.resolve()),
-                    *f"-p {port} -k {keepers_count} -j {takers_count}".split(),
-                    *f"-t {team} -e 0 -q {policy}".split(),
-                )
-            time.sleep(JOIN_SECONDS)
+        start_team(stack, folder, player, port, counts, "keepers", keepers)
+        start_team(stack, folder, taker or player, port, counts, "takers")
         time.sleep(START_SECONDS + seconds)
         stack.close()
         lines = (folder / "game.kwy").read_text(encoding="utf-8").splitlines()

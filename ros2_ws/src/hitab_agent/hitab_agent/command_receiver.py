@@ -10,14 +10,17 @@ from rclpy.timer import Timer
 
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_core import Agent, Request
-from hitab_ros import GuardedNode, RecentRequests, names, qos, steady_timer
+from hitab_ros import GuardedNode, Patience, RecentRequests, names, qos, steady_timer
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.plain_text import plain
 
 DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; the rest is cut off
-EARLY_S = 10.0
+EARLY_S = 8.0
+"""How long a command may be held back: less than its demonstrator waits for an acknowledgement."""
+
+YOUNG_S = 50.0
 """For how long after its start an agent holds commands back until its first percept."""
 
 LOOK_S = 0.05  # how often it looks for that
@@ -53,7 +56,8 @@ class CommandReceiver:
         self.obeying: Callable[[msg.Command], None] = lambda command: None
         self._early: list[msg.Command] = []
         self._timer: Timer | None = None
-        self._early_until = time.monotonic() + EARLY_S
+        self._young_until = time.monotonic() + YOUNG_S
+        self._patience = Patience(EARLY_S)
         self._status = status
         self._settle = settle
         self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
@@ -67,20 +71,19 @@ class CommandReceiver:
         )
 
     def _on_command(self, command: msg.Command) -> None:
-        if not (self._early or self._is_early):  # in the order in which they came
-            self._obey(command)
-        elif command not in self._early:  # what is sent again is the same
+        if self._timer is not None:  # in the order in which they came
+            if command not in self._early:  # what is sent again is the same
+                self._early.append(command)
+        elif self._agent.awaits_percept and time.monotonic() < self._young_until:
             self._early.append(command)
-            if self._timer is None:
-                self._timer = steady_timer(self._node, LOOK_S, self._look)
-
-    @property
-    def _is_early(self) -> bool:
-        return self._agent.awaits_percept and time.monotonic() < self._early_until
+            self._patience = Patience(EARLY_S)
+            self._timer = steady_timer(self._node, LOOK_S, self._look)
+        else:
+            self._obey(command)
 
     def _look(self) -> None:
         """Obey what was held back, once that is possible or will not be."""
-        if self._is_early or self._timer is None:
+        if self._timer is None or (self._agent.awaits_percept and self._patience.step(LOOK_S)):
             return
         self._node.destroy_timer(self._timer)
         self._timer = None

@@ -1,0 +1,101 @@
+"""Starts a real rcssserver for keepaway, and players of UT Austin's on it.
+
+It needs two programs that are not part of this project: rcssserver 19 and the `keepaway_player` of
+UT Austin's keepaway 0.6.
+"""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+import typer
+
+JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
+
+
+def options(
+    port: int, folder: Path, fullstate: bool, side: int, others: Mapping[str, object]
+) -> list[str]:
+    """Return rcssserver's command line options for keepaway in a square box.
+
+    Args:
+        port: for players.
+        folder: for the server's logs.
+        fullstate: whether all players see everything exactly.
+        side: of the box, m.
+        others: more options of the server.
+    """
+    values: dict[str, object] = {
+        "port": port,
+        "coach_port": port + 1,
+        "olcoach_port": port + 2,
+        "keepaway": 1,
+        "keepaway_length": side,
+        "keepaway_width": side,
+        "half_time": -1,
+        "use_offside": 0,
+        "forbid_kick_off_offside": 0,
+        "stamina_inc_max": 3500,
+        "fullstate_l": int(fullstate),
+        "fullstate_r": int(fullstate),
+        "synch_mode": 1,
+        "synch_offset": 80,
+        "min_dash_power": -100,
+        "game_logging": 0,
+    }
+    for log, name in (("text", "text"), ("keepaway", "keepaway")):
+        values |= {
+            f"{name}_logging": 1,
+            f"{log}_log_dir": folder,
+            f"{log}_log_fixed": 1,
+            f"{log}_log_fixed_name": "game",
+        }
+    values["text_log_compression"] = 0
+    values |= others
+    return [f"server::{name}={value}" for name, value in values.items()]
+
+
+def size_of(game: str) -> tuple[int, int]:
+    """Return the numbers of keepers and takers of a game such as "4v3".
+
+    Raises:
+        BadParameter: if there is no such game.
+    """
+    found = re.fullmatch(r"([2-9])v([1-9])", game)
+    if found is None:
+        raise typer.BadParameter(
+            f'"{game}" is no game; give keepers and takers, as in 4v3', param_hint="--game"
+        )
+    return int(found[1]), int(found[2])
+
+
+def start(stack: ExitStack, folder: Path, *command: str) -> None:
+    """Start a program that ends with the stack."""
+    program = subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    stack.callback(program.wait)
+    stack.callback(program.send_signal, signal.SIGINT)
+
+
+def start_team(
+    stack: ExitStack,
+    folder: Path,
+    player: Path,
+    port: int,
+    game: tuple[int, int],
+    team: str,
+    policy: str = "hand",
+) -> None:
+    """Start UT Austin's keepers or takers, whichever ``team`` names."""
+    keepers, takers = game
+    for _ in range(keepers if team == "keepers" else takers):
+        arguments = f"-p {port} -k {keepers} -j {takers} -t {team} -e 0 -q {policy}"
+        start(stack, folder, str(player.resolve()), *arguments.split())
+    time.sleep(JOIN_SECONDS)
