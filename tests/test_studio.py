@@ -296,6 +296,7 @@ def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
     away_from_everybody(swarm, 3.0)
     swarm.world.step(5)
     away_from_everybody(swarm, 9.0)
+    person.waits_until(lambda: abs(person.place_of(ONE)[0] + 9.0) < 0.3, "it is shown there")
     person.page.wait_for_timeout(300)
     person.page.click('.pane [data-test="record"]')
     person.click("replay-file")
