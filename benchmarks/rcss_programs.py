@@ -10,11 +10,14 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
 import typer
+from report import tell
+
+from keepaway_world.verbs.evaluation import mean_and_error
 
 JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
 
@@ -99,3 +102,26 @@ def start_team(
         arguments = f"-p {port} -k {keepers} -j {takers} -t {team} -e 0 -q {policy}"
         start(stack, folder, str(player.resolve()), *arguments.split())
     time.sleep(JOIN_SECONDS)
+
+
+def tell_episodes(
+    title: str, seconds: Sequence[float], passes: Sequence[float], out: int, json: str
+) -> None:
+    """Print hold time, passes and how episodes ended.
+
+    Args:
+        title: of the figures.
+        seconds, passes: of each episode.
+        out: how many ended because the ball left the box.
+        json: file for the figures; "": none.
+    """
+    hold, passed = mean_and_error(seconds), mean_and_error(passes)
+    figures = {
+        "episodes": len(seconds),
+        "seconds": hold["mean"],
+        "seconds_se": hold["se"],
+        "passes": passed["mean"],
+        "passes_se": passed["se"],
+        "out_percent": round(100.0 * out / len(seconds)),
+    }
+    tell(title, figures, json)

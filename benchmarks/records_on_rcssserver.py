@@ -11,23 +11,19 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections import Counter
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rcss_programs import options, size_of, start, start_team
-from report import tell
+from rcss_programs import options, size_of, start, start_team, tell_episodes
 
-from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
-from hitab_core import Repertoire
 from hitab_world.inprocess import perform, play
 from keepaway_world.rcss import sentences
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import settings_from_dict
-from keepaway_world.verbs.evaluation import mean_and_error
+from keepaway_world.verbs.evaluation import read_trained
 
 NOISY, FULL = SIGHTS = ("noisy", "full")
 VISIBLE_ANGLE = {  # degrees
@@ -77,8 +73,7 @@ def main(
             "takers": counts[1],
         }
     )
-    opened = open_library(library or shipped("libraries", "keepaway_fullspeed"))
-    repertoire = Repertoire(opened.domain, opened.load())
+    trained = read_trained(library or shipped("libraries", "keepaway_fullspeed"), "Keepaway")
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         start(
@@ -93,23 +88,15 @@ def main(
         join(world)
         start_team(stack, folder, player, port, counts, "takers")
         played = []
-        players = perform(world, repertoire, "Keepaway")
+        players = perform(world, trained.repertoire, trained.behavior)
         for number in range(episodes):
             played += play(world, players, 1, first=number)
             print(f"  episode {number + 1} of {episodes}: {played[-1].seconds:.1f} s", flush=True)
-    hold = mean_and_error([one.seconds for one in played])
-    passed = mean_and_error([one.measures["passes"] for one in played])
-    ended = Counter(one.ended for one in played)
-    tell(
+    tell_episodes(
         f"trained keepers on rcssserver, {game} in {side} m, {sight}",
-        {
-            "episodes": len(played),
-            "seconds": hold["mean"],
-            "seconds_se": hold["se"],
-            "passes": passed["mean"],
-            "passes_se": passed["se"],
-            "out_percent": round(100.0 * ended["out"] / len(played)),
-        },
+        [one.seconds for one in played],
+        [one.measures["passes"] for one in played],
+        sum(one.ended == "out" for one in played),
         json,
     )
 

@@ -18,10 +18,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rcss_programs import JOIN_SECONDS, options, size_of, start, start_team
-from report import tell
-
-from keepaway_world.verbs.evaluation import mean_and_error
+from rcss_programs import JOIN_SECONDS, options, size_of, start, start_team, tell_episodes
 
 START_SECONDS = 6  # from the server's start to the first episode
 KICKED = re.compile(r"(\d+),\d+\s+Recv (keepers|takers)_(\d+): .*\(kick ")
@@ -79,19 +76,12 @@ def main(
         lines = (folder / "game.kwy").read_text(encoding="utf-8").splitlines()
         episodes = [line.split() for line in lines if line and not line.startswith("#")]
         passes = passes_of(folder, [int(e[2]) for e in episodes])
-    hold = mean_and_error([int(e[3]) / 10.0 for e in episodes])
-    passed = mean_and_error([float(p) for p in passes])
-    tell(
+    tell_episodes(
         f"UT {keepers} on rcssserver, {game} in {side} m, "
         f"{'full' if fullstate else 'quantised'} sight",
-        {
-            "episodes": len(episodes),
-            "seconds": hold["mean"],
-            "seconds_se": hold["se"],
-            "passes": passed["mean"],
-            "passes_se": passed["se"],
-            "out_percent": round(100.0 * sum(e[4] == "o" for e in episodes) / len(episodes)),
-        },
+        [int(e[3]) / 10.0 for e in episodes],
+        [float(p) for p in passes],
+        sum(e[4] == "o" for e in episodes),
         json,
     )
 

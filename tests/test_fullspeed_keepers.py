@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from taught import examples_of
 
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.opened_library import open_library
@@ -23,14 +24,6 @@ MOST_EXAMPLES = 60
 FULL_SPEED = {"taker_speed": 1.0, "ball_collides": True}
 LIBRARY = shipped("libraries", "keepaway_fullspeed")
 RECORDS = Path(__file__).parents[1] / "benchmarks" / "records.py"
-
-
-def examples_of(library: Path) -> dict[str, list[tuple]]:
-    """Return what was taught, but for the numbers of the world's cycles."""
-    return {
-        name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
-        for name, automaton in open_library(library).load().items()
-    }
 
 
 @pytest.fixture(scope="module")

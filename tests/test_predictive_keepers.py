@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from taught import examples_of
 
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.opened_library import open_library
@@ -18,14 +19,6 @@ UT_HAND_S = 53.5
 """Mean hold time of UT Austin's hand-coded keepers against quarter-speed takers, s."""
 
 LIBRARY = shipped("libraries", "keepaway_predictive")
-
-
-def examples_of(library: Path) -> dict[str, list[tuple]]:
-    """Return what was taught, but for the numbers of the world's cycles."""
-    return {
-        name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
-        for name, automaton in open_library(library).load().items()
-    }
 
 
 @pytest.fixture(scope="module")

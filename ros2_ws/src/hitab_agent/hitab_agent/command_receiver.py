@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 from hitab_msgs import msg
 from rclpy.timer import Timer
@@ -57,7 +58,6 @@ class CommandReceiver:
         self._early: list[msg.Command] = []
         self._timer: Timer | None = None
         self._young_until = time.monotonic() + YOUNG_S
-        self._patience = Patience(EARLY_S)
         self._status = status
         self._settle = settle
         self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
@@ -76,14 +76,13 @@ class CommandReceiver:
                 self._early.append(command)
         elif self._agent.awaits_percept and time.monotonic() < self._young_until:
             self._early.append(command)
-            self._patience = Patience(EARLY_S)
-            self._timer = steady_timer(self._node, LOOK_S, self._look)
+            self._timer = steady_timer(self._node, LOOK_S, partial(self._look, Patience(EARLY_S)))
         else:
             self._obey(command)
 
-    def _look(self) -> None:
+    def _look(self, patience: Patience) -> None:
         """Obey what was held back, once that is possible or will not be."""
-        if self._timer is None or (self._agent.awaits_percept and self._patience.step(LOOK_S)):
+        if self._timer is None or (self._agent.awaits_percept and patience.step(LOOK_S)):
             return
         self._node.destroy_timer(self._timer)
         self._timer = None

@@ -42,23 +42,10 @@ from hitab_core import (
 )
 from hitab_core.running import RunningAutomaton
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.testing import wait_until
+from hitab_ros.testing import NumberBody, wait_until
 
 KIND = "hitab_msgs/action/Perform"
 PLACES = {"home": "the hut", "away": "the hill"}
-
-
-class Body:
-    """A body that does nothing itself."""
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-
-    def sense(self, values: Any, heard: Any) -> None:
-        (self.x,) = values
-
-    def act(self) -> Any:
-        return (), ""
 
 
 def domain(**changes: Any) -> Domain:
@@ -79,7 +66,7 @@ def domain(**changes: Any) -> Domain:
     return Domain.of(
         "walkers",
         "1",
-        Body,
+        NumberBody,
         behaviors=[go, BasicBehavior("Rest"), BasicBehavior("Cry")],
         features=[
             Feature("X", lambda body: body.x),
@@ -439,7 +426,9 @@ def test_what_is_mistyped_is_refused_at_the_start_with_its_place(changes, told):
     given = {"action_type": KIND, "action": "drive", "goal": {}, **changes}
     wrong = ActionBehavior("GoTo", parameters=go.parameters, **given)
     with pytest.raises(HitabError) as refused:
-        check_actions(Domain.of("walkers", "1", Body, behaviors=[wrong], features=[], targets=[]))
+        check_actions(
+            Domain.of("walkers", "1", NumberBody, behaviors=[wrong], features=[], targets=[])
+        )
     assert str(refused.value).startswith('domain "walkers": behavior "GoTo": ')
     assert told in str(refused.value)
 
@@ -455,7 +444,7 @@ def test_what_is_mistyped_is_refused_at_the_start_with_its_place(changes, told):
 def test_feedback_that_is_mistyped_is_refused_at_the_start_with_its_place(feature, told):
     go = ActionBehavior("GoTo", action_type=KIND, action="drive")
     with pytest.raises(HitabError) as refused:
-        check_actions(Domain.of("walkers", "1", Body, behaviors=[go], features=[feature]))
+        check_actions(Domain.of("walkers", "1", NumberBody, behaviors=[go], features=[feature]))
     assert str(refused.value).startswith('domain "walkers": feature "Steps": ')
     assert told in str(refused.value)
 

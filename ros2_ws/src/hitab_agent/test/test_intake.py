@@ -26,28 +26,16 @@ from hitab_core.library.durable_files import locked
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 from hitab_ros import names, qos
+from hitab_ros.testing import NumberBody
 
 SIZE = 30
 SECONDS = 60.0
 
 
-class Body:
-    """A body that perceives one number and does nothing."""
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-
-    def sense(self, values: Any, heard: Any) -> None:
-        (self.x,) = values
-
-    def act(self) -> Any:
-        return (), ""
-
-
 DOMAIN = Domain.of(
     "pupils",
     "1",
-    Body,
+    NumberBody,
     behaviors=[
         BasicBehavior("Left"),
         BasicBehavior("Right"),

@@ -16,20 +16,7 @@ from rclpy.parameter import Parameter
 from hitab_agent.agent_node import AgentNode
 from hitab_core import START, Automaton, BasicBehavior, Domain, Feature, HandWritten, Target, Use
 from hitab_ros import GuardedNode, names, qos
-
-
-class Body:
-    """A body that perceives one number."""
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-
-    def sense(self, values: Any, heard: Any) -> None:
-        (self.x,) = values
-
-    def act(self) -> Any:
-        return (), ""
-
+from hitab_ros.testing import NumberBody
 
 _choose = HandWritten(
     lambda x: "Done" if x == 1.0 else "Failed" if x == 2.0 else "Wait" if x < 0.0 else "Go", (0,)
@@ -37,7 +24,7 @@ _choose = HandWritten(
 DOMAIN = Domain.of(
     "bodies",
     "1",
-    Body,
+    NumberBody,
     behaviors=[BasicBehavior("Go"), BasicBehavior("Wait"), BasicBehavior("To", parameters=("P",))],
     features=[Feature("X", lambda body: body.x)],
     targets=[Target("home", lambda body: 0.0)],

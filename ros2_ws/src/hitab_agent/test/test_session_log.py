@@ -13,16 +13,11 @@ from std_msgs.msg import String
 from hitab_agent.agent_node import AgentNode
 from hitab_core import BasicBehavior, Domain, Feature
 from hitab_ros import names, qos, session_topics
+from hitab_ros.testing import NumberBody
 
 
-class Body:
-    """A body that perceives one number."""
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-
-    def sense(self, values: Any, heard: Any) -> None:
-        (self.x,) = values
+class Body(NumberBody):
+    """It does what it perceives."""
 
     def act(self) -> Any:
         return (self.x,), ""

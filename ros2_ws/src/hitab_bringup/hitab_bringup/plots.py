@@ -28,12 +28,25 @@ def save(drawing: Figure, path: Path) -> None:
     Raises:
         HitabError: if that fails.
     """
-    if not path.parent.is_dir():
-        raise HitabError(
-            f"{path} cannot be drawn: there is no folder {path.parent}; create it, or choose "
-            "another file"
-        )
+    check_folder(path, "drawn")
     try:
         drawing.savefig(path)
     except (OSError, ValueError) as error:
         raise HitabError(f"{path} cannot be drawn: {error}") from None
+
+
+def check_folder(path: Path, done: str) -> None:
+    """Check that there is a folder for a file.
+
+    Args:
+        path: of the file.
+        done: what is done to it, such as "drawn".
+
+    Raises:
+        HitabError: if there is none.
+    """
+    if not path.parent.is_dir():
+        raise HitabError(
+            f"{path} cannot be {done}: there is no folder {path.parent}; create it, or choose "
+            "another file"
+        )

@@ -37,12 +37,12 @@ class ReferenceTaker:
         def apart(player: Seen) -> float:
             return math.hypot(player.x - ball.x, player.y - ball.y)
 
-        closest = min(view.takers, key=apart)
-        if closest is me and apart(me) < kickable:
+        closest, mine = min(view.takers, key=apart), apart(me)
+        if closest is me and mine < kickable:
             handling = BallHandling(self._predictor, me, ball, view.keepers, FORWARD)
             return as_sent(handling.hold(HOLD_RATIO))
-        nearer = sum(apart(taker) < apart(me) for taker in view.takers)
-        if nearer >= AT_THE_BALL:
+        others = len(view.takers) > AT_THE_BALL
+        if others and sum(apart(taker) < mine for taker in view.takers) >= AT_THE_BALL:
             passer = Reach(self._predictor, view).fastest(view.keepers, view.takers)
             keeper = most_open(passer, view.keepers, view.takers)
             return as_sent(mark(self._predictor, me, keeper, ball, FORWARD))

@@ -249,7 +249,12 @@ def film(
       hitab keepaway film hand.webp --keepers hand --taker-speed 1.0 --seed 3 --episode 7
     """
     from hitab_client.shipped import shipped
-    from keepaway_world.verbs.evaluation import TRAINED, reference_game, trained_game
+    from keepaway_world.verbs.evaluation import (
+        TRAINED,
+        read_trained,
+        reference_game,
+        trained_game,
+    )
     from keepaway_world.verbs.field_film import check_film, draw_film
     from keepaway_world.verbs.field_film import film as play
 
@@ -258,8 +263,8 @@ def film(
     parameters = _game(taker_speed, collisions, parameter)
     with console.progress("filming", "pictures") as advance, contextlib.ExitStack() as stack:
         if keepers == TRAINED:
-            folder = library or shipped("libraries", "keepaway")
-            world, players = stack.enter_context(trained_game(folder, behavior, parameters, seed))
+            trained = read_trained(library or shipped("libraries", "keepaway"), behavior)
+            world, players = stack.enter_context(trained_game(trained, parameters, seed))
         else:
             world, players = reference_game(keepers, parameters, seed)
         filmed = play(world, players, episode, begin, seconds)

@@ -25,7 +25,7 @@ from hitab_bringup import (
     temporary_swarm,
     world_module,
 )
-from hitab_core import HitabError, LibraryError, has
+from hitab_core import HitabError, LibraryError, Repertoire, has
 
 if TYPE_CHECKING:
     from hitab_client.console import Advance
@@ -153,10 +153,10 @@ def evaluate(
         LibraryError: if the library cannot be used, or has no such behavior.
         SwarmError: if a keeper or the world does not start, or stops answering.
     """
-    digest = _check_library(library, behavior)
+    trained = read_trained(library, behavior)
     if pace == "inprocess":
         began = time.monotonic()
-        with trained_game(library, behavior, parameters, seed, world=world) as (made, players):
+        with trained_game(trained, parameters, seed, world=world) as (made, players):
             played = _play_inprocess(made, players, episodes, advance)
         wall, missed = time.monotonic() - began, 0
     else:
@@ -164,7 +164,7 @@ def evaluate(
         with temporary_swarm(swarm, progress=advance) as running:
             played, wall, missed = play_lockstep(running, episodes, seed, advance)
     return Evaluation(
-        behavior, str(library), digest, pace, seed, parameters, played, wall, missed, world
+        behavior, str(library), trained.digest, pace, seed, parameters, played, wall, missed, world
     )
 
 
@@ -219,38 +219,50 @@ def reference_game(
     return world, reference_players(world, policy)
 
 
+@dataclass(frozen=True)
+class Trained:
+    """What trained keepers perform.
+
+    Attributes:
+        repertoire: the library's automata, and the words of their domain.
+        behavior: their top-level behavior, of the library or hand-written.
+        digest: of the library.
+    """
+
+    repertoire: Repertoire
+    behavior: str
+    digest: str
+
+
+def read_trained(library: Path, behavior: str) -> Trained:
+    """Read the library of trained keepers.
+
+    Raises:
+        LibraryError: if it cannot be used, or has no such behavior.
+    """
+    if not library.is_dir():
+        raise LibraryError(f"{library}: there is no such library folder; train one: `hitab demo`")
+    opened = open_library(library)
+    automata = opened.load()
+    there = {*automata, *opened.domain.automata}
+    if behavior not in there:
+        raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there, behavior)}')
+    return Trained(Repertoire(opened.domain, automata), behavior, opened.digest)
+
+
 @contextlib.contextmanager
 def trained_game(
-    library: Path,
-    behavior: str,
-    parameters: Mapping[str, Any],
-    seed: int,
-    *,
-    world: str = KEEPAWAY,
+    trained: Trained, parameters: Mapping[str, Any], seed: int, *, world: str = KEEPAWAY
 ) -> Iterator[tuple[World, Mapping[str, Player]]]:
     """Yield a world in this process and trained keepers; see `evaluate`.
 
     Raises:
-        LibraryError: if the library cannot be used, or has no such behavior.
         HitabError: if there is no such game.
     """
-    from hitab_core import Repertoire
     from hitab_world.inprocess import perform
 
-    _check_library(library, behavior)
-    opened = open_library(library)
     with _made(world, parameters, seed) as made:
-        yield made, perform(made, Repertoire(opened.domain, opened.load()), behavior)
-
-
-def _check_library(library: Path, behavior: str) -> str:
-    if not library.is_dir():
-        raise LibraryError(f"{library}: there is no such library folder; train one: `hitab demo`")
-    opened = open_library(library)
-    there = {*opened.load(), *opened.domain.automata}
-    if behavior not in there:
-        raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there, behavior)}')
-    return opened.digest
+        yield made, perform(made, trained.repertoire, trained.behavior)
 
 
 def play_lockstep(

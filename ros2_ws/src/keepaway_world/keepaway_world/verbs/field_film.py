@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import os
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_bringup.plots import figure
+from hitab_bringup.plots import check_folder, figure
 from hitab_core import HitabError
+from hitab_core.library.durable_files import write_durably
 from keepaway_world.verbs.field_picture import draw_moment
 
 if TYPE_CHECKING:
@@ -54,11 +55,7 @@ def check_film(path: Path) -> None:
     """
     if path.suffix.lower() not in SUFFIXES:
         raise HitabError(f"{path} cannot be filmed: its name must end with {', '.join(SUFFIXES)}")
-    if not path.parent.is_dir():
-        raise HitabError(
-            f"{path} cannot be filmed: there is no folder {path.parent}; create it, or choose "
-            "another file"
-        )
+    check_folder(path, "filmed")
 
 
 def film(
@@ -126,24 +123,22 @@ def draw_film(
     axes.set_position((0.0, 0.0, 1.0, 1.0 - TITLE / drawing.get_figheight()))
     rate: Any = speed / filmed.cycle_seconds  # need not be whole
     writer = PillowWriter(fps=rate)
-    # Not to be taken for the film before it is complete; the suffix says its format.
-    unfinished = path.with_name(f".{os.getpid()}.{path.name}")
     try:
-        # Not `saving`, which writes what there is when it is interrupted.
-        writer.setup(drawing, str(unfinished), dpi=pixels / INCHES)
-        for number, moment in enumerate(filmed.moments):
-            advance(number, len(filmed.moments), "drawing pictures")
-            axes.clear()
-            paths = {"ball": filmed.moments[max(0, number - TRAIL) : number + 1]}
-            draw_moment(axes, moment, width, height, paths)
-            axes.set_axis_off()
-            at = filmed.begin + number * filmed.cycle_seconds
-            axes.set_title(f" {at:.1f} s", fontsize=9, loc="left", y=1.0)
-            writer.grab_frame(facecolor="white")
-        writer.finish()
-        unfinished.replace(path)
+        with tempfile.TemporaryDirectory() as folder:
+            drawn = Path(folder) / path.name  # its suffix says the format
+            # Not `saving`, which writes what there is when it is interrupted.
+            writer.setup(drawing, str(drawn), dpi=pixels / INCHES)
+            for number, moment in enumerate(filmed.moments):
+                advance(number, len(filmed.moments), "drawing pictures")
+                axes.clear()
+                paths = {"ball": filmed.moments[max(0, number - TRAIL) : number + 1]}
+                draw_moment(axes, moment, width, height, paths)
+                axes.set_axis_off()
+                at = filmed.begin + number * filmed.cycle_seconds
+                axes.set_title(f" {at:.1f} s", fontsize=9, loc="left", y=1.0)
+                writer.grab_frame(facecolor="white")
+            writer.finish()
+            write_durably(path, drawn.read_bytes())
     except OSError as error:
         raise HitabError(f"{path} cannot be filmed: {error}") from None
-    finally:
-        unfinished.unlink(missing_ok=True)
     advance(len(filmed.moments), len(filmed.moments), "")
