@@ -152,30 +152,44 @@ class SecondThoughts:
 
     # -- questions --------------------------------------------------------------------------
 
-    def answer(self, allowance: int) -> None:
+    def answer(self, allowance: int) -> list[Example]:
         """Answer what the agent asks, as long as there is something, and budget.
 
         Args:
             allowance: the most examples that may have been recorded.
+
+        Returns:
+            The examples that answers have deleted.
         """
-        answered = set()
+        before, answered = self.pupil.examples(), set()
         for _ in range(ANSWERS):
             examples = self.pupil.examples()
             if self.pupil.given >= allowance or not any(e.state == START for e in examples):
-                return
+                break
             questions = self.pupil.questions()
             if not questions:
-                return
+                break
             asked = (questions[0].state, questions[0].situation)
             self._answer(questions[0], again=asked in answered)
             answered.add(asked)
+        return self._gone(before)
 
-    def settle(self) -> None:
-        """Say which of two commands in the same situation holds, as soon as the agent asks."""
+    def settle(self) -> list[Example]:
+        """Say which of two commands in the same situation holds, as soon as the agent asks.
+
+        Returns:
+            The examples that this has deleted.
+        """
+        before = self.pupil.examples()
         for _ in range(ANSWERS):
             if not self.pupil.contradictions():
-                return
+                break
             self._answer(self.pupil.questions()[0])
+        return self._gone(before)
+
+    def _gone(self, before: Sequence[Example]) -> list[Example]:
+        kept = {example.number for example in self.pupil.examples()}
+        return [example for example in before if example.number not in kept]
 
     def _answer(self, question: Question, *, again: bool = False) -> None:
         """Answer by the intention; dismiss what it does not decide, or has decided before."""

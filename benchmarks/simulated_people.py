@@ -156,7 +156,7 @@ class Course:
                 self.person.diary.content.append(self.plan.name)
                 break
         if self.person.answers:
-            self._second_thoughts().answer(self.allowance)
+            self._forget(self._trial(), self._second_thoughts().answer(self.allowance))
         return self.memory.begins
 
     def _play(self, scene: Scene, *, guided: bool, first: bool = False, **more: float) -> bool:
@@ -165,9 +165,13 @@ class Course:
         good = trial.play(scene, guided=guided, first=first, **more)
         if self.person.reviews:
             self._forget(trial, self._second_thoughts().review(trial.given))
-        if self.person.answers:
-            self._second_thoughts().settle()
+        self._settle(trial)
         return good
+
+    def _settle(self, trial: Trial) -> None:
+        """Answer which of contradicting commands hold."""
+        if self.person.answers:
+            self._forget(trial, self._second_thoughts().settle())
 
     def _forget(self, trial: Trial, deleted: Iterable[Example]) -> None:
         """Note which decisions are no longer shown, since their only commands were deleted."""
@@ -209,6 +213,7 @@ class Course:
             person.ago,
             contradicts=person.contradicts,
             slows=person.slows,
+            settle=self._settle,
         )
 
     def demonstrate(self, scenes: Callable[[Random, int], Scene], seconds: float) -> None:

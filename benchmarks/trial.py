@@ -7,6 +7,7 @@ or later, or not at all; now and then it is the wrong key (`Trial.press`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from random import Random
 
@@ -83,6 +84,7 @@ class Trial:
             have been done instead, since the command can be meant for that decision.
         slows: whether the person lets the world run slower once an episode was over before a
             command was given.
+        settle: has the person answer what the keeper asks at once after a command.
     """
 
     def __init__(
@@ -98,11 +100,12 @@ class Trial:
         *,
         contradicts: bool = False,
         slows: bool = False,
+        settle: Callable[[Trial], None] = lambda trial: None,
     ) -> None:
         self.pupil, self.plan, self.habits = pupil, plan, habits
         self.random, self.diary, self.memory = random, diary, memory
         self.allowance, self.ago, self.contradicts = allowance, ago, contradicts
-        self.pace, self.slows = memory.pace, slows
+        self.pace, self.slows, self.settle = memory.pace, slows, settle
         self.given: list[int] = []
         self.now = self.blind = self.objections = 0
         self.pending: _Press | None = None
@@ -369,6 +372,7 @@ class Trial:
             self.pupil.delete([example.number for example in taught])
             self.memory.shown.discard(shown)
             self.diary.counts["taken back"] += 1
+        self.settle(self)
 
     def repair(self, *, force: bool = False) -> None:
         """Put a wrong command right once it is noticed."""

@@ -2,7 +2,9 @@
 
 import json
 import os
+import re
 import signal
+import time
 
 import pytest
 from hitab_msgs.msg import Example
@@ -320,7 +322,10 @@ def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
     refused = hitab("retrain", ONE, "Turned", "-f", "Lucky")
     assert refused.returncode == 1
     assert 'unknown feature "Lucky"' in refused.stderr
-    assert "last refusal: " in hitab("status").stdout
+    told = re.search(r"last refusal at (\d\d:\d\d:\d\d): ", hitab("status").stdout)
+    assert told is not None
+    assert abs(agents.statuses[ONE].refused_at.sec - time.time()) < 600.0
+    assert told[1] == time.strftime("%T", time.localtime(agents.statuses[ONE].refused_at.sec))
     assert agents.statuses[ONE].mode != "training"
 
 

@@ -159,11 +159,12 @@ def test_a_package_names_its_license_and_brings_its_text(manifest):
     element = ElementTree.parse(manifest).getroot().find("license")
     assert element is not None
     assert element.text == "Apache-2.0"
-    setup = manifest.parent / "setup.py"
-    if not setup.is_file():
-        return
     # A copy: a package may be released, or taken out of this checkout, by itself.
     text = (manifest.parent / str(element.get("file"))).read_text()
     assert text == (ROOT / "LICENSE").read_text()
+    setup = manifest.parent / "setup.py"
+    if not setup.is_file():
+        assert "install(FILES LICENSE " in (manifest.parent / "CMakeLists.txt").read_text()
+        return
     assert 'license="Apache-2.0"' in setup.read_text()
     assert '(f"share/{NAME}", ["LICENSE", "package.xml"' in setup.read_text()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
+from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
 from hitab_agent.shared import Shared
@@ -99,6 +101,8 @@ class StatusPublisher:
         if text != self._error:
             self._shared.diagnostics.soon()
         self._error = text
+        seconds, nanoseconds = divmod(time.time_ns(), 10**9) if text else (0, 0)
+        self.message.refused_at = Time(sec=seconds, nanosec=nanoseconds)
         self.publish()
 
     def notify(self, text: str) -> None:

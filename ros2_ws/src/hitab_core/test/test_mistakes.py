@@ -60,6 +60,23 @@ def test_a_correction_far_from_every_example_asks_for_one_more_in_between():
     assert proposal.instead == "GoSlow"
 
 
+def test_between_a_correction_and_what_was_shown_is_asked_once():
+    asked = Correction("GoMedium", (0.3,), "GoFast", "GoSlow", since=5)
+    place = (1.05,)
+    for label in ("GoFast", "GoSlow"):
+        answer = Example("GoMedium", place, label, ExampleKind.CORRECTION, 7, 6)
+        places = [p.place for p in propose([*APPROACH, answer], [METERS], [asked], names=NAMES)]
+        assert [p for p in places if p is not None] == [], label
+
+
+@pytest.mark.parametrize(("held", "place"), [(0.0, (3.0, 0.0)), (1.0, None)])
+def test_what_a_boolean_tells_apart_needs_no_number_in_between(held, place):
+    examples = shown(((5.0, 0.0), "GoFast"), ((6.0, 0.0), "GoFast"))
+    told = [Correction("GoMedium", (1.0, held), "GoFast", "GoSlow")]
+    (proposal,) = propose(examples, [METERS, BOOLEAN_SCALE], told)
+    assert (proposal.kind, proposal.place) == (ProposalKind.SPARSE, place)
+
+
 def test_of_very_many_examples_mistakes_are_found_without_trying_each_out():
     many = [((0.1 * i,), "GoSlow" if i < 40 else "GoFast") for i in range(80)]
     many[20] = (many[20][0], "GoFast")

@@ -196,3 +196,29 @@ def test_a_wrong_beginning_is_corrected_where_it_was_decided(tmp_path: Path) -> 
     taught = cart.command("Left", 0.3)
     assert (taught.state, taught.next_state) == ("Start", "Left")
     assert cart.agent.active_path == ["Left"]
+
+
+def test_the_decision_that_was_corrected_is_not_one_that_followed_it(tmp_path: Path) -> None:
+    """A robot whose automaton ends and begins anew has long gone on when a person takes over."""
+    cart = Driven(tmp_path, ["Position"])
+    cart.run(1)
+    cart.command("Right", 0.0)
+    cart.run(3)
+    cart.command("Left", 0.0)
+    cart.run(3)
+    cart.command("Right", 0.0)
+    cart.agent.test(restart=True)
+    cart.cycle = 1
+    cart.agent.restart(1, 1)
+    cart.run(3)
+    assert cart.agent.active_path == ["Left"]
+    at = cart.cycle
+    cart.run(3)
+    assert cart.agent.active_path == ["Right"]
+    cart.agent.take_over()
+    taught = cart.command("Right", 0.5)
+    session = cart.agent.session
+    assert session is not None
+    (corrected,) = session.perception.corrections(session.examples, [Use("Position")])
+    assert (corrected.state, corrected.wrong, corrected.right) == ("Right", "Left", "Right")
+    assert corrected.features == (float(at),) == taught.features

@@ -174,6 +174,8 @@ def _line(branch: Branch) -> str:
         return f"{branch.name}{mode}: {doing}, no order yet{_why_not(branch)}"
     does = "" if doing == branch.order else f"{doing}, "
     share = f"{branch.counts[0]} of {branch.counts[1]} perform it"
+    if silent := sum(member.silent for member in branch.below):
+        share += f" ({silent} silent)"
     of_agents = f"{branch.leaves[0]} of {branch.leaves[1]} agents"
     below = "" if branch.leaves == branch.counts else f", {of_agents}"
     return f"{branch.name}{mode}: {does}orders {branch.order}: {share}{below}{_why_not(branch)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
@@ -125,6 +126,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
             "cycle": s.cycle,
             "library_digest": s.library_digest,
             "last_error": s.last_error,
+            "refused_at": s.refused_at.sec or None,
             "faults": list(s.faults),
             "unsure": s.unsure,
             "questions": s.questions,
@@ -232,10 +234,16 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     from hitab_core import quantity
 
     # It may have been long ago: what is still so is among the faults.
-    what = "last refusal" if "agent" in status else "last error"
+    what = f"last refusal{_at(status)}" if "agent" in status else "last error"
     told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):
         told.append(f"asks {quantity(status['questions'], 'question')}")
     return told
+
+
+def _at(status: dict[str, Any]) -> str:
+    """Return when an agent refused, in local time."""
+    refused = status["refused_at"]
+    return "" if refused is None else time.strftime(" at %H:%M:%S", time.localtime(refused))

@@ -25,6 +25,7 @@ class Correction:
         right: label of the state that the person commanded.
         number: of the example that the command recorded, 0 if it recorded none. The example with
             this number is not taken for evidence a second time.
+        since: number of the last example then; what has a higher one was shown later. 0: unknown.
     """
 
     state: str
@@ -32,6 +33,7 @@ class Correction:
     wrong: str
     right: str
     number: int = 0
+    since: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from hitab_core.advice.case import Case, Place, as_shown
-from hitab_core.advice.proposals import Proposal, ProposalKind
+from hitab_core.advice.proposals import Correction, Proposal, ProposalKind
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example
 from hitab_core.learning import Leaf
@@ -18,6 +19,9 @@ from hitab_core.wording import numbered, quantity, some
 
 NEAREST = 3
 """How many neighbors of an example are named."""
+
+COMPARED = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
+"""The kinds of features whose values lie between others."""
 
 
 def mistake(
@@ -126,7 +130,7 @@ def sparse(
     if deciders:
         row = len(place.own) + [*place.corrected].index(index)
         nearest = place.own[deciders[0]]
-        where = halfway(correction.features, nearest.features, case.scales)
+        where = _worth_showing(case, place, correction, nearest)
         evidence = [
             f"where you corrected it, it went to {correction.wrong} because of "
             f"{some([_called(place, d) for d in deciders])}",
@@ -178,6 +182,32 @@ def contradiction(group: Sequence[Example]) -> Proposal:
         (f"in {group[0].state}, in the same situation, you commanded {' and '.join(said)}",),
         "then the robot no longer chooses at random there",
     )
+
+
+def _worth_showing(
+    case: Case, place: Place, correction: Correction, nearest: Example
+) -> tuple[float, ...] | None:
+    """Return the situation between a correction and the example that it contradicts.
+
+    Returns:
+        None if nothing needs to be shown there: numbers do not differ, booleans and categories
+        alone tell the two apart, or it has been shown since.
+    """
+    where = halfway(correction.features, nearest.features, case.scales)
+    later = [e for e in place.own if 0 < correction.since < e.number]
+    if where is None or any(e.features in (where, nearest.features) for e in later):
+        return None
+    compared = [scale.kind in COMPARED for scale in case.scales]
+    otherwise = tuple(
+        there if compares else value
+        for compares, there, value in zip(compared, where, nearest.features, strict=True)
+    )
+    function = case.taught(place)
+    decided = [
+        case.decides(function, replace(correction, features=values))
+        for values in (where, otherwise)
+    ]
+    return None if decided == [correction.right, nearest.next_state] else where
 
 
 def halfway(

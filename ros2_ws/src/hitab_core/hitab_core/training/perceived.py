@@ -257,18 +257,26 @@ class Perceived:
     def _wrong_decision(self, due: Moment, active: str) -> tuple[Moment, str]:
         """Return the decision that a person corrects: its situation, and what was decided.
 
-        It is the last change to the active state, if that was not long before the command was due;
-        else that the automaton stayed in the state that was active then.
+        It is the first change of state after the command was due, whatever followed before the
+        person took over; else the last one before, if that was not long before; else that the
+        automaton stayed in the state that was active then.
 
         Args:
             due: the moment at which the command was due.
             active: label of the state that the automaton was in when the person took over.
         """
-        after = active
-        for moment in reversed(self.moments.since(due.time - BLAMED_SECONDS)):
-            if moment.state != after:
+        kept = self.moments.since(due.time - BLAMED_SECONDS)
+        states = [*(moment.state for moment in kept), active]
+        changes = [
+            (moment, after)
+            for moment, after in zip(kept, states[1:], strict=True)
+            if moment.state != after
+        ]
+        for moment, after in changes:
+            if moment.time >= due.time:
                 return moment, after
-            after = moment.state
+        if changes:
+            return changes[-1]
         return due, due.state
 
     def corrections(
@@ -281,13 +289,14 @@ class Perceived:
             features: of the corrections' values.
         """
         by_command = {e.command: e for e in examples if not e.is_default}
+        last = {e.command: e.number for e in examples}
         for command, (at, wrong, right) in self._corrected.items():
             example = by_command.get(command)
             if example is not None:
                 same = (example.state, example.cycle) == (at.state, at.cycle)
                 number = example.number if same else 0
                 values = self.in_moment(at, features)
-                yield Correction(at.state, values, wrong, right, number)
+                yield Correction(at.state, values, wrong, right, number, last[command])
 
     def retimed(
         self,
