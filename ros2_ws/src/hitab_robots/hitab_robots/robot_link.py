@@ -27,7 +27,7 @@ from hitab_robots.robot import Robot
 from hitab_robots.sensors import Sensor
 from hitab_robots.settings import VELOCITY, RelaySettings, declare, declare_number
 from hitab_robots.velocity import REST_S
-from hitab_ros import EmergencySwitch, names
+from hitab_ros import EmergencySwitch, absence, names
 from hitab_ros.stamps import seconds_of
 
 STARTING_S = 3.0
@@ -187,12 +187,13 @@ class _SensorInput:
             return f"{what}: {self.freshness.trouble}; set the clocks of all machines"
         if self.freshness.is_fresh(now):
             return ""
-        if self._node.count_publishers(self._sensor.topic_name):
-            return f"{what}: nothing new comes, though it is published"
+        # The name as remapped: `count_publishers` does not remap what it is given.
+        if self._node.count_publishers(self._subscription.topic_name):
+            return f"{what}: {absence.SILENT}"
         number = self._node.context.get_domain_id()
         return (
-            f"{what}: nobody publishes it in ROS domain {number}; start the robot's driver there "
-            f"(ROS_DOMAIN_ID={number}), or remap the topic; let ROS_AUTOMATIC_DISCOVERY_RANGE "
+            f"{what}: {absence.NOT_PUBLISHED} in ROS domain {number}; start the robot's driver "
+            f"there (ROS_DOMAIN_ID={number}), or remap the topic; let ROS_AUTOMATIC_DISCOVERY_RANGE "
             "reach the driver if it is on another computer"
         )
 

@@ -24,13 +24,14 @@ ROBOT = Robot((Scan(sectors=(Sector("ahead", width=0.2),)),))
 class Desk:
     """An agent's node with a link, and its robot."""
 
-    def __init__(self, context, body=ROBOT, **parameters):
+    def __init__(self, context, body=ROBOT, remaps=(), **parameters):
         self.executor = EventsExecutor(context=context)
         given = {"relay": False, "rate": 50.0, **parameters}
         self.node = GuardedNode(
             "agent",
             namespace="/robot_1",
             context=context,
+            cli_args=["--ros-args", *(word for remap in remaps for word in ("-r", remap))],
             parameter_overrides=[Parameter(k, value=v) for k, v in given.items()],
         )
         domain = Domain.of("test", "1", body, behaviors=(), features=())
@@ -39,7 +40,7 @@ class Desk:
         for node in (self.node, self.robot):
             self.executor.add_node(node)
         self.scans = self.robot.create_publisher(
-            LaserScan, "scan", qos_profile_sensor_data, temporary=True
+            LaserScan, "/scan" if remaps else "scan", qos_profile_sensor_data, temporary=True
         )
         self.percepts, self.action = [], ()
         self.link = RobotLink(self.node, "world", self._tick)
@@ -89,7 +90,14 @@ def desk(request):
 def test_what_a_sensor_says_is_perceived_until_it_is_silent(desk):
     desk.until(lambda: desk.reads(2.0), lambda: desk.scan(2.0, 5.0))
     desk.until(lambda: desk.reads(math.nan))
-    desk.until(lambda: desk.has_fault("sensor scan, /robot_1/scan: nothing new comes, though"))
+    desk.until(lambda: desk.has_fault("sensor scan, /robot_1/scan: silent, though it is"))
+    desk.until(lambda: not desk.has_fault("scan"), lambda: desk.scan(2.0))
+
+
+@pytest.mark.parametrize("desk", [{"remaps": ["scan:=/scan"]}], indirect=True)
+def test_a_silent_sensor_on_a_remapped_topic_is_not_said_to_be_unpublished(desk):
+    desk.until(lambda: desk.has_fault("sensor scan, /scan: silent, though it is published"))
+    assert not desk.has_fault("nobody publishes it")
     desk.until(lambda: not desk.has_fault("scan"), lambda: desk.scan(2.0))
 
 

@@ -1,3 +1,4 @@
+from . import absence as absence
 from . import answering as answering
 from . import checks as checks
 from . import conversions as conversions

@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 
 from hitab_core import quantity, some
+from hitab_ros import absence
 from hitab_studio.robots.listening import SensorState
 from hitab_studio.robots.state import CameraState, RobotState
 from hitab_studio.session import Session
@@ -42,7 +43,7 @@ def row(sensor: SensorState, now: float) -> Row:
     if sensor.trouble:
         return Row(sensor.topic, sensor.kind, "not usable", True, f"It {sensor.trouble}.")
     if not sensor.publishers:
-        words = "Nobody publishes it: is its driver running?"
+        words = f"{absence.NOT_PUBLISHED.capitalize()}: is its driver running?"
         if sensor.heard is not None:
             words = f"Its publisher is gone; the last message came {now - sensor.heard:.0f} s ago."
         return Row(sensor.topic, sensor.kind, "not connected", True, words)
@@ -50,7 +51,7 @@ def row(sensor: SensorState, now: float) -> Row:
         return Row(sensor.topic, sensor.kind, "connected")
     if sensor.is_silent(now):
         seconds = round(now - (sensor.heard if sensor.heard is not None else sensor.since))
-        words = "Nothing new comes, though it is published."
+        words = f"{absence.SILENT.capitalize()}."
         age = f"silent for {quantity(seconds, 'second')}"
         return Row(sensor.topic, sensor.kind, age, True, words)
     if sensor.heard is None:
