@@ -14,10 +14,10 @@ from importlib.metadata import entry_points, version
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from hitab_bringup.called_wrongly import reword, with_way
 from hitab_bringup.dds_noise import noise_left_out
+from hitab_bringup.help_pages import HelpfulGroup, make_helpful
 from hitab_bringup.verbs import (
     bootstrap,
     commanding,
@@ -45,7 +45,7 @@ VERBS = "hitab.verbs"
 COMMANDS = "hitab.commands"
 
 
-class HitabGroup(TyperGroup):
+class HitabGroup(HelpfulGroup):
     """Prints errors that a user can fix in one line, and exits with code 130 on Ctrl-C.
 
     Each verb belongs to a panel of the help: those without one would come before "Begin here".
@@ -105,7 +105,6 @@ def make_app() -> typer.Typer:
         name="hitab",
         cls=HitabGroup,
         epilog="Begin with `hitab demo`. `hitab VERB --help` describes a verb.",
-        no_args_is_help=True,
         rich_markup_mode="rich",
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
@@ -136,6 +135,7 @@ def make_app() -> typer.Typer:
     app.add_typer(library.app, name="library", rich_help_panel="Perform")
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
         app.add_typer(point.load(), name=point.name, rich_help_panel="Domains")
+    make_helpful(app)
     return app
 
 

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     help="Train a team by bootstrapping: one agent trains among mates that perform the same.",
-    no_args_is_help=True,
 )
 
 To = Annotated[
@@ -94,7 +93,7 @@ def next_(
 
       hitab bootstrap next keeper_1 --note "the closest one takes the ball"
 
-      hitab bootstrap next keeper_1 --snapshot corner --wait "{said: keeper_2}" --within 20
+      hitab bootstrap next keeper_1 --wait "{said: keeper_2}" --within 20
     """
     from hitab_client.bootstrapping import Evaluation
 

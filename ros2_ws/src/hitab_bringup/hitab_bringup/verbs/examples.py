@@ -8,8 +8,8 @@ from difflib import get_close_matches
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
+from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import console
@@ -17,7 +17,7 @@ from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
 
 
-class ExamplesGroup(TyperGroup):
+class ExamplesGroup(HelpfulGroup):
     """Takes an agent's name without a command as a request to list its examples."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
@@ -30,7 +30,6 @@ class ExamplesGroup(TyperGroup):
 examples_app = typer.Typer(
     cls=ExamplesGroup,
     help="List and correct the examples of a training: `hitab examples keeper_1` lists them.",
-    no_args_is_help=True,
 )
 
 

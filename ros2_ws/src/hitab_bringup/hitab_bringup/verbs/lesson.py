@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     help="Play lessons: files that teach like a person, over the same topics.",
-    no_args_is_help=True,
 )
 Files = Annotated[
     list[str],
@@ -52,7 +51,7 @@ def run(
 
       hitab lesson run approach_ball
 
-      hitab lesson run approach_ball goto_ball control_ball keepaway --json lessons.json
+      hitab lesson run approach_ball goto_ball --json lessons.json
     """
     from hitab_client.lessons import LessonPlayer, read_lesson
     from hitab_client.shipped import find_file

@@ -21,7 +21,7 @@ from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_core import quantity
 
-app = typer.Typer(help="Inspect and change libraries of trained behaviors.", no_args_is_help=True)
+app = typer.Typer(help="Inspect and change libraries of trained behaviors.")
 
 
 @app.command("list")

@@ -125,7 +125,7 @@ def down(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="[SWARM]",
+            metavar="swarm",
             help="The swarm, if several are up.",
             autocompletion=completion.swarms,
         ),

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 LONG_SECONDS = 1.0  # after which the progress of steps is shown
 
-app = typer.Typer(help="Drive the world: pause, step, place, snapshot.", no_args_is_help=True)
+app = typer.Typer(help="Drive the world: pause, step, place, snapshot.")
 
 
 def _control(swarm: str | None, action: str, **fields: object) -> None:

@@ -11,9 +11,7 @@ import typer
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 
-app = typer.Typer(
-    help="Keepaway soccer: evaluate keepers, draw and film the field.", no_args_is_help=True
-)
+app = typer.Typer(help="Keepaway soccer: evaluate keepers, draw and film the field.")
 
 Episodes = Annotated[int, typer.Option("--episodes", "-n", help="Number of episodes.", min=1)]
 Seed = Annotated[
@@ -92,7 +90,7 @@ def evaluate(
 
       hitab keepaway evaluate --episodes 50
 
-      hitab keepaway evaluate -l hitab-demo/library --pace inprocess --json figures.json
+      hitab keepaway evaluate -l hitab-demo/library --json figures.json
 
       hitab keepaway evaluate --taker-speed 1.0 --parameter sight=full
 
@@ -246,7 +244,7 @@ def film(
 
       hitab keepaway film paper.gif --seconds 10
 
-      hitab keepaway film hand.webp --keepers hand --taker-speed 1.0 --seed 3 --episode 7
+      hitab keepaway film hand.webp --keepers hand --seed 3 --episode 7
     """
     from hitab_client.shipped import shipped
     from keepaway_world.verbs.evaluation import (
@@ -293,7 +291,7 @@ def demo(
     library; distributes what was learned; plays episodes against slow takers. Takes one to two
     minutes.
 
-    Example:
+    Examples:
 
       hitab demo --out my-demo
 
