@@ -2,6 +2,7 @@
 
 import inspect
 import re
+from itertools import pairwise
 
 import pytest
 from typer.testing import CliRunner
@@ -41,7 +42,7 @@ def examples_of(callback):
 @pytest.mark.parametrize("path", sorted(ALL), ids=" ".join)
 def test_no_line_of_a_paragraph_ends_early(path):
     lines = description_in(help_of(*path))
-    for line, following in zip(lines, lines[1:], strict=False):
+    for line, following in pairwise(lines):
         if line and following and not following.startswith("hitab "):
             assert len(f" {line} {following.split()[0]}") > WIDTH - 2, line
 
