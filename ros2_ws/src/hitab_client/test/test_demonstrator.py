@@ -84,7 +84,7 @@ class Agents:
         )
 
     def ask(self, agent: str, kind: Any, service: str) -> Any:
-        return SimpleNamespace(name="Wander", chosen_states=[], parameters=["B"])
+        return SimpleNamespace(name="Wander", chosen_states=[], states=[], parameters=["B"])
 
     def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:
         use = str(Use(behavior, tuple(arguments))) if behavior else ""

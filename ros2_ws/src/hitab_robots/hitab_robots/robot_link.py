@@ -193,8 +193,8 @@ class _SensorInput:
         number = self._node.context.get_domain_id()
         return (
             f"{what}: {absence.NOT_PUBLISHED} in ROS domain {number}; start the robot's driver "
-            f"there (ROS_DOMAIN_ID={number}), or remap the topic; let ROS_AUTOMATIC_DISCOVERY_RANGE "
-            "reach the driver if it is on another computer"
+            f"there (ROS_DOMAIN_ID={number}), or remap the topic; let "
+            "ROS_AUTOMATIC_DISCOVERY_RANGE reach the driver if it is on another computer"
         )
 
 

@@ -78,8 +78,6 @@ class Shared:
         reactions: how late each demonstrator's commands come.
         present: the field as it is now.
         sessions: the pages that are open, by their ids.
-        chosen_states: for each agent the automaton that was begun here, and what may be commanded
-            in it; nothing: everything.
     """
 
     def __init__(self, link: SwarmLink, startable: Sequence[Startable] = ()) -> None:
@@ -88,11 +86,10 @@ class Shared:
         self.launcher = Launcher(startable, self.store.touch)
         self.generations = GenerationMaker(link, self.store.touch)
         self.locks = Locks()
-        self.keys = behavior_keys.Keys()
+        self.keys = behavior_keys.Keys(behavior_keys.file())
         self.reactions = Reactions()
         self.present = Present(self.store.palette)
         self.sessions: dict[str, Session] = {}
-        self.chosen_states: dict[str, tuple[str, tuple[str, ...]]] = {}
 
 
 class Session:

@@ -143,7 +143,6 @@ class Studio:
         if self._place and place != self._place:
             self._orders.clear()
             self.locks.clear()
-            self.shared.chosen_states.clear()
             for session in self.sessions.values():
                 session.forget_agents()
         self._place = place

@@ -169,7 +169,7 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
         SwarmError: if there is no such agent, or none at all.
     """
     from hitab_client import SwarmError
-    from hitab_client.demonstrating import Demonstrator
+    from hitab_client.demonstrating import Demonstrator, behavior_keys
     from hitab_core import natural
 
     agents, world = swarm_up.agents, swarm_up.world
@@ -182,7 +182,9 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
         agent = min(there, key=natural)
     if swarm_up.has_world or world.is_there():
         world.wait()
-    demonstrator = Demonstrator(agents, world, asks=asks)
+    demonstrator = Demonstrator(
+        agents, world, asks=asks, keys=behavior_keys.Keys(behavior_keys.file())
+    )
     demonstrator.choose(agent)
     return demonstrator
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from hitab_msgs.msg import AgentStatus
 
 from hitab_client import reaction_time
+from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.commanding import command, other_mode, outcome, put_earlier
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
@@ -99,6 +100,7 @@ class Demonstrator:
         agents: of the swarm.
         world: of the swarm, or an absent one.
         asks: whether the person can be asked for targets.
+        keys: of behaviors, kept for all processes; None: those of this one alone.
         clock: s; any steady clock.
 
     Attributes:
@@ -117,6 +119,7 @@ class Demonstrator:
         world: WorldClient,
         *,
         asks: bool = True,
+        keys: Keys | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.agent = ""
@@ -129,7 +132,7 @@ class Demonstrator:
         self.steering = Steering(agents.link.node, agents.prefix, self._is_at_rest, clock)
         self._agents = agents
         self._world = world
-        self._words = WordsOfAgents(agents)
+        self._words = WordsOfAgents(agents, keys or Keys())
         self._asks = asks
         self._clock = clock
         self._pending: deque[Pressed] = deque()

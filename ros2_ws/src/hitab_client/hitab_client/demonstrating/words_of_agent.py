@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 from hitab_msgs.srv import GetBehavior
 
-from hitab_client.demonstrating.behavior_keys import Keys, in_order
+from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import FLAGS, Use
+from hitab_core import FLAGS
 from hitab_ros import names
 
 
@@ -42,9 +43,9 @@ class Words:
 class WordsOfAgents:
     """Asks agents for their words, again when these may have changed."""
 
-    def __init__(self, agents: SwarmClient) -> None:
+    def __init__(self, agents: SwarmClient, keys: Keys) -> None:
         self._agents = agents
-        self._keys = Keys()
+        self._keys = keys
         self._known: dict[str, tuple[tuple[str, ...], Words]] = {}
 
     def known(self, agent: str) -> Words:
@@ -70,16 +71,19 @@ class WordsOfAgents:
 
     def _asked(self, agent: str, status: AgentStatus) -> Words:
         told = self._agents.vocabulary(agent)
-        there = in_order(told.behaviors, set(told.trained))
         targets = list(told.targets)
-        self._keys.give(told.domain, there)
+        of_training: dict[str, Any] = {}
         if _is_trained(status):
             training = self._agents.ask(agent, GetBehavior, names.GET_BEHAVIOR)
-            chosen = [s for s in training.chosen_states if s not in FLAGS]
-            there = chosen or [b for b in there if Use.parse(b).name != training.name]
             targets += [p for p in training.parameters if p not in targets]
-            self._keys.give(told.domain, there)
-            there += FLAGS
+            of_training = {
+                "training": training.name,
+                "chosen": training.chosen_states,
+                "states": training.states,
+            }
+        there = self._keys.commandable(
+            told.domain, told.behaviors, set(told.trained), **of_training
+        )
         keys = ((self._keys.of(told.domain, name), name) for name in there)
         return Words(told.domain, tuple(there), tuple(k for k in keys if k[0]), tuple(targets))
 

@@ -229,7 +229,6 @@ async def discard_now(session: Session, data: Data) -> None:
     answer = await session.ask_agent(lambda swarm, agent: swarm.agents.discard(agent))
     session.dialog = {}
     session.lost = session.asked = None
-    session.shared.chosen_states.pop(session.agent, None)
     session.tell(answer.message)
 
 
@@ -263,7 +262,6 @@ async def begin(session: Session, data: Data) -> None:
     )
     if values.get("pause") == "on" and await session.ask_world(paused):
         session.tell("the world is paused; Space lets it run")
-    session.shared.chosen_states[session.agent] = (name, tuple(fields["states"]))
     session.close_dialog()
     session.tab = "teach"
     session.level = session.state = ""

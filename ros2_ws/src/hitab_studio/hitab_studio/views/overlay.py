@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_client.demonstrating import behavior_keys
 from hitab_core import FLAGS, START, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import reasons
@@ -216,18 +215,17 @@ def _buttons(session: Session) -> list[Button]:
     vocabulary, training = watched.vocabulary, watched.training
     if status is None or session.player is not None or not vocabulary.behaviors:
         return []
-    names = behavior_keys.in_order(vocabulary.behaviors, vocabulary.trained)
     keys = session.shared.keys
-    keys.give(vocabulary.domain, names)
+    of_training: dict[str, Any] = {}
     if session.is_training and training is not None:
-        automaton, chosen = session.shared.chosen_states.get(session.agent, ("", ()))
-        if automaton == training.name and chosen:
-            names = [s for s in chosen if s not in FLAGS]
-        else:
-            bound = [s for s in training.states if s not in names and s not in FLAGS]
-            names = [b for b in [*names, *bound] if Use.parse(b).name != training.name]
-        keys.give(vocabulary.domain, names)
-        names += FLAGS
+        of_training = {
+            "training": training.name,
+            "chosen": training.chosen,
+            "states": training.states,
+        }
+    names = keys.commandable(
+        vocabulary.domain, vocabulary.behaviors, vocabulary.trained, **of_training
+    )
     active = status.active_path[0] if status.active_path else ""
     if status.mode == "performing":
         active = status.behavior
