@@ -51,9 +51,10 @@ def training(swarm, person) -> Person:
 
 
 def told_absent(person: Person) -> None:
-    """Wait until the page says that the agent is silent, wherever it shows the agent."""
-    person.sees("absent", "has not responded")
-    person.sees(f"agent-{ONE}", "silent")
+    """Wait until the page says that the agent is suspended, wherever it shows the agent."""
+    person.sees("absent", "is suspended (process ")
+    person.sees(f"agent-{ONE}", "suspended")
+    person.sees("absent-suspended", "1 suspended")
     person.sees("as-it-was", "known before")
     person.waits_until(
         lambda: (
@@ -66,7 +67,7 @@ def told_absent(person: Person) -> None:
         "the field shows it as before",
     )
     off = person.page.locator('[data-test="do-GoSlow"]')
-    assert "has not responded" in off.get_attribute("title")
+    assert "`kill -CONT" in off.get_attribute("title")
     assert off.get_attribute("aria-disabled") == "true"
 
 
@@ -92,6 +93,8 @@ def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, traini
         training.waits_until(lambda: pid_of(swarm, ONE) not in (0, pid), "restarted", SECONDS)
     training.page.wait_for_selector('[data-test="send-again"]:not([aria-disabled])')
     training.sees("mode", "Training")  # it has resumed from its journal
+    training.sees("resumed", f"{ONE} has resumed the interrupted training")
+    training.does_not_see(f"fault-{ONE}")  # that is no fault
     training.click("send-again")
     training.does_not_see("lost")
     training.sees("counts", "4 examples")
@@ -102,11 +105,11 @@ def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, traini
 @needs_browser
 def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swarm, person):
     with hanging(swarm, "world"):
-        person.sees("world-absent", "has not responded")
-        person.sees("world-silent")
+        person.sees("world-absent", "is suspended")
+        person.sees("world-silent", "world suspended")
         assert person.page.locator(".overlay[data-stale]").count() == 1
         person.page.keyboard.press("n")
-        person.sees("message", "The world does not respond")
+        person.sees("message", "The world is suspended")
         size = person.page.viewport_size
         for width in (1920, 820):
             person.page.set_viewport_size({**size, "width": width})
@@ -129,8 +132,13 @@ def test_notices_are_above_the_legend_and_the_field_and_pressed_late_needs_a_run
     """In a test, the notice covered both; and in a paused world no command comes late."""
     off = training.page.locator('[data-test="earlier"]')
     training.waits_until(lambda: off.get_attribute("aria-disabled") == "true", "it is offered")
-    assert "the command was not late" in off.get_attribute("data-off")
+    assert "given while the world stood still" in off.get_attribute("data-off")
     training.page.mouse.move(2, 2)
+    swarm.world.control("resume")
+    cycle = swarm.world.wait().cycle
+    training.waits_until(lambda: swarm.link.spin(0.02) or swarm.world.state.cycle > cycle, "runs")
+    assert "given while the world stood still" in off.get_attribute("data-off"), "it still was"
+    swarm.world.control("pause")
     training.click("toggle")
     stuck = training.sees("stuck").bounding_box()
     below = stuck["y"] + stuck["height"]

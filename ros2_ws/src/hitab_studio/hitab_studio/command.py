@@ -73,7 +73,7 @@ def studio(
     """
     from hitab_studio.finding import Finder
     from hitab_studio.guard import new_token
-    from hitab_studio.launching import startable_swarms
+    from hitab_studio.launching import startable_swarms, unknown
     from hitab_studio.robots.topics import Options
     from hitab_studio.server import Address, serve
 
@@ -84,8 +84,12 @@ def studio(
         console.note(f"The studio is at {address.url}\nCtrl-C ends it.")
 
     name = swarm or chosen
+    find = Finder(name, run_dir)
+    target = find()
+    if target.problem and target.swarm and (why := unknown(target.swarm)):
+        console.note(f"{target.problem} {why}")
     serve(
-        Finder(name, run_dir),
+        find,
         address,
         startable=() if run_dir else startable_swarms(name),
         show=browser,

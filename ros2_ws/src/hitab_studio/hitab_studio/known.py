@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import names
 from hitab_studio.finding import Target
@@ -37,9 +38,10 @@ class Known:
         statuses: the last `AgentStatus` of each agent, by name.
         joined: when an agent was last heard for the first time, or else the connection began, on
             the monotonic clock, s.
-        gone: agents whose node has gone.
+        gone: agents whose node has gone: when that was noticed, s, on the monotonic clock.
         silent: agents whose process gives no sign of life, and `names.WORLD` if the world's gives
             none: the time of the last sign, s, on the monotonic clock.
+        why: why processes of these do not answer, as far as the swarm's supervisor knows it.
         groups: the last `CommanderStatus` of each commander, by name.
         watched: more about the viewed agents, by name.
         moments: in which examples were recorded.
@@ -56,8 +58,9 @@ class Known:
     scene: Scene | None = None
     statuses: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     joined: float = -math.inf
-    gone: frozenset[str] = frozenset()
+    gone: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     silent: Mapping[str, float] = field(default_factory=lambda: NOTHING)
+    why: Mapping[str, Silence] = field(default_factory=lambda: NOTHING)
     groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
     moments: Moments = field(default_factory=Moments)

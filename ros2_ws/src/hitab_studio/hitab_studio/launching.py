@@ -8,11 +8,13 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 
 from hitab_client import SwarmError
 from hitab_client.shipped import shipped_folders
+from hitab_core import did_you_mean
 
 MOST_LINES = 40
 """Of the command's output, which are kept."""
@@ -144,6 +146,22 @@ def startable_swarms(only: str | None = None) -> tuple[Startable, ...]:
     files = [path for place in shipped_folders("swarms") for path in place.glob("*.yaml")]
     found = [Startable(path.stem, _about(path)) for path in sorted(files, key=lambda p: p.stem)]
     return tuple(swarm for swarm in found if only in (None, swarm.name))
+
+
+@cache
+def _shipped_names() -> tuple[str, ...]:
+    return tuple(swarm.name for swarm in startable_swarms())
+
+
+def unknown(name: str) -> str:
+    """Say that no swarm of this name is shipped, and what to do; "" if one is."""
+    shipped = _shipped_names()
+    if name in shipped:
+        return ""
+    return (
+        f'No swarm "{name}" is shipped.{did_you_mean(name, shipped)} Start one of your own with '
+        "`hitab up` and its file."
+    )
 
 
 def _about(path: Path) -> str:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-SECONDS = {"good": 5.0, "bad": 30.0}
+SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
 """How long a message stays if nobody closes it."""
 
 MOST = 3
@@ -22,7 +22,7 @@ class Message:
 
     Attributes:
         number: its own, for the page.
-        kind: good or bad.
+        kind: good (it was done), note (for information, or nothing was done) or bad (it failed).
         times: how often it was said since it was first shown.
         until: when it goes, on the monotonic clock, s.
     """
@@ -60,6 +60,10 @@ class Messages:
     def close(self, number: int) -> None:
         """Remove a message."""
         self.shown = [message for message in self.shown if message.number != number]
+
+    def withdraw(self, text: str) -> None:
+        """Remove a message that does not hold any more."""
+        self.shown = [message for message in self.shown if message.text != text]
 
     def drop_old(self) -> bool:
         """Remove what was shown long enough; return whether there was such."""

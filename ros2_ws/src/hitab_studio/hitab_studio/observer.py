@@ -19,6 +19,7 @@ from hitab_studio.finding import Choice
 from hitab_studio.jobs import Connected
 from hitab_studio.known import Known
 from hitab_studio.markers import Markers
+from hitab_studio.processes import Processes
 from hitab_studio.robots.state import Robots
 from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watching import RobotWatch
@@ -76,6 +77,7 @@ class Observer:
             (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
             identity=target.identity if target else "",
         )
+        self._processes = Processes(target.folder if target else "")
         self._situations = Situations()
         self._watches: dict[str, Watch] = {}
         self._group_topics: set[str] = set()
@@ -156,6 +158,9 @@ class Observer:
             now = time.monotonic()
             since = {name: before.get(name, now - seconds) for name, seconds in silent.items()}
             self._know(silent=MappingProxyType(since))
+        why = self._processes.why({*silent, *self.known.gone, *self.known.unheard})
+        if why != self.known.why:
+            self._know(why=MappingProxyType(dict(why)))
 
     def _learns(self, agent: str) -> None:
         # At once: in a paused world the next placement is a moment of the same cycle.
@@ -188,13 +193,14 @@ class Observer:
         swarm = self._swarm
         node = swarm.link.node
         swarm.agents.discover()
-        gone = frozenset(
-            name
+        before, now = self.known.gone, time.monotonic()
+        gone = {
+            name: before.get(name, now)
             for name in swarm.agents.statuses
             if node.count_publishers(names.of_agent(name, names.STATUS, swarm.agents.prefix)) == 0
-        )
-        if gone != self.known.gone:
-            self._know(gone=gone)
+        }
+        if gone != before:
+            self._know(gone=MappingProxyType(gone))
         self._leave_alone()
         self._find_robots()
         for topic in swarm.link.topics_of_type("hitab_msgs/msg/CommanderStatus"):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from jinja2.utils import markupsafe
 
-from hitab_core import START, quantity
+from hitab_core import START, Example
 from hitab_ros import names
+from hitab_studio.absence import absence
 from hitab_studio.session import REAL, Session
 
 RECORDING = "This is a recording: close it first (Esc)."
@@ -30,8 +31,8 @@ def world(session: Session) -> str:
         return REAL
     if known.world is None:
         return "No world is up."
-    if names.WORLD in known.silent:
-        return "The world does not respond."
+    if absent := absence(known, names.WORLD):
+        return f"The world {absent}."
     return session.shared.generations.why_busy
 
 
@@ -42,26 +43,12 @@ def agent(session: Session) -> str:
         return RECORDING
     if not name:
         return "Choose an agent first, in the list or in the field."
-    if not known.answers(name):
-        return f"{name} {absence(session, name)}."
+    if absent := absence(known, name):
+        return f"{name} {absent}."
     holder = session.shared.locks.holder(name)
     if holder is not None and holder.session != session.id:
         return f"{holder.name} holds {name}: take it over first."
     return session.shared.generations.why_busy
-
-
-def absence(session: Session, name: str) -> str:
-    """Say how an agent, or the world, is absent; empty if it answers."""
-    known = session.shared.store.known
-    if name in known.gone:
-        return "has ended"
-    if name in known.silent:
-        return f"has not responded for {quantity(session.seconds_since(name), 'second')}"
-    if name == names.WORLD or name in known.statuses:
-        return ""
-    if name not in known.agents:
-        return "is not up"
-    return "has not been heard yet" if known.is_waiting else "does not answer"
 
 
 def undoing(session: Session) -> str:
@@ -85,15 +72,29 @@ def retiming(session: Session) -> str:
     training = session.watched.training
     if not _examples(session) or (training is not None and not training.examples):
         return "There is no command yet that could have been due earlier."
-    scene, given = session.shared.store.known.scene, training.examples if training else ()
-    if scene is not None and scene.mode == "paused" and given:
-        last = max(given, key=lambda e: (e.command, -e.number))
-        if last.cycle >= scene.cycle:
-            return (
-                "The world stood still when you gave the last command, so the command was not "
-                "late. If it was wrong, undo it (U)."
-            )
-    return agent(session)
+    return last_standing_still(session) or agent(session)
+
+
+def last_standing_still(session: Session) -> str:
+    """Return why the last command was not late, if the world stood still when it was given."""
+    training = session.watched.training
+    if training is None or not training.examples:
+        return ""
+    last = max(training.examples, key=lambda e: (e.command, -e.number))
+    return standing_still(session, last)
+
+
+def standing_still(session: Session, example: Example) -> str:
+    """Return why an example cannot be due earlier, if the world stood still at its command."""
+    training, moments = session.watched.training, session.shared.store.known.moments
+    if training is None or not moments.stood_still(
+        session.agent, training.name, example.number, example.cycle
+    ):
+        return ""
+    return (
+        "The command was given while the world stood still, so it was not late. If it was wrong, "
+        "undo it (U), or delete its examples."
+    )
 
 
 def testing(session: Session) -> str:

@@ -6,7 +6,6 @@ import asyncio
 import getpass
 import json
 import logging
-import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -17,6 +16,7 @@ from hitab_client.demonstrating import behavior_keys
 from hitab_core import Use, natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
+from hitab_studio.absence import absence
 from hitab_studio.generations import GenerationMaker
 from hitab_studio.jobs import Connected
 from hitab_studio.launching import Launcher, Startable
@@ -172,10 +172,6 @@ class Session:
         holder = self.shared.locks.holder(self.agent)
         return holder is not None and holder.session != self.id
 
-    def seconds_since(self, name: str) -> int:
-        """Return for how long a silent agent, or the world, has given no sign of life, s."""
-        return round(time.monotonic() - self.shared.store.known.silent[name])
-
     def close_dialog(self) -> None:
         """Close the dialog, if one is open."""
         if self.dialog.get("kind") in ("new", "features"):
@@ -280,7 +276,7 @@ class Session:
         """
         known = self.shared.store.known
         if self.player is None and known.world is not None and not known.world_answers:
-            raise SwarmError("The world does not respond: wait until it answers again.")
+            raise SwarmError(f"The world {absence(known, names.WORLD)}.")
         if known.robots is not None:
             raise SwarmError(REAL)
         if why := self.shared.generations.why_busy:
@@ -296,8 +292,8 @@ class Session:
         agent = self.agent
         if not agent:
             raise SwarmError("Choose an agent first, in the list or in the field.")
-        if not self.shared.store.known.answers(agent):
-            raise SwarmError(f"{agent} does not respond: wait until it answers again.")
+        if absent := absence(self.shared.store.known, agent):
+            raise SwarmError(f"{agent} {absent}.")
         if why := self.shared.generations.why_busy:
             raise SwarmError(why)
         self.shared.locks.claim(agent, self.holder)

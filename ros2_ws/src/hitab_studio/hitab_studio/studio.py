@@ -139,6 +139,8 @@ class Studio:
         target = known.target
         if target is None or target.problem or not (known.agents or known.scene):
             return
+        for session in self.sessions.values():
+            session.messages.withdraw(_dialog_closed(target))
         place = (target.domain_id, target.swarm, target.folder)
         if self._place and place != self._place:
             self._orders.clear()
@@ -153,8 +155,7 @@ class Studio:
             session.asked = None
             if session.dialog and session.dialog["kind"] not in OF_NO_SWARM:
                 session.close_dialog()
-                name = target.swarm or "the swarm"
-                session.tell(f"The dialog was closed: {name} is not there any more.", "bad")
+                session.tell(_dialog_closed(target), "note")
 
     def _complain(self, trouble: Trouble) -> None:
         for session in self.sessions.values():
@@ -202,3 +203,8 @@ class Studio:
                         session.show_moment()
                 except Exception as error:
                     session.stop_replay(error)
+
+
+def _dialog_closed(target: Target) -> str:
+    """Return the message of a page whose dialog was about a swarm that has gone."""
+    return f"The dialog was closed: {target.swarm or 'the swarm'} is not there any more."

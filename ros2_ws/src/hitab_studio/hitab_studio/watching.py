@@ -47,6 +47,9 @@ EVENTS = 60
 PROBED_MAX = 200
 """Features with targets whose values are asked for at once."""
 
+SHELF_MAX = 40
+"""Trained behaviors that are asked for before anybody looks at them."""
+
 CALM_SECONDS = 1.0
 """After a change of examples until questions are asked for: the agent thinks about them."""
 
@@ -243,7 +246,7 @@ class Watch:
         self._pending.pop("training", None)
 
     def _needed(self, status: AgentStatus) -> set[str]:
-        """Return the automata that are active or that the one at the top is made of."""
+        """Return what it has learned, and what is active or what that is made of."""
         known, seen = self.known, set(self._wanted)
         waiting = [Use.parse(s).name for s in [status.behavior, *status.active_path] if s]
         if known.training is not None:
@@ -258,7 +261,9 @@ class Watch:
             behavior = known.behaviors.get(name)
             if behavior is not None:
                 waiting += [Use.parse(s).name for s in behavior.states]
-        return seen
+        shelf = sorted(known.vocabulary.trained)[:SHELF_MAX]
+        trained = known.training.name if known.training is not None else ""
+        return seen | {name for name in shelf if name != trained}
 
     # -- asking -----------------------------------------------------------------------------
 

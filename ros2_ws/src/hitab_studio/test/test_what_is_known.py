@@ -79,9 +79,10 @@ def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
         assert session.dialog, "its swarm is there"
         studio._take([Known(OVER, 3)])
         assert "dialog" not in render("dialog", session)
-        assert "The dialog was closed: keepaway is not there any more." in render(
-            "messages", session
-        )
+        closed = "The dialog was closed: keepaway is not there any more."
+        assert closed in render("messages", session)
+        studio._take([Known(UP, 4, statuses=hears(ONE))])
+        assert closed not in render("messages", session), "it is there again"
         session.dialog = {"kind": "help"}
         studio._take([Known(UP, 4)])
         assert session.dialog, "it is about no swarm"
@@ -132,11 +133,11 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
     assert "Waiting to hear from 1000 agents" in said
     assert "No agent" not in said
     said = shown(coming, "agents", "overlay", agent="forager_1")
-    assert "not responding" not in said.lower()
+    assert "no answer" not in said.lower()
     assert "has not been heard yet" in said
     late = Known(target, joined=time.monotonic() - JOINING_SECONDS - 1, world=WorldStatus())
     assert "No agent answers" in shown(late, "side", tab="swarm", agent="")
-    assert "Not responding" in shown(late, "overlay", agent="forager_1")
+    assert "No answer" in shown(late, "overlay", agent="forager_1")
     some = Known(UP, statuses=hears(ONE), joined=time.monotonic(), world=WorldStatus())
     assert "1 of 2 agents, waiting for the others" in shown(some, "top")
     both = Known(UP, statuses=hears(ONE, "keeper_2"), joined=time.monotonic())

@@ -20,7 +20,7 @@ async def choose(session: Session, data: Data) -> None:
         if len(meant) == 1:
             await give_target(session, meant[0])
         elif meant:
-            session.tell(f"{name} may be {' or '.join(meant)}: choose below")
+            session.tell(f"{name} may be {' or '.join(meant)}: choose below", "note")
         else:
             session.tell(f"{name} is not a target that {session.agent} knows", "bad")
         return
@@ -112,7 +112,7 @@ async def message_close(session: Session, data: Data) -> None:
 @action("why", repeats=True)
 async def why(session: Session, data: Data) -> None:
     """Say why something does nothing at present."""
-    refuse(session, str(data["reason"])[:MOST_REASON], "good")
+    refuse(session, str(data["reason"])[:MOST_REASON], "note")
 
 
 @action("escape", repeats=True)

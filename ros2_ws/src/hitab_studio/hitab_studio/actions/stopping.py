@@ -26,7 +26,8 @@ async def stop_robots(session: Session) -> None:
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
         ) from None
     heard = "" if listeners else "; nobody listens at present, and who comes later obeys"
-    session.tell(f"emergency stop: all robots have to stand still{heard}")
+    kind = "good" if listeners else "note"
+    session.tell(f"emergency stop: all robots have to stand still{heard}", kind)
 
 
 @action("release-dialog")

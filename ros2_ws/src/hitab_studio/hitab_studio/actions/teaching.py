@@ -201,6 +201,7 @@ async def new(session: Session, data: Data) -> None:
         "agent": session.agent,
         "resume": str(data.get("resume", "")),
         "name": str(data.get("name", "")),
+        "typed": str(data.get("name", "")),
         "parameter": "",
     }
     session.shared.link.probe(session.agent, on=True)
@@ -232,10 +233,21 @@ async def discard_now(session: Session, data: Data) -> None:
     session.tell(answer.message)
 
 
+@action("new-name", repeats=True)
+async def new_name(session: Session, data: Data) -> None:
+    """Say it if a behavior of this name is saved already."""
+    if session.dialog.get("kind") != "new":
+        return  # it was closed before the last key was heard of
+    session.dialog["typed"] = name = str(data["value"]).strip()
+    if name in session.watched.vocabulary.trained:
+        session.shared.link.want(session.agent, name)
+
+
 @action("new-parameter", repeats=True)
 async def new_parameter(session: Session, data: Data) -> None:
     """Also offer features and behaviors of a parameter."""
-    session.dialog["parameter"] = str(data["value"]).strip()
+    if session.dialog.get("kind") == "new":
+        session.dialog["parameter"] = str(data["value"]).strip()
 
 
 @action("begin")
@@ -256,13 +268,18 @@ async def begin(session: Session, data: Data) -> None:
         "discard": values.get("discard") == "on",
     }
     if not fields["features"] and not resume:
-        raise SwarmError("Choose at least one feature for the decisions to depend on.")
-    answer = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.begin(agent, name, **fields)
-    )
+        raise SwarmError(
+            "Choose at least one feature for the decisions to depend on: without one, it cannot "
+            "tell situations apart. You can exchange it later (Features…)."
+        )
+    if not resume and name in session.watched.vocabulary.trained:
+        shown, session.dialog["typed"] = session.dialog.get("typed"), name
+        if shown != name:  # who is fast has not seen it yet
+            raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
+    await session.ask_agent(lambda swarm, agent: swarm.agents.begin(agent, name, **fields))
     if values.get("pause") == "on" and await session.ask_world(paused):
         session.tell("the world is paused; Space lets it run")
     session.close_dialog()
     session.tab = "teach"
     session.level = session.state = ""
-    session.tell(answer.message)
+    session.tell(f"{session.agent} is being trained: {name}")

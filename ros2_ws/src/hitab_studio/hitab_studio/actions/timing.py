@@ -9,6 +9,7 @@ from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
+from hitab_studio.reasons import last_standing_still, standing_still
 from hitab_studio.session import Session
 
 RETIME = "retime"
@@ -25,7 +26,8 @@ async def reaction_dialog(session: Session, data: Data) -> None:
 @action("reaction-who", repeats=True)
 async def reaction_who(session: Session, data: Data) -> None:
     """Show the reaction time that is kept for a name."""
-    session.dialog["demonstrator"] = str(data["value"]).strip()[:LONGEST_NAME]
+    if session.dialog.get("kind") == "reaction":
+        session.dialog["demonstrator"] = str(data["value"]).strip()[:LONGEST_NAME]
 
 
 def _become(session: Session, values: Mapping[str, Any]) -> None:
@@ -87,6 +89,8 @@ def _told(seconds: float) -> str:
 @action("earlier", repeats=True)
 async def due_earlier(session: Session, data: Data) -> None:
     """Have the last command be due a little earlier than it is at present."""
+    if still := last_standing_still(session):
+        raise SwarmError(still)
 
     def job(swarm: Connected, agent: str) -> str:
         return put_earlier(swarm.agents, swarm.world, agent)
@@ -98,6 +102,11 @@ async def due_earlier(session: Session, data: Data) -> None:
 async def retime(session: Session, data: Data) -> None:
     """Have a command be due at another time before it was given."""
     number, text = int(data["number"]), str(data["value"]).strip()
+    training = session.watched.training
+    examples = training.examples if training is not None else ()
+    for example in examples:
+        if example.number == number and (still := standing_still(session, example)):
+            raise SwarmError(still)
     try:
         ago = float(text)
     except ValueError:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from hitab_studio.absence import absence
 from hitab_studio.markers import STATE_COLORS
+from hitab_studio.notices import lasting_faults
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
 from hitab_studio.views.agent_tree import Branch, tree, unfolded
@@ -84,16 +86,6 @@ def _title(branch: Branch, depth: int, fold: str) -> Row:
     return Row(name=branch.name, depth=depth, fold=fold, below=named, also=branch.size - named)
 
 
-def _absence(session: Session, name: str) -> str:
-    """Return one word for how an agent is absent; empty if it answers."""
-    known = session.shared.store.known
-    if known.answers(name):
-        return ""
-    if name not in known.statuses and known.is_waiting:
-        return "not heard yet"
-    return "silent" if name in known.silent and name not in known.gone else "not responding"
-
-
 def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, below: int) -> Row:
     store = session.shared.store
     status = statuses.get(name)
@@ -101,6 +93,7 @@ def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, belo
     state = state_shown(status.active_path) if status is not None else ""
     index = store.palette.index(state)
     group = store.known.groups.get(name)
+    absent = absence(store.known, name) if session.player is None else None
     return Row(
         name=name,
         depth=depth,
@@ -110,8 +103,8 @@ def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, belo
         state=state or (status.behavior if status is not None else ""),
         color="" if index == NO_COLOR else STATE_COLORS[index],
         chosen=name == session.agent,
-        absence=_absence(session, name) if session.player is None else "",
+        absence=absent.word if absent is not None else "",
         lock="" if holder is None else ("you" if holder.session == session.id else holder.name),
         order=group.order if group is not None else "",
-        faults="\n".join(status.faults) if status is not None else "",
+        faults="\n".join(lasting_faults(status)) if status is not None else "",
     )

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import SwarmError, reaction_time
-from hitab_core import FLAGS, Use
+from hitab_core import FLAGS, Use, shown_unit
 from hitab_studio import reasons
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.session import Session
 from hitab_studio.views import generations
 from hitab_studio.views.legend import KEYS, WORDS
-from hitab_studio.views.numbers import measure
+from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.questions import WHEN_UNSURE
 
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
@@ -85,6 +85,7 @@ def context(session: Session) -> dict[str, Any]:
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
             "training": session.watched.training,
+            "saved": _saved(session),
         }
     if kind == "features":
         arguments = [*session.watched.vocabulary.targets, *dialog["parameters"]]
@@ -109,6 +110,15 @@ def context(session: Session) -> dict[str, Any]:
         used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
         found["bindable"] = sorted(used)
     return found
+
+
+def _saved(session: Session) -> tuple[str, str]:
+    """Return the typed name and the examples it has, if a behavior of this name is saved."""
+    name = session.dialog.get("typed", "")
+    if session.dialog["resume"] or name not in session.watched.vocabulary.trained:
+        return ("", "")
+    behavior = session.watched.behaviors.get(name)
+    return (name, counted(behavior.examples) if behavior is not None else "")
 
 
 def _features(session: Session, arguments: Sequence[str]) -> list[Choice]:
@@ -146,7 +156,7 @@ def _feature(session: Session, text: str, use: Use) -> Choice:
     if (value := watched.probed.get(label)) is not None:
         now = measure(value, kind, unit)
     about = _described(vocabulary.feature_descriptions, text, use)
-    return Choice(label, about, f"{kind}, {unit}" if unit else kind, now)
+    return Choice(label, about, f"{kind}, {shown_unit(unit)}" if unit else kind, now)
 
 
 def _described(descriptions: Mapping[str, str], text: str, use: Use) -> str:

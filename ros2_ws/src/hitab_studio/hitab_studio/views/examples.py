@@ -7,6 +7,7 @@ from typing import Any
 
 from hitab_client import Learned
 from hitab_core import Example, shown_unit
+from hitab_studio import reasons
 from hitab_studio.learned import is_contradicted, most_probable, superseding
 from hitab_studio.session import Session, Table
 from hitab_studio.views.numbers import measure
@@ -21,6 +22,7 @@ class Line:
         against: numbers of the examples that contradict it.
         superseded: why nothing is learned from it; "" if something is.
         known: whether the situation in which it was recorded is known.
+        still: why it cannot be due at another time; "" if it can.
         values: of the features that are shown, for people, by name.
     """
 
@@ -29,6 +31,7 @@ class Line:
     against: tuple[int, ...]
     superseded: str
     known: bool
+    still: str
     marked: bool
     values: tuple[tuple[str, str], ...]
 
@@ -90,6 +93,7 @@ def _lines(session: Session, training: Learned) -> list[Line]:
                 superseded_by(superseded.get(example.number)),
                 moments.of(session.agent, training.name, example.number, example.cycle)
                 is not None,
+                reasons.standing_still(session, example),
                 example.number in session.table.marked,
                 tuple((c, _cell(values[c], kinds[c], units.get(c, ""))) for c in columns),
             )

@@ -21,9 +21,15 @@ def context(session: Session) -> dict[str, Any]:
         "known": watched.behaviors,
         "open": session.behavior,
         "behavior": behavior,
-        "text": text,
+        "rules": [_rule(line) for line in text.splitlines()],
         "compare": session.compare,
         "generations": have_generations(session.shared.store.known.target, session.agent)
         if session.agent
         else [],
     }
+
+
+def _rule(line: str) -> tuple[int, str]:
+    """Return how far a line of an automaton in words is indented, and the line."""
+    words = line.lstrip(" ")
+    return len(line) - len(words), words

@@ -8,10 +8,12 @@ from typing import Any
 from hitab_core import FLAGS, START, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import reasons
+from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_meant
-from hitab_studio.launching import Startable
+from hitab_studio.launching import Startable, unknown
 from hitab_studio.learned import is_taken_out
 from hitab_studio.markers import STATE_COLORS
+from hitab_studio.notices import resumed
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.choices import choices
@@ -43,11 +45,11 @@ def context(session: Session) -> dict[str, Any]:
     live = session.player is None
     mode = status.mode if status is not None else ""
     empty = _empty(session)
-    world_absent = reasons.absence(session, WORLD) if live else ""
-    history = session.watched.history
     known, launch = session.shared.store.known, session.shared.launcher.launch
+    world_absent = absence(known, WORLD) if live else None
+    history = session.watched.history
     return {
-        "absent": reasons.absence(session, session.agent) if live and session.agent else "",
+        "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
         "stale": live and bool(world_absent or empty[0]),
         "lost": session.lost,
@@ -60,6 +62,7 @@ def context(session: Session) -> dict[str, Any]:
         "save_off": reasons.saving(session),
         "last_done": history.done[-1] if history.done else "",
         "stuck": _stuck(session),
+        "resumed": resumed(status),
         "agent": session.agent,
         "status": status,
         "mode": mode,
@@ -102,7 +105,7 @@ def _decides(session: Session, mode: str) -> str:
 def _lost_off(session: Session) -> str:
     """Return why a lost command cannot be sent again now."""
     lost = session.lost
-    absent = reasons.absence(session, lost.agent) if lost is not None else ""
+    absent = absence(session.shared.store.known, lost.agent) if lost is not None else None
     return f"{lost.agent} {absent}: wait until it answers." if lost and absent else ""
 
 
@@ -156,13 +159,13 @@ def _empty(session: Session) -> tuple[str, str, str]:
     store = session.shared.store
     if session.player is not None or store.known.shown is not None:
         return ("", "", "")
-    target = store.known.target
+    target, launch = store.known.target, session.shared.launcher.launch
+    if launch is not None and launch.status is None:
+        doing = "Starting" if launch.verb == "up" else "Stopping"
+        what = "This page shows it as soon as it answers." if launch.verb == "up" else ""
+        return (f"{doing} {launch.swarm} …", what, "")
     if target is not None and target.problem.endswith("is not up."):
-        how = (
-            "Start it here or in a terminal." if _startable(session) else "Start it in a terminal."
-        )
-        name = target.swarm or "The swarm"
-        return (f"{name} is not up", f"{how} This page finds it by itself.", f"hitab up {name}")
+        return _not_up(session, target.swarm)
     if target is not None and target.problem:
         title = "Which swarm?" if target.choices else "Not connected"
         return (title, target.problem, "")
@@ -198,6 +201,17 @@ def _empty(session: Session) -> tuple[str, str, str]:
         else "Start one in a terminal. This page finds it by itself.",
         "hitab up keepaway",
     )
+
+
+def _not_up(session: Session, name: str) -> tuple[str, str, str]:
+    """Return the same for a swarm that was asked for and is not up."""
+    finds = "This page finds it by itself."
+    if not name:
+        return ("The swarm is not up", f"Start it in a terminal. {finds}", "")
+    if why := unknown(name):
+        return (f"{name} is not up", f"{why} {finds}", "")
+    where = "here or in a terminal" if _startable(session) else "in a terminal"
+    return (f"{name} is not up", f"Start it {where}. {finds}", f"hitab up {name}")
 
 
 def _startable(session: Session) -> tuple[Startable, ...]:

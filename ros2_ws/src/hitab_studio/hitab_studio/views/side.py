@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_studio import reasons
+from hitab_studio.absence import absence
 from hitab_studio.session import Session
 from hitab_studio.views import examples, learned, library, record, swarm, teach
 
@@ -31,7 +32,7 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the panel shows."""
     training = session.watched.training
     live = session.agent and session.player is None
-    absent = reasons.absence(session, session.agent) if live else ""
+    absent = absence(session.shared.store.known, session.agent) if live else None
     tabs = [t for t in TABS if session.player is None or t[0] in IN_REPLAY]
     shown = next((t for t in tabs if t[0] == session.tab), tabs[0])
     return {

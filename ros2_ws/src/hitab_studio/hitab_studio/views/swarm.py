@@ -7,9 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core import natural
-from hitab_ros.names import WORLD
+from hitab_core import natural, some
+from hitab_studio.absence import absence
+from hitab_studio.known import Known
 from hitab_studio.markers import STATE_COLORS
+from hitab_studio.notices import last_error
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
 from hitab_studio.views.agent_tree import DEEPEST, commanded
@@ -49,9 +51,18 @@ def context(session: Session) -> dict[str, Any]:
         "libraries": len(digests),
         "stoppable": _stoppable(session),
         "choices": choices(session),
-        "gone": sorted({*store.known.gone, *store.known.silent} - {WORLD}),
-        "errors": [(n, s.last_error) for n, s in store.known.statuses.items() if s.last_error][:6],
+        "absences": _absences(store.known),
+        "errors": [(n, e) for n, s in store.known.statuses.items() if (e := last_error(s))][:6],
     }
+
+
+def _absences(known: Known) -> dict[str, str]:
+    """Return who was heard and is absent now, by how."""
+    found: dict[str, list[str]] = {}
+    for name in known.statuses:
+        if (absent := absence(known, name)) is not None:
+            found.setdefault(absent.word, []).append(name)
+    return {word: some(sorted(absent, key=natural)) for word, absent in found.items()}
 
 
 def _stoppable(session: Session) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 from hitab_ros import names
 from hitab_studio import reasons
+from hitab_studio.absence import NOT_HEARD, absence
+from hitab_studio.known import Known
 from hitab_studio.session import Session
 from hitab_studio.views import emergency
 
@@ -24,7 +27,7 @@ def context(session: Session) -> dict[str, Any]:
     return {
         **emergency.context(session),
         "swarm": store.known.target.swarm if store.known.target else "",
-        "there": len(store.known.statuses) - len(store.known.gone & store.known.statuses.keys()),
+        "there": sum(map(store.known.answers, store.known.agents)),
         "agents": len(store.known.agents),
         "waiting": store.known.is_waiting,
         "world": world,
@@ -32,12 +35,19 @@ def context(session: Session) -> dict[str, Any]:
         "scene": scene,
         "pace": pace,
         "speeds": SPEEDS if listed else sorted((*SPEEDS, pace), key=float),
-        "missing": list(world.missing) if world is not None else [],
+        "unheard": len([n for n in world.missing if store.known.answers(n)]) if world else 0,
         "pages": sum(other.connected for other in session.shared.sessions.values()),
         "replaying": session.player is not None,
         "real": store.known.robots is not None,
         "world_off": world_off,
         "unplace_off": world_off or ("" if store.placements else "Nothing was placed yet."),
-        "absent": reasons.absence(session, names.WORLD) if world is not None else "",
-        "silent": len(store.known.silent.keys() - {names.WORLD}),
+        "absent": absence(store.known, names.WORLD) if world is not None else None,
+        "absences": _absences(store.known),
     }
+
+
+def _absences(known: Known) -> list[tuple[int, str]]:
+    """Return how many agents are absent, by how; those that may still come are told elsewhere."""
+    found = filter(None, (absence(known, name) for name in known.agents))
+    words = Counter(absent.word for absent in found if absent.word != NOT_HEARD)
+    return [(count, word) for word, count in words.items()]

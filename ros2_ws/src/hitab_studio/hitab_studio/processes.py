@@ -1,0 +1,54 @@
+"""What the supervisor of a swarm and the system know of its processes that do not answer."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Collection, Mapping
+from pathlib import Path
+
+from hitab_client import RunFolder
+from hitab_client.run_processes import RunProcesses, Silence
+from hitab_studio.learned import NOTHING
+
+ASK_SECONDS = 0.5
+"""Between two questions, while somebody does not answer."""
+
+
+class Processes:
+    """Says why agents, or the world, do not answer, without ever waiting for that.
+
+    The supervisor is asked in a thread of its own: it may hang itself.
+
+    Args:
+        folder: run folder of the swarm; "" if it was not started from here: nothing is known.
+    """
+
+    def __init__(self, folder: str) -> None:
+        record = RunFolder(Path(folder)).read() if folder else None
+        self._processes = RunProcesses(record) if record is not None else None
+        self._known: Mapping[str, Silence] = NOTHING
+        self._asking: threading.Thread | None = None
+        self._next = 0.0
+
+    def why(self, absent: Collection[str]) -> Mapping[str, Silence]:
+        """Return what was last found out of those that do not answer; call it again and again.
+
+        Args:
+            absent: names of agents, or of the world.
+        """
+        if not absent or self._processes is None:
+            self._known = NOTHING
+            return NOTHING
+        now = time.monotonic()
+        if now >= self._next and (self._asking is None or not self._asking.is_alive()):
+            self._next = now + ASK_SECONDS
+            self._asking = threading.Thread(
+                target=self._ask, args=(self._processes, tuple(absent)), daemon=True
+            )
+            self._asking.start()
+        return {name: why for name, why in self._known.items() if name in absent}
+
+    def _ask(self, processes: RunProcesses, absent: Collection[str]) -> None:
+        found = {name: processes.why_silent(name) for name in absent}
+        self._known = {name: why for name, why in found.items() if why is not None}
