@@ -180,7 +180,7 @@ def test_a_library_whose_only_file_is_damaged_can_be_restored(lib: Path) -> None
 
 def test_showing_a_behavior_that_is_lost_says_why(lib: Path) -> None:
     (lib / "GotoBall.hfa.yaml").write_text("nothing")
-    assert 'uses behavior "GotoBall", which cannot be used itself' in refused(
+    assert 'uses behavior "GotoBall", which cannot be used' in refused(
         "library", "show", "ControlBall", "-l", "lib"
     )
 
@@ -193,7 +193,7 @@ def test_what_others_use_is_deleted_only_on_request(lib: Path) -> None:
     assert "ControlBall, Keepaway could no longer be used" in text
     assert "or give --anyway" in text
     text = done("library", "delete", "GotoBall", "--anyway", "-l", "lib")
-    assert "ControlBall cannot be used until there is another GotoBall" in text
+    assert "ControlBall, Keepaway cannot be used until there is a GotoBall again" in text
     command = re.search(r"`hitab (library restore GotoBall 1 -l \S+)`", text)
     assert command
     done(*command[1].split())
@@ -243,9 +243,49 @@ def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: P
     replaced = f"version {number + 1}, replaces version {number} (8 examples)"
     before = {path: path.read_bytes() for path in other.rglob("*") if path.is_file()}
     text = done("library", "import", "all.yaml", "-l", "other", "--dry-run")
-    assert f"Keepaway: would be {replaced}" in text
+    become = replaced.replace(", replaces", " and replace")
+    assert f"Keepaway: would become {become}" in text
     assert {path: path.read_bytes() for path in other.rglob("*") if path.is_file()} == before
     assert f"Keepaway: {replaced}" in done("library", "import", "all.yaml", "-l", "other")
+
+
+def test_an_export_replaces_a_file_only_on_request(lib: Path, tmp_path: Path) -> None:
+    done("library", "export", "GotoBall", "-l", "lib")
+    done("library", "export", "GotoBall", "-l", "lib")  # the same again does no harm
+    path = tmp_path / "GotoBall.bundle.yaml"
+    path.write_text("mine")
+    text = refused("library", "export", "GotoBall", "-l", "lib")
+    assert "GotoBall.bundle.yaml exists already" in text
+    assert "--replace" in text
+    assert path.read_text() == "mine"
+    done("library", "export", "GotoBall", "-l", "lib", "--replace")
+    assert path.read_text() != "mine"
+
+
+def test_a_file_that_is_no_export_is_called_so(lib: Path, tmp_path: Path) -> None:
+    (tmp_path / "README.md").write_text("# Title\n\na: b: c\n")
+    text = refused("library", "import", "README.md", "-l", "new")
+    assert "README.md: is not a file of behaviors" in text
+    assert "`hitab library export`" in text
+
+
+def test_restoring_without_a_version_names_those_that_there_are(lib: Path) -> None:
+    library_of(lib).remove("GotoBall", anyway=True)
+    text = refused("library", "restore", "GotoBall", "-l", "lib")
+    assert 'say which version of "GotoBall" to restore (has: 1' in text
+    assert 'no version of "GotoBal" was kept' in refused(
+        "library", "restore", "GotoBal", "-l", "lib"
+    )
+
+
+def test_what_cannot_be_used_is_listed_once_for_each_library_with_its_agents(
+    up: RunFolder,
+) -> None:
+    (up.path / "libraries" / "keeper_2" / "GotoBall.hfa.yaml").write_text("nothing")
+    text = refused("library", "list")
+    line = "keeper_2: ControlBall, GotoBall, Keepaway cannot be used; see `hitab library check`"
+    assert text.count("cannot be used") == 1
+    assert line in text
 
 
 def test_a_damaged_export_changes_nothing(lib: Path, tmp_path: Path) -> None:
@@ -260,8 +300,8 @@ def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_aga
     up: RunFolder,
 ) -> None:
     text = done("library", "delete", "Keepaway", "--agent", "keeper_2")
-    assert "keeper_2 of swarm keepaway_trained uses this library, as it was" in text
-    assert "`hitab library reload --swarm keepaway_trained` has them read it again" in text
+    assert "keeper_2 of swarm keepaway_trained still uses this library as it was before" in text
+    assert "`hitab library reload --swarm keepaway_trained` makes it read the change" in text
 
 
 # -- for a swarm ------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hitab_client.called_as import as_called
-from hitab_core import HitabError
+from hitab_core import HitabError, in_lines
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
@@ -116,13 +116,14 @@ def say(text: str) -> None:
 
 
 def note(text: str) -> None:
-    """Print a message that is not a result."""
-    print(as_called(text), file=sys.stderr)
+    """Print a message that is not a result; the clauses of a long one on lines of their own."""
+    print(in_lines(as_called(text)), file=sys.stderr)
 
 
 def error(text: str) -> None:
-    """Print an error."""
-    err().print(f"[bold red]error:[/] {_escaped(as_called(text))}", soft_wrap=True)
+    """Print an error: what is wrong, and below it the ways out, if it is long."""
+    told = in_lines(as_called(text))
+    err().print(f"[bold red]error:[/] {_escaped(told)}", soft_wrap=True)
 
 
 def _escaped(text: str) -> str:

@@ -54,6 +54,8 @@ from .vocabulary import has as has
 from .vocabulary import unknown as unknown
 from .wording import RADIANS as RADIANS
 from .wording import each_once as each_once
+from .wording import gist as gist
+from .wording import in_lines as in_lines
 from .wording import natural as natural
 from .wording import numbered as numbered
 from .wording import quantity as quantity

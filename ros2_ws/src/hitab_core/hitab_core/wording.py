@@ -81,6 +81,32 @@ def said_of(name: str, text: str) -> str:
     return text if re.match(rf"{re.escape(name)}\b", text) else f"{name}: {text}"
 
 
+LONG = 160
+"""Characters: two lines of a terminal. A longer text is shown in several."""
+
+
+def in_lines(text: str) -> str:
+    """Return a text with each clause of a long one on its own line: what is wrong, the remedies.
+
+    Args:
+        text: one sentence per line, with clauses that semicolons separate.
+    """
+    lines = text.split("\n")
+    return "\n".join(ln.replace("; ", ";\n  ") if len(ln) > LONG else ln for ln in lines)
+
+
+def gist(text: str) -> str:
+    """Return the first clause of a long text, and where the rest is; a short one as it is.
+
+    Args:
+        text: what is wrong, then remedies, with semicolons between them.
+    """
+    first, rest = text.split("; ", 1) if "; " in text else (text, "")
+    if len(text) <= LONG or "`hitab library " not in rest:
+        return text
+    return f"{first}; see `hitab library check`"
+
+
 @lru_cache(maxsize=8192)
 def natural(name: str) -> tuple[tuple[tuple[bool, int, str], ...], str]:
     """Return a sort key that puts ``keeper_2`` before ``keeper_10``."""

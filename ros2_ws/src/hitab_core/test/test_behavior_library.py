@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -213,7 +214,7 @@ def test_the_difference_between_versions_names_examples_rules_states_and_feature
 
 
 def test_a_behavior_that_others_use_cannot_be_removed(library: BehaviorLibrary) -> None:
-    refusal = '"Control" cannot be removed: Keepaway could no longer be used'
+    refusal = '"Control" cannot be deleted: Keepaway could no longer be used'
     with pytest.raises(LibraryError, match=refusal):
         library.remove("Control")
     library.remove("Keepaway")
@@ -230,6 +231,7 @@ def test_a_missing_behavior_is_named_with_the_line_of_the_state(
     library: BehaviorLibrary,
 ) -> None:
     (library.folder / "Approach.hfa.yaml").unlink()
+    shutil.rmtree(library.folder / ".versions" / "Approach")
     with pytest.raises(LibraryError) as refused:
         again(library).load()
     line = library.file("Control").state_lines[0]
@@ -238,9 +240,25 @@ def test_a_missing_behavior_is_named_with_the_line_of_the_state(
         'the library (has: Control, Keepaway) nor a behavior of domain "small_robot" (has: '
         "GoFast, GoSlow, GoTo, Kick, Patrol, Stop); put Approach.hfa.yaml into the folder, or "
         "take the state out",
-        'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which cannot be used '
-        "itself; bring that back first",
+        'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which cannot be used; '
+        "bring that back first",
     ]
+
+
+def test_a_behavior_that_was_deleted_is_brought_back_and_what_uses_it_is_not_blamed(
+    library: BehaviorLibrary,
+) -> None:
+    library.remove("Approach", anyway=True)
+    with pytest.raises(LibraryError) as refused:
+        again(library).load()
+    way = f"bring version 1 back with `hitab library restore Approach 1 -l {library.folder}`"
+    assert f'uses behavior "Approach", which is no longer in the library; {way}' in str(
+        refused.value
+    )
+    (fault,) = again(library).edition(strict=False).losses.faults
+    assert way in fault
+    assert "distribute" not in fault
+    assert "file in its place" not in fault
 
 
 def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_used(

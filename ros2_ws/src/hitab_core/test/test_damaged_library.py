@@ -296,7 +296,7 @@ def test_a_new_training_brings_back_what_it_is_needed_for(trained: Agent, make: 
         assert change.remove("Middle") == ["High"]
         change.commit()
     agent.reload()
-    with pytest.raises(LostBehaviorError, match=r"High.*Middle.*neither in the library"):
+    with pytest.raises(LostBehaviorError, match=r"High.*Middle.*no longer in the library"):
         agent.perform(Use("High"))
     teach(agent, "Middle", "Left")
     agent.perform(Use("High"))

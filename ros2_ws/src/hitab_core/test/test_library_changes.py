@@ -54,7 +54,7 @@ def test_what_others_use_is_deleted_only_on_request_and_can_be_restored(
     with pytest.raises(LibraryError, match="Control, Keepaway could no longer be used"):
         library.remove("Approach")
     assert contents(library) == before
-    assert library.remove("Approach", anyway=True) == ["Control"]
+    assert library.remove("Approach", anyway=True) == ["Control", "Keepaway"]
     assert again(library).load(strict=False) == {}
     library.restore("Approach", 1)
     assert sorted(again(library).load()) == ["Approach", "Control", "Keepaway"]
@@ -63,7 +63,7 @@ def test_what_others_use_is_deleted_only_on_request_and_can_be_restored(
 def test_a_lost_behavior_is_given_up_without_further_questions(library: BehaviorLibrary) -> None:
     path = library.path("Approach")
     path.write_text("nothing")
-    assert library.remove("Approach") == ["Control"]
+    assert library.remove("Approach") == ["Control", "Keepaway"]
     assert not path.exists()
     assert (library.folder / ".versions/Approach/0002.hfa.yaml").read_text() == "nothing"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hitab_core.wording import quantity, said_of
+from hitab_core.wording import LONG, gist, in_lines, quantity, said_of
 
 SOURCES = Path(__file__).parents[2]
 PLURAL = re.compile(r" ([a-z]+ )?[a-z]+s\b")
@@ -25,6 +25,21 @@ def test_a_text_that_begins_with_the_name_does_not_get_it_again():
     assert said_of("keeper_1", "keeper_1 is idle") == "keeper_1 is idle"
     assert said_of("keeper_1", "keeper_10 is idle") == "keeper_1: keeper_10 is idle"
     assert said_of("keeper_1", "unknown mode") == "keeper_1: unknown mode"
+
+
+def test_a_long_text_is_shown_with_its_remedies_below_each_other():
+    what = "a" * LONG
+    assert in_lines(f"{what}; do this; or that") == f"{what};\n  do this;\n  or that"
+    assert in_lines("short; as it is") == "short; as it is"
+    assert in_lines(f"short; line\n{what}; do this") == f"short; line\n{what};\n  do this"
+
+
+def test_the_gist_of_a_long_text_says_where_the_rest_is():
+    what = "a" * LONG
+    text = f"{what}; bring it back with `hitab library restore A 1 -l lib`"
+    assert gist(text) == f"{what}; see `hitab library check`"
+    assert gist(f"{what}; call the doctor") == f"{what}; call the doctor"
+    assert gist("short; see `hitab library list`") == "short; see `hitab library list`"
 
 
 def modules() -> list[Path]:

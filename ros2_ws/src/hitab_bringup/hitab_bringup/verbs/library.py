@@ -38,7 +38,7 @@ def list_behaviors(
     """
     from hitab_bringup.library_choice import holds_behaviors
     from hitab_bringup.opened_library import open_library
-    from hitab_core import LibraryError, some
+    from hitab_core import LibraryError, gist, some
 
     libraries = chosen_libraries(library, agent, swarm)
     different = len(libraries) > 1
@@ -54,10 +54,14 @@ def list_behaviors(
         except LibraryError as error:
             if not different:
                 raise
-            problems.append(str(error))
+            problems.append(f"{_whose(folder, agents)}: {gist(str(error).splitlines()[0])}")
             continue
         there.load(strict=False)
-        problems += there.problems.values()
+        if there.problems:
+            names = some(sorted(there.problems))
+            problems.append(
+                f"{_whose(folder, agents)}: {names} cannot be used; see `hitab library check`"
+            )
         for name in there.names():
             row = _row(name, there.file(name))
             found.setdefault((name, row["checksum"]), row)["agents"] += agents
@@ -66,9 +70,16 @@ def list_behaviors(
         console.out().print(_table(data, with_agents=different))
     if without:
         console.note(f"nothing is saved in the libraries of {some(without)}")
-    for problem in problems:
-        console.error(problem)
     console.write_json(json, data)
+    if problems:
+        raise LibraryError("\n".join(problems))
+
+
+def _whose(folder: Path, agents: list[str]) -> str:
+    """Return by whose name a library is known: its agents', or its own."""
+    from hitab_core import some
+
+    return some(agents) if agents else str(folder)
 
 
 def _row(name: str, file: Any) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -39,7 +39,12 @@ def register(app: typer.Typer) -> None:
 
 def restore(
     name: Name,
-    version: Annotated[int, typer.Argument(help="Number of the version; see the list.", min=1)],
+    version: Annotated[
+        int | None,
+        typer.Argument(
+            help="Number of the version; without it, the versions that there are.", min=1
+        ),
+    ] = None,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
@@ -50,10 +55,24 @@ def restore(
 
       hitab library restore Keepaway 2 --agent keeper_1
     """
+    from hitab_core import LibraryError, has
+
     there = opened(library, agent, swarm)
+    if version is None:
+        there.load(strict=False)
+        if versions := there.versions(name):
+            raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
+        raise LibraryError(f'{there.folder}: no version of "{name}" was kept {_kept(there)}')
     path = there.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
     _tell_users(there.folder)
+
+
+def _kept(there: Any) -> str:
+    """Return of which behaviors a library has kept versions."""
+    from hitab_core import has
+
+    return has(sorted(path.name for path in (there.folder / ".versions").glob("*")))
 
 
 def accept(path: Annotated[Path, typer.Argument(help="A behavior file.")]) -> None:
@@ -96,7 +115,7 @@ def delete(
         raise LibraryError(f"{error}, or give --anyway") from None
     console.say(f"deleted {name} from {there.folder}")
     if users:
-        console.say(f"{', '.join(users)} cannot be used until there is another {name}")
+        console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
     number = there.sound_version(name)
     if number is not None:
         at = shlex.quote(str(there.folder))
@@ -149,6 +168,9 @@ def export(
         typer.Argument(help="The behaviors; what they are made of comes along. Default: all."),
     ] = None,
     output: Output = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Replace the file if it exists.")
+    ] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
@@ -161,6 +183,7 @@ def export(
 
       hitab library export -l my_library -o trained.bundle.yaml
     """
+    from hitab_core import LibraryError
     from hitab_core.library import bundle_text, parts_of
     from hitab_core.library.durable_files import file_errors, write_durably
 
@@ -169,6 +192,10 @@ def export(
     parts = parts_of(there.files, names or there.names())
     text = bundle_text(there.files, parts, there.domain.name)
     path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
+    if path.exists() and path.read_bytes() != text.encode() and not replace:
+        raise LibraryError(
+            f"{path} exists already; choose another with -o FILE, or give --replace"
+        )
     with file_errors(path, "write"):
         write_durably(path, text.encode())
     console.say(f"wrote {', '.join(parts)} to {path}")
@@ -205,7 +232,6 @@ def import_(
         else open_library(folder)
     )
     read = read_bundled(bundle, there.editions)
-    would = "would be " if dry_run else ""
     with there.change() as change:
         changed = change.install(bundle.texts)
         replaced = {name: change.replaced(name) for name in changed}
@@ -215,9 +241,15 @@ def import_(
         if behavior.name not in changed:
             console.say(f"{behavior.name}: the same is there already")
         elif replaced[behavior.name]:
-            console.say(f"{behavior.name}: {would}{replaced[behavior.name]}")
+            number, what = replaced[behavior.name].split(", replaces ", 1)
+            told = (
+                f"would become {number} and replace {what}"
+                if dry_run
+                else f"{number}, replaces {what}"
+            )
+            console.say(f"{behavior.name}: {told}")
         else:
-            console.say(f"{behavior.name}: {would}new")
+            console.say(f"{behavior.name}: {'would be new' if dry_run else 'new'}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
         _tell_users(folder)
@@ -257,8 +289,8 @@ def _tell_users(folder: Path) -> None:
     from hitab_core import some
 
     for swarm, agents in users_of(folder):
-        use = "uses" if len(agents) == 1 else "use"
+        use, them = ("uses", "it") if len(agents) == 1 else ("use", "them")
         console.say(
-            f"{some(agents, most=3)} of swarm {swarm} {use} this library, as it was; "
-            f"`hitab library reload --swarm {swarm}` has them read it again"
+            f"{some(agents, most=3)} of swarm {swarm} still {use} this library as it was before; "
+            f"`hitab library reload --swarm {swarm}` makes {them} read the change"
         )

@@ -1,4 +1,4 @@
-"""The verb that tells what trainings cost the person."""
+"""The verb that shows what trainings took the person who gave them."""
 
 from __future__ import annotations
 
@@ -34,18 +34,19 @@ def report(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Show what trainings cost the person: time, commands, examples, and what was wasted.
+    """Show what your trainings took: time, commands, examples, and what was wasted.
 
     Without a name, it shows the trainings that are under way. It is read from the journals of the
     agents.
 
-    `time` and `simulated` count from step to step, by the clock and in the world; pauses of more
-    than five minutes are left out. `commands` and `undos` are what you did. `examples` counts
-    those that there were in the end, as `hitab examples` lists them. `wasted` counts those that
-    were recorded and not learned from: they were deleted or undone, or are listed as superseded,
-    since a command in the same place contradicts them. `structures` counts the sets of features
-    that were tried: 1, and one more for each `hitab examples features`. `proposals` counts the
-    questions of the agent that you answered as it proposed.
+    `time` and `simulated` count from step to step, by the clock and in the world, without pauses
+    of more than five minutes and the time while the swarm was down. `commands` and `undos` are
+    what you did. `examples` counts those that there were in the end, as `hitab examples` lists
+    them. `wasted` counts those that were recorded and not learned from: they were deleted or
+    undone, or are listed as superseded, since a command in the same place contradicts them.
+    `structures` counts the sets of features that were tried: 1, and one more for each `hitab
+    examples features`. `proposals` counts the questions of the agent that you answered as it
+    proposed.
 
     Examples:
 

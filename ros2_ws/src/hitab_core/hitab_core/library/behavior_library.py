@@ -22,7 +22,7 @@ from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.behavior_schema import SUFFIX
-from hitab_core.library.change import LibraryChange, read_version, sound_version
+from hitab_core.library.change import LibraryChange, read_version, sound_version, way_back
 from hitab_core.library.contents import Contents
 from hitab_core.library.digests import digest_of
 from hitab_core.library.durable_files import PATIENCE
@@ -351,4 +351,10 @@ class BehaviorLibrary:
                 command = f"hitab library accept {file_name(name)}"
                 there = f"hitab library accept {shlex.quote(str(self.folder / file_name(name)))}"
                 unreadable[name] = str(error).replace(command, there)
-        return Contents.of(readable, unreadable, self.domain, fit=self.editions.knows(readable))
+        return Contents.of(
+            readable,
+            unreadable,
+            self.domain,
+            fit=self.editions.knows(readable),
+            way_back=lambda name: way_back(self._folder, self.editions, name),
+        )

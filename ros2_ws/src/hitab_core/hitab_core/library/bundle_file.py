@@ -6,6 +6,7 @@ files word for word.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,11 +20,14 @@ from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.bundle import bundle_digest
 from hitab_core.library.edition import Editions
 from hitab_core.library.yaml_fields import Fields
-from hitab_core.library.yaml_places import Complaints, open_yaml
+from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 from hitab_core.vocabulary import has
 
 FORMAT = 1
 """The format version that is written, and the newest that is read."""
+
+OWN_KEYS = re.compile(r"^(digest|files):", re.MULTILINE)
+"""At least one of these is in every file with behaviors, also in one that was cut off."""
 
 _HEAD = """\
 # Trained behaviors, each after those that it uses. Read them into a library:
@@ -99,7 +103,12 @@ def read_bundle_file(path: Path) -> BundleFile:
     Raises:
         LibraryError: naming everything wrong with it.
     """
-    fields = Fields(Complaints(open_yaml(path)))
+    text = read_text(path)
+    if OWN_KEYS.search(text) is None:  # nothing that is wrong with its contents would help then
+        raise LibraryError(
+            f"{path}: is not a file of behaviors; give one that `hitab library export` wrote"
+        )
+    fields = Fields(Complaints(read_yaml(text, str(path))))
     fields.check_format(FORMAT)
     fields.integer("format", 1)
     domain = fields.text("domain")

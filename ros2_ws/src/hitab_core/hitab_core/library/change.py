@@ -10,7 +10,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.contents import Contents, Losses
+from hitab_core.library.contents import Contents, Losses, brought_back
 from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import Changes, LibraryFolder
 from hitab_core.library.provenance import Provenance, tool_name
@@ -186,10 +186,10 @@ class LibraryChange:
         broken = sorted(self.problems.keys() - before.keys())
         if broken and not anyway:
             raise LibraryError(
-                f'{self._folder.path}: "{name}" cannot be removed: {", ".join(broken)} could no '
-                "longer be used; remove these first"
+                f'{self._folder.path}: "{name}" cannot be deleted: {", ".join(broken)} could no '
+                "longer be used; delete these first"
             )
-        return sorted(self.problems.keys() & self._contents.users(name))
+        return sorted(self.problems.keys() & self._contents.all_users(name))
 
     def replaced(self, name: str) -> str:
         """Return the number of a planned version and what it replaces; "" if nothing.
@@ -249,7 +249,13 @@ class LibraryChange:
         readable |= {name: file for name, file in files.items() if file is not None}
         unreadable = {name: text for name, text in now.unreadable.items() if name not in files}
         known = self._editions.knows(readable)
-        return Contents.of(readable, unreadable, self._domain, fit=known)
+        return Contents.of(
+            readable,
+            unreadable,
+            self._domain,
+            fit=known,
+            way_back=lambda name: way_back(self._folder, self._editions, name),
+        )
 
     def _unkept(self, name: str) -> Changes:
         there = self.after.get(name)
@@ -320,3 +326,9 @@ def sound_version(folder: LibraryFolder, editions: Editions, name: str) -> int |
                 read_version(folder, editions, name, number)
                 return number
     return None
+
+
+def way_back(folder: LibraryFolder, editions: Editions, name: str) -> str:
+    """Return how to bring back a behavior that was deleted; "" if no version of it was kept."""
+    version = sound_version(folder, editions, name)
+    return "" if version is None else brought_back(name, folder.path, version)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import Domain
@@ -14,7 +14,10 @@ from hitab_core.wording import quantity
 
 
 def misfits(
-    files: Mapping[str, BehaviorFile], domain: Domain, unreadable: Mapping[str, str] | None = None
+    files: Mapping[str, BehaviorFile],
+    domain: Domain,
+    unreadable: Mapping[str, str] | None = None,
+    way_back: Callable[[str], str] = lambda name: "",
 ) -> dict[str, str]:
     """Return why behaviors cannot be used, by name, each a text with one line per complaint.
 
@@ -22,6 +25,7 @@ def misfits(
         files: the behaviors that could be read, by name.
         domain: gives the basic behaviors and the hand-written automata.
         unreadable: names of the others; behaviors that use them cannot be used either.
+        way_back: returns how to bring back a behavior that has no file; "": it was never there.
     """
     lost = {*(unreadable or ())}
     lost |= hand_written_users(domain, files, lost)
@@ -41,7 +45,11 @@ def misfits(
         more = {
             name: "\n".join(complaints)
             for name in asked
-            if (complaints := _complaints(files[name], files, domain, lost, circles, uses))
+            if (
+                complaints := _complaints(
+                    files[name], files, domain, lost, circles, uses, way_back
+                )
+            )
         }
         found |= more
         lost |= more.keys()
@@ -87,6 +95,7 @@ def _complaints(
     lost: set[str],
     circles: Mapping[str, int],
     uses: Uses,
+    way_back: Callable[[str], str],
 ) -> list[str]:
     complaints = []
     for state, line in zip(file.automaton.states, file.state_lines, strict=True):
@@ -101,7 +110,9 @@ def _complaints(
                 "a behavior cannot use itself: remove the state from one of these"
             )
         elif state.name in lost:
-            complaints.append(f"{place}, which cannot be used itself; bring that back first")
+            complaints.append(f"{place}, which cannot be used; bring that back first")
+        elif parameters is None and (way := way_back(state.name)):
+            complaints.append(f"{place}, which is no longer in the library; {way}")
         elif parameters is None:
             complaints.append(
                 f"{place}, which is neither in the library {has(files, state.name)} nor a "

@@ -73,6 +73,7 @@ class Contents:
         domain: Domain,
         *,
         fit: bool = False,
+        way_back: Callable[[str], str] = lambda name: "",
     ) -> Contents:
         """Sort files.
 
@@ -81,10 +82,12 @@ class Contents:
             unreadable: what is wrong with the others.
             domain: in which they were trained.
             fit: whether they are known to fit together.
+            way_back: returns how to bring back a behavior that was deleted; "": it was not.
         """
         if fit and not unreadable:
             return cls(readable, {}, {})
-        return cls(readable, unreadable, {**unreadable, **misfits(readable, domain, unreadable)})
+        problems = {**unreadable, **misfits(readable, domain, unreadable, way_back)}
+        return cls(readable, unreadable, problems)
 
     @property
     def usable(self) -> dict[str, BehaviorFile]:
@@ -95,6 +98,16 @@ class Contents:
         """Return the names of the behaviors that use one directly, sorted."""
         files = self.readable
         return sorted(n for n in files if name in files[n].automaton.behaviors_used)
+
+    def all_users(self, name: str) -> set[str]:
+        """Return the names of the behaviors that use one, also by way of others."""
+        found: set[str] = set()
+        waiting = [name]
+        while waiting:
+            more = {*self.users(waiting.pop())} - found
+            found |= more
+            waiting += more
+        return found - {name}
 
     def losses(
         self, folder: Path, domain: Domain, sound_version: Callable[[str], int | None]
@@ -120,8 +133,10 @@ class Contents:
         faults, ways_out = [], {}
         for cause, others in concerned.items():
             also = f"; it is needed for {', '.join(others)}" if others else ""
-            number = sound_version(cause) if cause in self.unreadable else None
-            ways_out[cause] = way_out(cause, folder, number)
+            if cause in self.unreadable:
+                ways_out[cause] = way_out(cause, folder, sound_version(cause))
+            else:  # its own file is sound
+                ways_out[cause] = _given_up(cause, folder)
             faults.append(f"{reasons[cause]}{also}; {ways_out[cause]}")
         return Losses(reasons, tuple(faults), ways_out)
 
@@ -160,15 +175,23 @@ def way_out(name: str, folder: Path, sound_version: int | None) -> str:
     """Return what a person can do about a lost behavior."""
     if NAME.match(name) is None or name in RESERVED:
         return f"move {file_name(name)} out of the folder"
-    at = shlex.quote(str(folder))
-    given_up = f"give it up with `hitab library delete {name} -l {at}`"
     if sound_version is None:
         return (
-            f"have an agent that has it send it with `hitab distribute AGENT {name}`, put a sound "
-            f"file in its place, or {given_up}"
+            f"have an agent that has it send it with `hitab distribute AGENT {name}`; put an "
+            f"intact file in its place; {_given_up(name, folder)}"
         )
-    restored = f"`hitab library restore {name} {sound_version} -l {at}`"
-    return f"bring version {sound_version} back with {restored}, or {given_up}"
+    return f"{brought_back(name, folder, sound_version)}; {_given_up(name, folder)}"
+
+
+def brought_back(name: str, folder: Path, version: int) -> str:
+    """Return how to bring a version of a behavior back."""
+    at = shlex.quote(str(folder))
+    return f"bring version {version} back with `hitab library restore {name} {version} -l {at}`"
+
+
+def _given_up(name: str, folder: Path) -> str:
+    at = shlex.quote(str(folder))
+    return f"or give it up with `hitab library delete {name} -l {at}`"
 
 
 def _way_to_cause(name: str, parts: Mapping[str, list[str]]) -> list[str]:

@@ -5,7 +5,6 @@ Source: the paper, table 1, counts the examples of each behavior and the minutes
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -15,6 +14,9 @@ from typing import Any
 from hitab_core.example_codec import example_of
 from hitab_core.training.example_log import Edit, ExampleLog
 from hitab_core.training.training_record import prepared
+
+RESUMED = "resume"
+"""What a journal calls the moment from which on another process goes on with a training."""
 
 PAUSE_SECONDS = 300.0
 """A person who did nothing for longer was away; that time is not counted."""
@@ -27,7 +29,8 @@ class TrainingCost:
     Attributes:
         automaton: its name.
         began: when, in ISO 8601.
-        wall_seconds: that the person took; pauses of more than `PAUSE_SECONDS` count as none.
+        wall_seconds: that the person took; pauses of more than `PAUSE_SECONDS` count as none, and
+            neither does the time before the training was resumed in another process.
         simulated_seconds: of the world, between the steps of the person.
         commands: that were given.
         examples: that there were in the end, as a list of them shows; superseded ones included.
@@ -51,18 +54,22 @@ class TrainingCost:
     finished: bool
 
 
-def training_cost(records: Iterable[Mapping[str, Any]]) -> TrainingCost | None:
+def training_cost(
+    records: Iterable[Mapping[str, Any]], now: float | None = None
+) -> TrainingCost | None:
     """Return what a training cost; None if its journal is from before these were counted.
 
     Args:
         records: of its journal, all of them.
+        now: the time, if the training goes on; None: it was saved, given up or interrupted.
 
     Raises:
         TrainingError, KeyError, TypeError, ValueError: if they are no journal.
     """
-    begin, *rest = records
+    begin, *lines = records
     if "at" not in begin:
         return None
+    rest = [record for record in lines if record["do"] != RESUMED]
     log = ExampleLog(map(example_of, begin["examples"]))
     told: list[str] = []
     for record in rest:
@@ -71,17 +78,21 @@ def training_cost(records: Iterable[Mapping[str, Any]]) -> TrainingCost | None:
         edit = Edit() if told[-1] in ("retime", "features") else prepared(log, record)
         if edit is not None:
             log.make(edit)
-    walls = [float(record["at"]) for record in (begin, *rest)]
+    walls = [[float(begin["at"])]]
+    for record in lines:
+        if record["do"] == RESUMED:
+            walls.append([])
+        walls[-1].append(float(record["at"]))
     simulated = [float(record["time"]) for record in rest if "time" in record]
     finished = bool(rest) and rest[-1]["do"] == "save"
-    if not finished:
-        walls.append(max(walls[-1], min(time.time(), walls[-1] + PAUSE_SECONDS)))
+    if not finished and now is not None:
+        walls[-1].append(min(now, walls[-1][-1] + PAUSE_SECONDS))
     learned = sum(example.is_learned for example in log.examples)
     name = rest[-1]["automaton"] if finished else begin["curriculum"]["automaton"]
     return TrainingCost(
         str(name),
-        datetime.fromtimestamp(walls[0], UTC).isoformat(timespec="seconds"),
-        _passed(walls, PAUSE_SECONDS),
+        datetime.fromtimestamp(walls[0][0], UTC).isoformat(timespec="seconds"),
+        sum(_passed(times, PAUSE_SECONDS) for times in walls),
         _passed(simulated, PAUSE_SECONDS),
         told.count("command"),
         len(log),
@@ -91,6 +102,11 @@ def training_cost(records: Iterable[Mapping[str, Any]]) -> TrainingCost | None:
         sum(1 for record in rest if record.get("proposed")),
         finished,
     )
+
+
+def has_steps(records: Iterable[Mapping[str, Any]]) -> bool:
+    """Return whether a person has done anything in a training since it began."""
+    return any(record.get("do") not in ("begin", RESUMED) for record in records)
 
 
 def _passed(times: list[float], longest: float) -> float:

@@ -12,7 +12,7 @@ from hitab_core.errors import FolderInUseError, HitabError, LibraryError, Traini
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of, example_record
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.training.cost import TrainingCost, training_cost
+from hitab_core.training.cost import RESUMED, TrainingCost, has_steps, training_cost
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.example_journal import ExampleJournal, archive, records_in
 from hitab_core.training.training_session import TrainingSession
@@ -94,7 +94,8 @@ class TrainingJournal:
     def costs(self, automaton: str) -> list[TrainingCost]:
         """Return what the trainings of an automaton cost, oldest first.
 
-        Those of which nothing is known, or whose journals are damaged, are left out.
+        Those of which nothing is known, in which nothing was done, or whose journals are damaged,
+        are left out.
         """
         return [cost for cost in self._all_costs() if cost.automaton == automaton]
 
@@ -106,8 +107,13 @@ class TrainingJournal:
         if self._path is None:
             return []
         paths = self._path.parent.glob(f"{self._path.stem}*{self._path.suffix}")
-        costs = [cost for cost in map(_cost_in, paths) if cost is not None]
-        return sorted(costs, key=lambda cost: cost.began)
+        # Only the training that this process has open goes on.
+        going_on = self._path if self._file is not None else None
+        costs = (
+            _cost_in(path, time.time() if path == going_on else None, begun=False)
+            for path in paths
+        )
+        return sorted(filter(None, costs), key=lambda cost: cost.began)
 
     def unsaved(self) -> TrainingCost | None:
         """Return what the training under way has cost so far, whichever process it is in.
@@ -176,7 +182,7 @@ class TrainingJournal:
         if not records:
             file.discard()
             return None
-        last = records[-1]
+        last = next((r for r in reversed(records) if r.get("do") != RESUMED), records[-1])
         if last.get("do") == "save" and has_saved(
             str(last.get("automaton")), str(last.get("checksum"))
         ):
@@ -193,12 +199,14 @@ class TrainingJournal:
                 "fix that, or move this file away to start without that training"
             ) from error
         self._file = file
+        with suppress(LibraryError):  # only what the training took depends on it
+            self.write({"do": RESUMED})
         return session
 
     def _replayed(
         self, records: Iterable[Mapping[str, Any]], context: RunContext
     ) -> TrainingSession:
-        begin, *rest = records
+        begin, *rest = (record for record in records if record.get("do") != RESUMED)
         if begin["domain"] != self._domain:
             raise TrainingError(
                 f'it is of domain "{begin["domain"]}", and the agent has "{self._domain}"'
@@ -215,9 +223,16 @@ class TrainingJournal:
         return session
 
 
-def _cost_in(path: Path) -> TrainingCost | None:
-    """Return what a training cost; None: there is none, nothing is known, or it is damaged."""
+def _cost_in(path: Path, now: float | None = None, *, begun: bool = True) -> TrainingCost | None:
+    """Return what a training cost; None: there is none, nothing is known, or it is damaged.
+
+    Args:
+        path: of the journal.
+        now: the time, if the training goes on.
+        begun: whether one that was only begun counts.
+    """
     records = records_in(path)
     with suppress(HitabError, KeyError, TypeError, ValueError):
-        return training_cost(records) if records else None
+        if records and (begun or has_steps(records)):
+            return training_cost(records, now)
     return None
