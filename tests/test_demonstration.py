@@ -257,6 +257,17 @@ def test_a_training_that_was_not_meant_is_named_and_discarded(begun, hitab):
     assert begun.agents.discard(ONE).message.endswith('"Other", which had no examples')
 
 
+def test_status_names_a_training_that_is_kept_meanwhile(begun, hitab):
+    begun.agents.command(ONE, "GoFast")
+    begun.agents.perform(ONE, "")
+    shown = " ".join(hitab("status").stdout.split())
+    assert (
+        'keeper_1: the training of "Near" (2 examples) is kept; `hitab train keeper_1` goes on '
+        "with it"
+    ) in shown
+    begun.agents.discard(ONE)
+
+
 def test_beginning_another_training_says_what_it_discards(begun, hitab):
     begun.agents.command(ONE, "GoFast")
     done = hitab("train", ONE, "Other", "-f", "DistanceTo(ball)", "--discard")

@@ -206,7 +206,7 @@ class AgentNode(GuardedNode):
                 f"with {quantity(len(training.log), 'example')}"
             )
         else:
-            self.status.notify(self._start_error)
+            self.status.notify(self._start_error or self._memory.restarted(self.agent))
 
     def _join_actions(self) -> None:
         """Become a client of the actions that are behaviors, and offer the behaviors as one."""

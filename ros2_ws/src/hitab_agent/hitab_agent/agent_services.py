@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hitab_msgs import srv
+from hitab_msgs import msg, srv
 
 from hitab_agent.question_services import QuestionServices
 from hitab_agent.slices import Slices
@@ -136,7 +136,11 @@ class AgentServices:
             case mode:
                 known = (Mode.TESTING, Mode.TRAINING, Mode.IDLE)
                 raise TrainingError(unknown("mode", mode, known))
-        return f'{self._agent.name} is {self._agent.mode} "{self._agent.training}"'
+        agent = self._agent
+        done = f'{agent.name} is {agent.mode} "{agent.training}"'
+        if agent.mode is Mode.TESTING and (open_ones := _open_questions(agent)):
+            done += f"; it has {open_ones}; `hitab questions {agent.name}` shows what it asks"
+        return done
 
     def _discard(self, mode: str) -> str:
         if mode != Mode.IDLE:
@@ -219,6 +223,11 @@ class AgentServices:
                 _no_training(agent, "name a trained behavior: `hitab report {} NAME`")
             )
         costs = agent.journal.costs(name)
+        if not costs and name == agent.training:
+            raise TrainingError(
+                f'nothing was done yet in the training of "{name}"; command a behavior with '
+                f"`hitab demonstrate {agent.name} BEHAVIOR`"
+            )
         if not costs:
             raise TrainingError(
                 f'{agent.name} has no record of a training of "{name}" '
@@ -234,7 +243,9 @@ class AgentServices:
                 f"bind_to {len(request.bind_to)}"
             )
         bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
-        performed = self._agent.behavior if self._agent.mode is Mode.PERFORMING else ""
+        agent = self._agent
+        performed = agent.behavior if agent.mode is Mode.PERFORMING else ""
+        open_ones = _open_questions(agent)
         automaton, path, trimmed, replaced = self._agent.save(
             request.name, bindings, request.description, keep_unused=request.keep_unused
         )
@@ -245,6 +256,11 @@ class AgentServices:
         saved = Use(automaton.name, automaton.parameters)
         done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
         done += f"; {replaced}" if replaced else ""
+        if open_ones:
+            done += (
+                f"; it had {open_ones}; to answer, `hitab train {agent.name} {automaton.name} "
+                f"--resume` and `hitab questions {agent.name}`"
+            )
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done
@@ -306,6 +322,18 @@ class AgentServices:
         response.feature_descriptions = [f.description for _, f in words]
         response.targets = sorted(domain.targets)
         return response
+
+
+def _open_questions(agent: Agent) -> str:
+    """Return how many questions about a training are open, as far as known; empty: none."""
+    session = agent.session
+    known = session.asked.known(session.examples) if session is not None else []
+    if not known:
+        return ""
+    told = quantity(len(known), "open question")
+    if clashes := sum(question.kind == msg.Question.CONTRADICTION for question in known):
+        told += f", {clashes} of contradicting commands, where it decides by chance"
+    return told
 
 
 def _no_training(agent: Agent, way_out: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from hitab_agent.line_memory import LineMemory
+from hitab_core import Agent
 
 FILE_NAME = "performance.json"
 
@@ -47,6 +48,19 @@ class PerformanceMemory:
         if self.performed is None:
             return behavior
         return self.performed if resume else ""
+
+    def restarted(self, agent: Agent) -> str:
+        """Say that an agent was restarted and what it did before; empty: its first start."""
+        if self.performed is None:
+            return ""
+        if agent.behavior:
+            return f'{agent.name} was restarted; it performs "{self.performed}" again, as before'
+        if not self.performed:
+            return f"{agent.name} was restarted; it was idle before, too"
+        return (
+            f'{agent.name} was restarted and is idle; it performed "{self.performed}" before: '
+            f"`hitab perform {agent.name} '{self.performed}'` has it perform that again"
+        )
 
     def keep(self, behavior: str) -> None:
         """Save what is performed now, if that has changed.

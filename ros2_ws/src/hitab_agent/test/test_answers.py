@@ -147,3 +147,22 @@ def test_caution_is_confirmed_with_its_limits(ann: Offered) -> None:
         "ann: when it has fewer than 2 examples, or is farther than 3 from any example: halt"
     )
     assert ann.ask("set_caution", when_unsure="go_on").message == "ann: when it is unsure: go_on"
+
+
+def test_testing_and_saving_say_which_questions_are_open(ann: Offered) -> None:
+    taught(ann)
+    assert ann.ask("set_mode", mode="testing").message == 'ann is testing "Shuttle"'
+    ann.ask("set_mode", mode="training")
+    ann.show(0.0, "Right")
+    ann.show(5.0, "Right")  # and before: Left
+    open_ones = "1 open question, 1 of contradicting commands, where it decides by chance; "
+    assert ann.ask("set_mode", mode="testing").message == (
+        f'ann is testing "Shuttle"; it has {open_ones}`hitab questions ann` shows what it asks'
+    )
+    assert ann.ask("save").message.endswith(
+        f"it had {open_ones}to answer, `hitab train ann Shuttle --resume` and "
+        "`hitab questions ann`"
+    )
+    ann.begin(resume="Shuttle")
+    assert ann.agent.session is not None
+    assert ann.agent.session.asked.known(ann.agent.session.examples)

@@ -1,6 +1,7 @@
 """What an agent goes on with after a restart."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
@@ -52,3 +53,24 @@ def test_a_damaged_file_is_ignored_and_replaced(tmp_path, damaged):
 def test_a_behavior_that_is_no_text_is_ignored(tmp_path):
     (tmp_path / FILE_NAME).write_text(json.dumps({"swarm": RUN, "behavior": 3}))
     assert PerformanceMemory(tmp_path, RUN).performed is None
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "told"),
+    [
+        (
+            "GoTo(A)",
+            "",
+            'ann was restarted and is idle; it performed "GoTo(A)" before: '
+            "`hitab perform ann 'GoTo(A)'` has it perform that again",
+        ),
+        ("Chase", "Chase", 'ann was restarted; it performs "Chase" again, as before'),
+        ("", "", "ann was restarted; it was idle before, too"),
+    ],
+)
+def test_a_restarted_agent_says_what_it_did_before(tmp_path, before, now, told):
+    agent = SimpleNamespace(name="ann", behavior=now)
+    assert PerformanceMemory(tmp_path, RUN).restarted(agent) == ""
+    PerformanceMemory(tmp_path, RUN).keep(before)
+    assert PerformanceMemory(tmp_path, RUN).restarted(agent) == told
+    assert PerformanceMemory(tmp_path, NEXT_RUN).restarted(agent) == ""

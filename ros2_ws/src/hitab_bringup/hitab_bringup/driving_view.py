@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from hitab_client import console
-from hitab_core import quantity
+from hitab_core import START, quantity
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -32,7 +32,7 @@ def lines(
     if status is None:
         yield console.line(f"{agent}  has not answered yet", "yellow")
     else:
-        yield console.line(f"{agent}  {_doing(status)}", "bold")
+        yield console.line(f"{agent}  {_doing(status, demonstrator.words.training)}", "bold")
         for fault in status.faults[:FAULTS_MAX]:
             yield console.line(f"  {fault}", "yellow")
     if agent in silent:
@@ -65,14 +65,23 @@ def lines(
         )
 
 
-def _doing(status: AgentStatus) -> str:
+def _doing(status: AgentStatus, training: str) -> str:
     path = " > ".join(status.active_path)
     if status.mode in (status.TRAINING, status.TESTING):
         examples = quantity(status.examples, "example")
         asks = f", {quantity(status.questions, 'question')}" if status.questions else ""
         told = f'{status.mode} "{status.behavior}": {examples} ({status.default_examples} default)'
-        return f"{told}{asks}; performs {path or 'nothing'}"
-    return f"{status.mode}: {path or status.behavior or 'nothing'}"
+        done = "performs nothing yet" if path in ("", START) else f"performs {path}"
+        return f"{told}{asks}; {done}"
+    done = path or status.behavior
+    doing = f"{status.mode}: {done}" if done else str(status.mode)
+    if not status.examples:
+        return doing
+    name = f' of "{training}"' if training else ""
+    return (
+        f"{doing}; the training{name} ({quantity(status.examples, 'example')}) is kept: "
+        "t continues it"
+    )
 
 
 def _keys(demonstrator: Demonstrator) -> Iterator[Text]:

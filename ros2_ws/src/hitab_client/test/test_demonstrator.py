@@ -7,7 +7,7 @@ import pytest
 from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 
 from hitab_client import SwarmError, reaction_time
-from hitab_client.demonstrating import Demonstrator, KeyboardInput
+from hitab_client.demonstrating import Demonstrator, KeyboardInput, outcome
 from hitab_client.demonstrating.demonstrator import FOUND_S, PATIENCE_S, PENDING_MAX
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import Use
@@ -311,3 +311,26 @@ def test_the_emergency_stop_counts_at_once_and_what_was_pressed_before_it_no_mor
     assert desk.press("up") == "the emergency stop holds the robots"
     desk.press("G")
     assert not desk.demonstrator.switch.engaged
+
+
+def test_a_kept_training_is_named_with_the_key_that_continues_it(desk):
+    desk.agents.statuses[ONE] = AgentStatus(agent=ONE, mode="idle", examples=4)
+    desk.demonstrator.look()
+    assert desk.demonstrator.words.training == "Wander"
+    assert desk.press("1").endswith('only in training: t continues that of "Wander"')
+    desk.press("t")
+    assert desk.agents.done[-1] == ("training", ONE)
+
+
+def test_an_arrow_that_is_pressed_twice_before_the_agent_answers_leaves_it_in_training(desk):
+    desk.agents.become(ONE, "training", "Forward")
+    desk.keyboard.press("up")
+    desk.now += 0.6  # the first press has ended
+    desk.keyboard.press("up")
+    desk.demonstrator.work()
+    assert desk.agents.done == [("perform", ONE, ""), ("training", ONE)]
+
+
+def test_a_flag_is_raised_and_not_performed():
+    status = AgentStatus(behavior="Wander", examples=5, active_path=["Done"])
+    assert outcome(ONE, "Done", status) == f"{ONE} raised Done; Wander has 5 examples (0 default)"

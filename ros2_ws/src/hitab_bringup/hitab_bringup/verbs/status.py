@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
+from hitab_core import quantity
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -48,7 +50,7 @@ def status(
             _watch(swarm_up)
             return
         silent = _silent(swarm_up)
-        data = _status_data(swarm_up, silent)
+        data = _status_data(swarm_up, silent, KeptTrainings(swarm_up.agents))
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
             raise _nobody(swarm_up)
         if json != "-":
@@ -89,6 +91,7 @@ def _watch(swarm_up: Connection) -> None:
     signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
 
     last: dict[str, Any] = {}
+    trainings = KeptTrainings(swarm_up.agents)
 
     def shown() -> Group:
         nonlocal last
@@ -96,7 +99,7 @@ def _watch(swarm_up: Connection) -> None:
         signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
         last = now
         silent = _silent(swarm_up, signs)
-        return _rendered(_status_data(swarm_up, silent), silent)
+        return _rendered(_status_data(swarm_up, silent, trainings), silent)
 
     with console.live(shown()) as update:
         while True:
@@ -112,11 +115,14 @@ def _identities(swarm_up: Connection) -> set[str]:
     return found | ({world.swarm} if world is not None else set())
 
 
-def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
+def _status_data(
+    swarm_up: Connection, silent: Mapping[str, Silence | None], trainings: KeptTrainings
+) -> dict[str, Any]:
     """Return all that is known about a swarm, as plain data."""
     agents = [
         {
             "agent": name,
+            "training": trainings.name(s),
             "domain": s.domain,
             "mode": s.mode,
             "behavior": s.behavior,
@@ -216,9 +222,21 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
         lines.append(console.line("no agent answers"))
     lines += [console.line(why, "red") for why in sentences(silent)]
     lines += [console.line(text, "red") for text in _wrong_with(data["agents"])]
+    lines += [console.line(_kept(agent)) for agent in data["agents"] if _kept(agent)]
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
     lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
     return Group(*lines)
+
+
+def _kept(agent: Mapping[str, Any]) -> str:
+    """Say that a training waits, and how to go on with it; "" if none does."""
+    if not agent["training"] or agent["mode"] in ("training", "testing"):
+        return ""
+    name, examples = agent["agent"], quantity(agent["examples"], "example")
+    return (
+        f'{name}: the training of "{agent["training"]}" ({examples}) is kept; '
+        f"`hitab train {name}` goes on with it"
+    )
 
 
 def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
@@ -231,11 +249,12 @@ def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    from hitab_core import quantity
+    from hitab_core import gist
 
     # It may have been long ago: what is still so is among the faults.
     what = f"last refusal{_at(status)}" if "agent" in status else "last error"
-    told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
+    told = [gist(fault) for fault in faults]
+    told += [f"{what}: {gist(last)}"] if last and last not in faults else []
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import console
@@ -274,7 +275,8 @@ def discard(
     """
     with connection(swarm) as swarm_up:
         if not yes and _is_terminal():
-            _ask_to_discard(swarm_up.agents.await_agent(agent))
+            status = swarm_up.agents.await_agent(agent)
+            _ask_to_discard(status, KeptTrainings(swarm_up.agents).name(status))
         answer = swarm_up.agents.discard(agent)
     console.say(answer.message)
 
@@ -283,7 +285,7 @@ def _is_terminal() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
-def _ask_to_discard(status: AgentStatus) -> None:
+def _ask_to_discard(status: AgentStatus, training: str) -> None:
     """Ask whether to discard a training that took more than a few commands.
 
     Raises:
@@ -292,7 +294,7 @@ def _ask_to_discard(status: AgentStatus) -> None:
     if status.examples - status.default_examples > UNASKED_MAX:
         examples = quantity(status.examples, "unsaved example")
         typer.confirm(
-            f'Discard the training of "{status.behavior}" with its {examples}?',
+            f'Discard the training of "{training}" with its {examples}?',
             abort=True,
             err=True,
         )

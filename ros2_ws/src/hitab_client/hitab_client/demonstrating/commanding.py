@@ -9,7 +9,7 @@ from hitab_client.demonstrating.timing import due, earlier
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS, SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import quantity
+from hitab_core import FLAGS, quantity
 
 
 def command(
@@ -57,8 +57,9 @@ def command(
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
     """Return what came of a command, from the status that acknowledges it."""
     path = " > ".join(status.active_path) or behavior
+    does = "raised" if behavior in FLAGS else "performs"
     return (
-        f"{agent} performs {path}; {status.behavior} has "
+        f"{agent} {does} {behavior if behavior in FLAGS else path}; {status.behavior} has "
         f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
     )
 

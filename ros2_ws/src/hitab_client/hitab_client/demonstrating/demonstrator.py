@@ -333,7 +333,8 @@ class Demonstrator:
         status = agents.await_agent(agent)
         if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
             agents.perform(agent, use.name, use.arguments)
-            return f"{agent} performs {use}; it learns from commands only in training"
+            kept = f': t continues that of "{words.training}"' if words.training else ""
+            return f"{agent} performs {use}; it learns from commands only in training{kept}"
         reaction = reaction_time.of(agents.demonstrator)
         if reaction and not pressed.seen:
             reaction += self._clock() - pressed.due
@@ -390,6 +391,8 @@ class Demonstrator:
 
     def _halt(self, agent: str) -> str:
         """Have the agent do nothing; a training goes on at its beginning."""
+        if self._is_at_rest():
+            return ""  # pressed once more before it had been carried out
         mode = self._agents.await_agent(agent).mode
         self._agents.perform(agent, "")
         if mode not in (AgentStatus.TRAINING, AgentStatus.TESTING):

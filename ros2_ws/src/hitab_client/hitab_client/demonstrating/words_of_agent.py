@@ -23,12 +23,14 @@ class Words:
         behaviors: with parameters, in the order of their keys; in training the flags come last.
         keys: of the behaviors that have one.
         targets: of parameters; in training its own parameters are among them.
+        training: name of the training that is under way, or kept with its examples; "": none.
     """
 
     domain: str = ""
     behaviors: tuple[str, ...] = ()
     keys: tuple[tuple[str, str], ...] = ()
     targets: tuple[str, ...] = ()
+    training: str = ""
 
     def on_key(self, key: str) -> str:
         """Return the behavior on a key; "" if there is none."""
@@ -73,8 +75,10 @@ class WordsOfAgents:
         told = self._agents.vocabulary(agent)
         targets = list(told.targets)
         of_training: dict[str, Any] = {}
-        if _is_trained(status):
+        training = None
+        if _is_trained(status) or status.examples:
             training = self._agents.ask(agent, GetBehavior, names.GET_BEHAVIOR)
+        if training is not None and _is_trained(status):
             targets += [p for p in training.parameters if p not in targets]
             of_training = {
                 "training": training.name,
@@ -85,7 +89,13 @@ class WordsOfAgents:
             told.domain, told.behaviors, set(told.trained), **of_training
         )
         keys = ((self._keys.of(told.domain, name), name) for name in there)
-        return Words(told.domain, tuple(there), tuple(k for k in keys if k[0]), tuple(targets))
+        return Words(
+            told.domain,
+            tuple(there),
+            tuple(k for k in keys if k[0]),
+            tuple(targets),
+            training.name if training is not None else "",
+        )
 
 
 def _is_trained(status: AgentStatus) -> bool:
@@ -94,5 +104,6 @@ def _is_trained(status: AgentStatus) -> bool:
 
 def _state(status: AgentStatus) -> tuple[str, ...]:
     """Return what an agent's words depend on."""
-    training = status.behavior if _is_trained(status) else ""
-    return status.domain, status.library_digest, str(_is_trained(status)), training
+    is_trained = _is_trained(status)
+    training = status.behavior if is_trained else "kept" * bool(status.examples)
+    return status.domain, status.library_digest, str(is_trained), training

@@ -53,9 +53,13 @@ class Questions:
         self._searched = False
 
     def count(self, examples: tuple[Example, ...]) -> int:
-        """Return how many are open, without looking for those that take long to find."""
+        """Return how many are `known`."""
+        return len(self.known(examples))
+
+    def known(self, examples: tuple[Example, ...]) -> list[Question]:
+        """Return those that are open, without looking for those that take long to find."""
         self._look_at(examples)
-        return len(self._unless_dismissed(self._known))
+        return self._unless_dismissed(self._known)
 
     def _look_at(self, examples: tuple[Example, ...]) -> None:
         """Look for those that are found at once, if the examples have changed."""

@@ -149,7 +149,9 @@ async def toggle(session: Session, data: Data) -> None:
     ):
         raise SwarmError(f"{session.agent or 'no agent'} is not being trained: begin a training.")
     mode = demonstrating.other_mode(status)
-    await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
+    answer = await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
+    if mode == "testing" and status.questions:
+        session.tell(answer.message, "note")
 
 
 @action("restart")
