@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any, Protocol
 
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
@@ -47,11 +48,13 @@ class Sight:
         state: the active state of what is being trained.
         values: of everything visible, by feature.
         ended: whether the episode has ended.
+        below: the active state of each automaton that is performed inside of it, by name.
     """
 
     state: str
     values: Mapping[str, float]
     ended: bool
+    below: Mapping[str, str] = field(default_factory=dict)
 
 
 class Pupil(Protocol):
@@ -130,6 +133,7 @@ class InProcessPupil:
         events: record late commands with the events that they responded to.
         supersede: let commands outrank the default examples that they contradict.
         sides: let a command among default examples hold for a side of the circle.
+        ahead: let trees look one step ahead.
         other_side: ask about the side of the circle on which a command was not shown.
     """
 
@@ -141,6 +145,7 @@ class InProcessPupil:
         events: bool = True,
         supersede: bool = True,
         sides: bool = True,
+        ahead: bool = True,
         other_side: bool = True,
     ) -> None:
         self.given = 0
@@ -148,7 +153,7 @@ class InProcessPupil:
         setattr(example_log, "superseding", superseding if supersede else list)  # noqa: B010
         setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
         setattr(questions, "unshown_sides", unshown_sides if other_side else _none)  # noqa: B010
-        self._classifier = "tree" if sides else "tree(all_around=True)"
+        self._classifier = f"tree(all_around={not sides}, look_ahead={ahead})"
         self._time = 0.0
         self._folder = tempfile.TemporaryDirectory(prefix="hitab-teachers-")
         self._world = KeepawayWorld(parameters, seed)
@@ -194,7 +199,7 @@ class InProcessPupil:
             actions[name] = agent.act()
         seen = self._sight()
         if self._world.step(actions):
-            seen = Sight(seen.state, seen.values, True)
+            seen = replace(seen, ended=True)
         return seen
 
     def command(self, state: str, ago: float = 0.0) -> Sequence[Example]:
@@ -269,4 +274,5 @@ class InProcessPupil:
         values = {str(use): look(use) for use in self._visible}
         child = session.running.child
         values[DONE] = float(child is not None and "Done" in child.raised)
-        return Sight(session.running.active, values, bool(self._world.ended))
+        below = dict(pairwise(session.running.active_path))
+        return Sight(session.running.active, values, bool(self._world.ended), below)

@@ -159,7 +159,7 @@ class SecondThoughts:
             allowance: the most examples that may have been recorded.
 
         Returns:
-            The examples that answers have deleted.
+            The examples that answers have deleted, default ones left out.
         """
         before, answered = self.pupil.examples(), set()
         for _ in range(ANSWERS):
@@ -178,7 +178,7 @@ class SecondThoughts:
         """Say which of two commands in the same situation holds, as soon as the agent asks.
 
         Returns:
-            The examples that this has deleted.
+            The examples that this has deleted, default ones left out.
         """
         before = self.pupil.examples()
         for _ in range(ANSWERS):
@@ -189,7 +189,7 @@ class SecondThoughts:
 
     def _gone(self, before: Sequence[Example]) -> list[Example]:
         kept = {example.number for example in self.pupil.examples()}
-        return [example for example in before if example.number not in kept]
+        return [e for e in before if e.number not in kept and not e.is_default]
 
     def _answer(self, question: Question, *, again: bool = False) -> None:
         """Answer by the intention; dismiss what it does not decide, or has decided before."""

@@ -9,7 +9,8 @@ learns.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from random import Random
 
 from habits import Diary, Habits
@@ -24,6 +25,12 @@ from hitab_core.example import Example
 
 SHARES = (14 / 60, 31 / 60, 46 / 60, 1.0)
 """The part of the budget that may be spent by the end of each plan."""
+
+NOTICED = 2
+"""A plan goes wrong that did what was not intended in so many trials of what is made of it."""
+
+MENDING = 6
+"""The most examples that are given to a plan to which a person goes back, before going on."""
 
 
 class Person:
@@ -81,25 +88,50 @@ class Person:
             pupil.begin(plan)
             if not course.practise(SCENES[plan.name], guided=2) or not course.save():
                 return self._ended(pupil, plan)
-        if not self._train_team(pupil, top):
+            self._mend_below(pupil, course, courses)
+        team = self._train_team(pupil, top)
+        if team is None:
             return self._ended(pupil, top)
-        # What is left of the budget goes to what is not good yet, first to what lost a command.
-        for course in sorted(courses, key=lambda course: not course.memory.lost):
-            plan, course.allowance = course.plan, self.budget
-            if plan.name in self.diary.content or course.exhausted:
-                continue
-            pupil.perform("")
-            pupil.begin(plan, resume=True)
-            course.practise(SCENES[plan.name], guided=1)
-            course.save()
+
+        def urgency(course: Course) -> tuple[int, bool]:
+            return -team.troubles[course.plan.name], not course.memory.lost
+
+        # What is left of the budget goes to what is not good yet, first to what goes wrong in
+        # games, then to what lost a command.
+        for course in sorted(courses, key=urgency):
+            name, course.allowance = course.plan.name, self.budget
+            content = name in self.diary.content and team.troubles[name] < NOTICED
+            if not content and not course.exhausted:
+                self._resume(pupil, course)
+        if not team.content:
+            pupil.perform(top.name)
+            pupil.begin(top, resume=True)
+            self._bootstrap(team, top)
         return self.diary
+
+    def _resume(self, pupil: Pupil, course: Course) -> None:
+        """Go on with the training of a plan."""
+        pupil.perform("")
+        pupil.begin(course.plan, resume=True)
+        course.practise(SCENES[course.plan.name], guided=1)
+        course.save()
+
+    def _mend_below(self, pupil: Pupil, course: Course, courses: Sequence[Course]) -> None:
+        """Go back to the plan that hinders this one, and show again what this one has lost."""
+        if course.plan.name in self.diary.content:
+            return
+        hindering = [c for c in courses if course.troubles[c.plan.name] >= NOTICED]
+        hindering.sort(key=lambda c: -course.troubles[c.plan.name])
+        for again in (*hindering[:1], *([course] if hindering or course.memory.lost else [])):
+            again.allowance = min(self.budget, pupil.given + MENDING)
+            self._resume(pupil, again)
 
     def _ended(self, pupil: Pupil, plan: Plan) -> Diary:
         self.diary.failure = f"{plan.name} has no example for {START}"
         return self.diary
 
-    def _train_team(self, pupil: Pupil, plan: Plan) -> bool:
-        """Bootstrap the top-level plan; return whether there is anything to perform.
+    def _train_team(self, pupil: Pupil, plan: Plan) -> Course | None:
+        """Bootstrap the top-level plan; return its course, None if there is nothing to perform.
 
         First the mates stand idle, then they perform what has been trained so far.
         """
@@ -108,22 +140,34 @@ class Person:
         course = Course(self, pupil, plan, self.budget)
         for scene in (having_the_ball, being_open):
             course.demonstrate(scene, seconds=0.6)
+        if not course.hand_out(plan):
+            return None
+        return course if self._bootstrap(course, plan) else None
+
+    def _bootstrap(self, course: Course, plan: Plan) -> bool:
+        """Train the top-level plan among team mates who perform it; see `_train_team`."""
         for stage in (having_the_ball, being_open):
+            course.practise(stage, guided=1, content=1, trials=4)
             if not course.hand_out(plan):
                 return False
-            course.practise(stage, guided=1, content=1, trials=4)
-        if not course.hand_out(plan):
-            return False
+        course.troubles.clear()
         course.practise(playing, guided=0, content=2, trials=12)
         return course.save()
 
 
 class Course:
-    """Training one plan: trials until the person is content."""
+    """Training one plan: trials until the person is content.
+
+    Attributes:
+        troubles: in how many trials each plan below did what was not intended.
+        content: whether the person was content in the end.
+    """
 
     def __init__(self, person: Person, pupil: Pupil, plan: Plan, allowance: int) -> None:
         self.person, self.pupil, self.plan, self.allowance = person, pupil, plan, allowance
         self.memory = Memory()
+        self.troubles: Counter[str] = Counter()
+        self.content = False
         self.turn = 0
 
     # -- trials -----------------------------------------------------------------------------
@@ -142,7 +186,7 @@ class Course:
             Whether there is anything to save.
         """
         wanted = self.person.habits.content if content is None else content
-        clean = 0
+        clean, self.content = 0, False
         for trial in range(self.person.habits.trials if trials is None else trials):
             if self.exhausted:
                 break
@@ -154,6 +198,7 @@ class Course:
             clean = clean + 1 if good and not hand else 0
             if clean >= wanted:
                 self.person.diary.content.append(self.plan.name)
+                self.content = True
                 break
         if self.person.answers:
             self._forget(self._trial(), self._second_thoughts().answer(self.allowance))
@@ -166,6 +211,7 @@ class Course:
         if self.person.reviews:
             self._forget(trial, self._second_thoughts().review(trial.given))
         self._settle(trial)
+        self.troubles.update(trial.troubled)
         return good
 
     def _settle(self, trial: Trial) -> None:
@@ -214,6 +260,7 @@ class Course:
             contradicts=person.contradicts,
             slows=person.slows,
             settle=self._settle,
+            below={p.name: p for p in person.intention.plans if p is not self.plan},
         )
 
     def demonstrate(self, scenes: Callable[[Random, int], Scene], seconds: float) -> None:

@@ -7,9 +7,10 @@ or later, or not at all; now and then it is the wrong key (`Trial.press`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from random import Random
+from types import MappingProxyType
 
 from habits import Diary, Habits
 from intentions import DONE, DOUBT, OFF, YELLED, Plan, Seen
@@ -85,6 +86,10 @@ class Trial:
         slows: whether the person lets the world run slower once an episode was over before a
             command was given.
         settle: has the person answer what the keeper asks at once after a command.
+        below: the plans that were trained before, by name.
+
+    Attributes:
+        troubled: those of them that did what was not intended.
     """
 
     def __init__(
@@ -101,11 +106,14 @@ class Trial:
         contradicts: bool = False,
         slows: bool = False,
         settle: Callable[[Trial], None] = lambda trial: None,
+        below: Mapping[str, Plan] = MappingProxyType({}),
     ) -> None:
         self.pupil, self.plan, self.habits = pupil, plan, habits
         self.random, self.diary, self.memory = random, diary, memory
         self.allowance, self.ago, self.contradicts = allowance, ago, contradicts
         self.pace, self.slows, self.settle = memory.pace, slows, settle
+        self.below, self.troubled = below, set[str]()
+        self.wrong_since: dict[str, int] = {}
         self.given: list[int] = []
         self.now = self.blind = self.objections = 0
         self.pending: _Press | None = None
@@ -214,6 +222,7 @@ class Trial:
     def attend(self, before: Sight, seen: Sight) -> None:
         """Watch one cycle and act on it."""
         self.last = seen
+        self.look_below(seen)
         self.repair()
         if self.pending is not None:
             if self.now >= self.pending.at:
@@ -227,6 +236,17 @@ class Trial:
             self.guide(seen)
         else:
             self.watch(before, seen)
+
+    def look_below(self, seen: Sight) -> None:
+        """Notice what was trained before and does what was not intended."""
+        patience = self.cycles((self.habits.patience, self.habits.patience))
+        for name, plan in self.below.items():
+            state = seen.below.get(name, START)
+            if state in plan.states and state not in plan.fitting(state, seen.values):
+                if self.now - self.wrong_since.setdefault(name, self.now) >= patience:
+                    self.troubled.add(name)
+            else:
+                self.wrong_since.pop(name, None)
 
     def guide(self, seen: Sight) -> None:
         """Command what is due."""

@@ -46,7 +46,7 @@ def test_behaviors_from_when_default_examples_reached_around_circles_mean_what_t
 
     assert when_on_the_left("GotoBall") == ["ApproachBall"] * 2
     assert library.problems == {}
-    assert library.file("GotoBall").classifier == "tree(all_around=True)"
+    assert library.file("GotoBall").classifier == "tree(look_ahead=False, all_around=True)"
     library.rename("GotoBall", "Reach", with_users=True)  # which writes it anew
     assert when_on_the_left("Reach") == ["ApproachBall"] * 2
 
@@ -54,6 +54,24 @@ def test_behaviors_from_when_default_examples_reached_around_circles_mean_what_t
     library.path("Reach").write_text(text.replace("all_around=True", "all_around=False"))
     library.accept_edit("Reach")
     assert when_on_the_left("Reach") == ["TurnToBall"] * 2
+
+
+def test_behaviors_from_when_trees_did_not_look_ahead_mean_what_they_did(tmp_path):
+    shutil.copytree(FORMATS / "library", tmp_path / "library")
+    shutil.copy(FORMATS / "without_look_ahead" / "ControlBall.hfa.yaml", tmp_path / "library")
+    library = BehaviorLibrary(tmp_path / "library", load_domain("keepaway"))
+
+    def with_a_taker_at_4_m():
+        return list(library.load()["ControlBall"].transitions["Stop"].predict([[4.0, 1.0]]))
+
+    assert with_a_taker_at_4_m() == ["Pass"]
+    assert library.problems == {}
+    assert library.file("ControlBall").classifier == "tree(look_ahead=False)"
+    path = library.path("ControlBall")
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("classifier: tree", "classifier: tree(look_ahead=True)"))
+    library.accept_edit("ControlBall")
+    assert with_a_taker_at_4_m() == ["Stop"]
 
 
 def test_exported_behaviors_from_before_are_imported(tmp_path):

@@ -246,6 +246,57 @@ def test_a_person_says_whether_an_example_was_a_mistake(pupil, command, unlearns
     assert answers == [answer]
 
 
+def test_a_person_shows_again_what_an_answer_deleted(pupil):
+    running(pupil)
+    course = Course(Person(LESSONS, NOTHING, 1, answers=True), pupil, APPROACH, 60)
+    pupil.command("Stop")
+    pupil.place([Placement("keeper_1", -9.0, 0.0, 0.0), Placement("ball", 1.0, 0.0)])
+    trial = course._trial()
+    course.memory.shown = {trial.kind("Start", to, {}) for to in ("GoFast", "GoSlow")}
+    pupil.command("GoSlow")
+    trial.settle(trial)
+    assert pupil.contradictions() == 0
+    assert course.memory.lost == {trial.kind("Start", "GoSlow", {})}
+
+
+def test_a_person_sees_which_plan_below_does_the_wrong_thing(pupil):
+    far = [Placement("keeper_1", -9.0, 0.0, 0.0), Placement("ball", 1.0, 0.0)]
+    pupil.begin(APPROACH)
+    pupil.place(far)
+    pupil.command("Stop")  # instead of GoFast
+    pupil.save(keep_unused=True)
+    go_to = LESSONS.plans[1]
+    pupil.begin(go_to)
+    course = Course(Person(LESSONS, Habits(), 1), pupil, go_to, 60)
+    trial = course._trial()
+    pupil.place(far)
+    pupil.command("ApproachBall")
+    seen = []
+    for trial.now in range(1, 8):
+        trial.look_below(pupil.step())
+        seen.append("ApproachBall" in trial.troubled)
+    assert not seen[1], "not at once"
+    assert trial.troubled == {"ApproachBall"}
+
+
+def test_a_person_goes_back_to_the_plan_that_hinders_the_next_one(pupil):
+    person = Person(LESSONS, Habits(), 1)
+    resumed = []
+    person._resume = lambda pupil, course: resumed.append((course.plan.name, course.allowance))
+    lower, course = (Course(person, pupil, plan, 20) for plan in LESSONS.plans[:2])
+    pupil.given = 17
+    course.troubles["ApproachBall"] = 1
+    person._mend_below(pupil, course, [lower])
+    assert resumed == [], "once can happen"
+    course.troubles["ApproachBall"] = 2
+    person._mend_below(pupil, course, [lower])
+    assert resumed == [("ApproachBall", 23), ("GotoBall", 23)]
+    resumed.clear()
+    person.diary.content.append("GotoBall")
+    person._mend_below(pupil, course, [lower])
+    assert resumed == []
+
+
 @pytest.mark.parametrize("aid", [True, False])
 def test_a_person_is_asked_about_the_other_side_with_the_aid(aid):
     def face(state, seen, edges):

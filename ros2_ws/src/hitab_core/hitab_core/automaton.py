@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -36,7 +36,22 @@ entry into the active state, and is 0 in Start, which is left at once. ``Seconds
 counts from the last time that the automaton saw this flag up, or, if it never did, from its start.
 """
 
+CLEARED = frozenset({*map(Use, FLAGS), Use(SECONDS_IN_STATE)})
+"""Those of them that are 0 when a state is entered."""
+
 OWN_NAMES = frozenset(use.name for use in OWN_FEATURES)
+
+
+def as_entered(features: Sequence[Use], values: Sequence[float]) -> tuple[float, ...]:
+    """Return values as the state that is entered now will see them: no flag is up, no time passed.
+
+    Args:
+        features: of an automaton.
+        values: theirs, in the state that is left.
+    """
+    return tuple(
+        0.0 if use in CLEARED else value for use, value in zip(features, values, strict=True)
+    )
 
 
 @dataclass(frozen=True)

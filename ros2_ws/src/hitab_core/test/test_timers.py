@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -200,6 +202,47 @@ def test_an_automaton_that_waits_two_seconds_is_learned_from_two_commands(tmp_pa
         states.append(agent.active_path[0])
     # It enters Wait in the first cycle, and 2 s are 8 steps.
     assert states == ["Wait"] * 8 + ["Go"] * 4
+
+
+def test_a_default_example_is_of_the_state_as_it_is_entered(tmp_path: Path) -> None:
+    """When the next decision comes, no time has passed in the new state and its flags are down."""
+    agent = trained(tmp_path)
+    assert agent.session is not None
+    (wait, go) = [e for e in agent.session.examples if e.is_default]
+    assert (wait.features, go.features) == ((0.0,), (0.0,))
+    agent.session.retime([4], 0.5)
+    assert [e.features for e in agent.session.examples if e.command == 2] == [(2.0,), (0.0,)]
+
+
+def test_a_round_between_two_places_takes_a_command_each(tmp_path: Path) -> None:
+    east, west = (replace(finishing(1.0), name=name) for name in ("East", "West"))
+    domain = robot(automata=[east, west])
+    agent = Agent("ann", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
+    agent.begin(Curriculum("Patrol", (Use("X"),)))
+    cycle, places = 0, []
+
+    def run(cycles: int) -> None:
+        nonlocal cycle
+        for _ in range(cycles):
+            cycle += 1
+            agent.sense([0.0], [], cycle, cycle * STEP)
+            agent.tick()
+            places.append(agent.active_path[0])
+
+    run(1)
+    for place in ("East", "West", "East"):
+        agent.command(Use(place))
+        run(6)
+    assert agent.session is not None
+    agent.session.choose_features([Use("Done")])
+    values = {(e.state, e.is_default): e.features for e in agent.session.examples}
+    assert values["East", True] == values["West", True] == (0.0,)
+    agent.test()
+    places.clear()
+    run(60)
+    visits = [place for place, _ in groupby(places)]
+    assert len(visits) > 6
+    assert set(visits) == {"East", "West"}
 
 
 def test_what_waits_is_saved_read_and_performed(tmp_path: Path) -> None:

@@ -134,6 +134,43 @@ def test_a_threshold_lies_beside_the_example_that_is_not_a_default_one():
     assert below.predict([[4.999], [5.0]]).tolist() == ["Stop", "GoFast"]
 
 
+LOST_AT_5_M = [
+    ((8.2, 1), "Stop", True),
+    ((6.7, 1), "Stop", True),
+    ((2.5, 1), "Pass", False),
+    ((5.0, 0), "Fetch", False),
+]
+"""A ball was passed with a taker at 2.5 m, and lost with one at 5 m."""
+
+
+@pytest.mark.parametrize("scale", [BOOLEAN, COLOR])
+@pytest.mark.parametrize("distance", [CONTINUOUS, DEGREES])
+def test_a_boundary_beside_an_example_of_one_class_is_not_that_of_another(distance, scale):
+    turned = [((d * 10.0 if distance is DEGREES else d, k), y, o) for (d, k), y, o in LOST_AT_5_M]
+    far, near, lost = ((40.0, 20.0, 90.0) if distance is DEGREES else (4.0, 2.0, 9.0))
+    tree = learned(turned, [distance, scale])
+    asked = [(far, 1), (near, 1), (lost, 0)]
+    assert tree.predict(asked).tolist() == ["Stop", "Pass", "Fetch"]
+    blind = learned(turned, [distance, scale], look_ahead=False)
+    assert blind.predict(asked[:1]).tolist() == ["Pass"]
+
+
+def test_looking_ahead_costs_no_leaves():
+    """If the boolean told nothing apart that the distance does not, it would not come first."""
+    examples = [*LOST_AT_5_M, ((4.0, 0), "Pass", False), ((5.5, 1), "Fetch", False)]
+    scales = [CONTINUOUS, BOOLEAN]
+    assert learned(examples, scales).root_ == learned(examples, scales, look_ahead=False).root_
+
+
+@given(taught)
+@settings(deadline=None)
+def test_looking_ahead_never_makes_a_tree_larger(examples):
+    def leaves(tree):
+        return sum(isinstance(node, Leaf) for node in nodes(tree.root_))
+
+    assert leaves(learned(examples)) <= leaves(learned(examples, look_ahead=False))
+
+
 def test_both_ends_of_an_arc_lie_beside_examples_among_default_ones():
     tree = TransitionTree([DEGREES]).fit(
         [[-90], [-10], [10], [90]],

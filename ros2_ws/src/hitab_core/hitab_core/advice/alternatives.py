@@ -26,7 +26,7 @@ from hitab_core.domain import Scale
 from hitab_core.learning import Leaf
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.gain_ratio import TIE
-from hitab_core.learning.splits import Arc, Split, choose_split, worthy_splits
+from hitab_core.learning.splits import Arc, Chosen, Leaves, Split, choose_split, worthy_splits
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import nodes
 
@@ -37,7 +37,6 @@ POINT = 1e-6
 """Width of an arc, as a share of the circle, that is a single direction: nobody means one."""
 
 Candidates = Sequence[Split | None]
-Chosen = tuple[int, Split] | None
 
 
 class _Choice:
@@ -49,10 +48,12 @@ class _Choice:
     def __init__(self, boolean_first: bool, changed: int = -1, feature: int = 0) -> None:
         self._boolean_first = boolean_first
         self._changed, self._feature = changed, feature
-        self.made: list[tuple[Candidates, Chosen]] = []
+        self.made: list[tuple[Candidates, Chosen | None]] = []
 
-    def __call__(self, candidates: Candidates, scales: Sequence[Scale]) -> Chosen:
-        chosen = choose_split(candidates, scales, boolean_first=self._boolean_first)
+    def __call__(
+        self, candidates: Candidates, scales: Sequence[Scale], leaves: Leaves | None
+    ) -> Chosen | None:
+        chosen = choose_split(candidates, scales, leaves, boolean_first=self._boolean_first)
         if len(self.made) == self._changed:
             split = candidates[self._feature]
             chosen = None if split is None else (self._feature, split)
@@ -107,7 +108,7 @@ def growing_alternatives(
     return learned, others
 
 
-def _rivals(candidates: Candidates, chosen: Chosen) -> list[int]:
+def _rivals(candidates: Candidates, chosen: Chosen | None) -> list[int]:
     """Return the features that split a node nearly as well as the chosen one."""
     if chosen is None:
         return []

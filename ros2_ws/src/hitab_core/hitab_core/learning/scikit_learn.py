@@ -39,6 +39,7 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
         prune: bool = False,
         confidence: float = 0.25,
         boolean_first: bool = True,
+        look_ahead: bool = True,
         all_around: bool = False,
     ) -> None:
         """Store the parameters; `fit` checks them."""
@@ -48,6 +49,7 @@ class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[
         self.prune = prune
         self.confidence = confidence
         self.boolean_first = boolean_first
+        self.look_ahead = look_ahead
         self.all_around = all_around
 
     def fit(self, X: ArrayLike, y: ArrayLike, default: ArrayLike | None = None) -> Self:

@@ -18,6 +18,11 @@ Ties (differences below `gain_ratio.TIE`, so that they are the same on all machi
   always differs a little between two examples, then in favour of the lower index; the former can
   be switched off (``boolean_first``), and `hitab_core.advice.alternatives` asks about such ties.
 
+One look ahead: if examples of several classes lie on the demonstrated side of a boundary, it is
+beside one of them, and another class that is told apart further down would reach as far (a pass
+shown for takers at 2.5 m, where the ball was lost with a taker at 5 m, would be made at 5 m). A
+boolean or categorical feature comes first then, if the tree has no more leaves for that.
+
 References:
     J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapters 2 and 3.
     J. R. Quinlan, Improved Use of Continuous Attributes in C4.5, JAIR 4, 1996.
@@ -29,7 +34,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,6 +42,9 @@ from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.boundaries import end_between, threshold_between
 from hitab_core.learning.gain_ratio import TIE, Counts, best_of, gain_and_ratio, two_way_gains
+
+MEASURED = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
+"""The kinds of features whose values are measured, so that two examples hardly ever agree."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,12 +79,15 @@ class Split:
         gain: information gain in bits, at least 0.
         ratio: gain over split information.
         parts: the positions of each branch's examples, ascending.
+        is_shared: whether a boundary lies beside a demonstrated example (`boundaries`) on whose
+            side there are examples of several classes, so that it serves them all.
     """
 
     test: Threshold | Arc | Categories
     gain: float
     ratio: float
     parts: tuple[Integers, ...]
+    is_shared: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -164,7 +175,24 @@ def split_continuous(examples: Examples, min_branch: float = 1) -> Split | None:
         below_is_default=groups.is_default[best],
         above_is_default=groups.is_default[best + 1],
     )
-    return _two_way(examples, groups.group_of <= best, Threshold(threshold))
+    split = _two_way(examples, groups.group_of <= best, Threshold(threshold))
+    return _noting_shared(examples, split, [groups.is_default[best : best + 2]])
+
+
+def _noting_shared(examples: Examples, split: Split, beside: Sequence[Sequence[bool]]) -> Split:
+    """Return a split in two with `Split.is_shared`.
+
+    Args:
+        examples: that are split.
+        split: of them.
+        beside: for each boundary, whether its neighbour on the side of the first branch, and that
+            on the side of the second one, are default ones.
+    """
+    for first, second in beside:
+        demonstrated = split.parts[1 if first else 0]
+        if first != second and len(np.unique(examples.classes[demonstrated])) > 1:
+            return replace(split, is_shared=True)
+    return split
 
 
 def split_toroidal(
@@ -223,7 +251,12 @@ def split_toroidal(
 
     places = (groups.group_of - origin) % k
     inside = (places > last_outside) & (places <= last_inside)
-    return _two_way(examples, inside, arc)
+    default = [groups.is_default[(place + origin) % k] for place in range(k)]
+    beside = [
+        (default[(last_outside + 1) % k], default[last_outside]),
+        (default[last_inside], default[(last_inside + 1) % k]),
+    ]
+    return _noting_shared(examples, _two_way(examples, inside, arc), beside)
 
 
 def _best_arc(up_to: Counts, totals: Counts, min_branch: float) -> tuple[int, int] | None:
@@ -293,8 +326,14 @@ def split_by(
     return split_continuous(examples, min_branch)
 
 
-Choose = Callable[[Sequence[Split | None], Sequence[Scale]], tuple[int, Split] | None]
-"""``choose(candidates, scales)`` returns the feature to split a node by and its split."""
+Chosen = tuple[int, Split]
+"""A feature to split a node by, and its split."""
+
+Leaves = Callable[[Chosen], int]
+"""``leaves(chosen)`` returns how many leaves the tree has below a node that is split so."""
+
+Choose = Callable[[Sequence[Split | None], Sequence[Scale], Leaves | None], Chosen | None]
+"""``choose(candidates, scales, leaves)`` returns what to split a node by; None: nothing."""
 
 
 def worthy_splits(candidates: Sequence[Split | None]) -> list[tuple[int, Split]]:
@@ -311,22 +350,37 @@ def worthy_splits(candidates: Sequence[Split | None]) -> list[tuple[int, Split]]
 
 
 def choose_split(
-    candidates: Sequence[Split | None], scales: Sequence[Scale], *, boolean_first: bool = True
-) -> tuple[int, Split] | None:
+    candidates: Sequence[Split | None],
+    scales: Sequence[Scale],
+    leaves: Leaves | None = None,
+    *,
+    boolean_first: bool = True,
+) -> Chosen | None:
     """Return the feature to split by and its split: C4.5's gain-ratio criterion.
 
     Args:
         candidates: each feature's best split; None where it has none.
         scales: how the values of each feature compare.
+        leaves: grows the trees below; None: the split is chosen without looking ahead.
         boolean_first: whether ties are broken in favor of boolean and categorical features before
-            lower indices.
+            lower indices; and whether these come before a boundary that would be shared, if the
+            tree has no more leaves for that.
     """
     worthy = worthy_splits(candidates)
     if not worthy:
         return None
     best = max(split.ratio for _, split in worthy)
-    last = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL) if boolean_first else ()
-    return min(
+    last = MEASURED if boolean_first else ()
+    chosen = min(
         ((f, split) for f, split in worthy if split.ratio >= best - TIE),
         key=lambda choice: (scales[choice[0]].kind in last, choice[0]),
     )
+    if leaves is None or not boolean_first or not chosen[1].is_shared:
+        return chosen
+    fewest = leaves(chosen)
+    for feature, split in enumerate(candidates):
+        if split is None or split.gain <= TIE or scales[feature].kind in MEASURED:
+            continue
+        if leaves((feature, split)) <= fewest:
+            return feature, split
+    return chosen

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from copy import copy
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -70,16 +71,22 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     return learn_tree
 
 
-def earlier(classifier: str) -> str:
-    """Return what a classifier of a file meant when default examples reached around circles.
+def earlier(classifier: str) -> list[str]:
+    """Return what a classifier of a file meant in earlier versions, the latest first.
+
+    Before trees looked ahead, default examples reached around circles at first.
 
     Raises:
         VocabularyError: if the text does not name a classifier.
     """
     spec = ClassifierSpec.parse(classifier)
     if spec.name != TREE:
-        return classifier
-    return str(ClassifierSpec(TREE, {"all_around": True, **spec.arguments}))
+        return []
+    meant: list[dict[str, Any]] = [
+        {"look_ahead": False},
+        {"look_ahead": False, "all_around": True},
+    ]
+    return [str(ClassifierSpec(TREE, {**arguments, **spec.arguments})) for arguments in meant]
 
 
 def takes_missing(classifier: str) -> bool:

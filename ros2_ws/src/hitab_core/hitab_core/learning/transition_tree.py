@@ -65,6 +65,8 @@ class TransitionTree:
         confidence: of pruning, in (0, 0.5]; smaller values prune more.
         boolean_first: whether ties between features are broken in favor of boolean and
             categorical ones.
+        look_ahead: whether boolean and categorical features come before a boundary that would be
+            shared (`hitab_core.learning.splits`); False is for old files.
         all_around: as in `hitab_core.learning.splits.split_toroidal`; for old files.
         feature_names: names of the features, for errors.
 
@@ -94,6 +96,7 @@ class TransitionTree:
         prune: bool = False,
         confidence: float = 0.25,
         boolean_first: bool = True,
+        look_ahead: bool = True,
         all_around: bool = False,
         feature_names: Sequence[str] | None = None,
     ) -> None:
@@ -104,6 +107,7 @@ class TransitionTree:
         self.prune = prune
         self.confidence = confidence
         self.boolean_first = boolean_first
+        self.look_ahead = look_ahead
         self.all_around = all_around
         self.feature_names = feature_names
 
@@ -191,6 +195,7 @@ class TransitionTree:
             min_samples_leaf=self.min_samples_leaf,
             max_depth=self.max_depth,
             all_around=self.all_around,
+            look_ahead=self.look_ahead,
             choose=choose or partial(choose_split, boolean_first=self.boolean_first),
         )
         if self.prune:

@@ -22,12 +22,21 @@ from hitab_core.learning.splits import (
     Arc,
     Categories,
     Choose,
+    Chosen,
     Examples,
+    Leaves,
     Split,
     choose_split,
     split_by,
 )
-from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode
+from hitab_core.learning.tree_nodes import (
+    ArcNode,
+    CategoryNode,
+    Leaf,
+    Node,
+    ThresholdNode,
+    nodes,
+)
 
 LEAST_FRACTION = 1 / 128
 """The smallest part of an example for which a branch is made, if one example is enough for one.
@@ -36,6 +45,23 @@ C4.5 asks for two whole examples per branch, so that a tree has at most half as 
 examples, however many values are missing. Here two demonstrations differ even if one of them is in
 a node only in part, and this number limits the leaves.
 """
+
+
+AHEAD_MAX = 100
+"""The most examples of a node for which trees below it are compared; people give fewer."""
+
+
+class _First:
+    """Chooses a given split of the root, and others without looking ahead."""
+
+    def __init__(self, chosen: Chosen) -> None:
+        self._chosen: Chosen | None = chosen
+
+    def __call__(
+        self, candidates: Sequence[Split | None], scales: Sequence[Scale], leaves: Leaves | None
+    ) -> Chosen | None:
+        chosen, self._chosen = self._chosen, None
+        return chosen or choose_split(candidates, scales)
 
 
 @dataclass(slots=True)
@@ -63,6 +89,7 @@ def grow(
     min_samples_leaf: int = 1,
     max_depth: int | None = None,
     all_around: bool = False,
+    look_ahead: bool = True,
     choose: Choose = choose_split,
 ) -> Node:
     """Return the root of a tree that separates all examples that differ.
@@ -82,9 +109,33 @@ def grow(
             `LEAST_FRACTION`.
         max_depth: the most tests on a path.
         all_around: see `hitab_core.learning.splits.split_toroidal`.
+        look_ahead: whether ``choose`` can compare the trees that its choices lead to, where no
+            value is missing and there are at most `AHEAD_MAX` examples.
         choose: chooses among the features' best splits, once for each node that has several
             classes, level by level, and on a level in the order of the branches.
     """
+
+    def leaves(rows: Integers, depth: int) -> Leaves | None:
+        if not look_ahead or len(rows) > AHEAD_MAX or missing[rows].any():
+            return None
+
+        def count(chosen: Chosen) -> int:
+            root = grow(
+                X[rows],
+                classes[rows],
+                default[rows],
+                n_classes,
+                scales,
+                min_samples_leaf=min_samples_leaf,
+                max_depth=None if max_depth is None else max_depth - depth,
+                all_around=all_around,
+                look_ahead=False,
+                choose=_First(chosen),
+            )
+            return sum(isinstance(node, Leaf) for node in nodes(root))
+
+        return count
+
     missing = np.isnan(X)
     places = [_Place(np.arange(len(X)), None, 0)]
     for place in places:  # the list grows during this loop
@@ -103,7 +154,7 @@ def grow(
             )
             for f, scale in enumerate(scales)
         ]
-        chosen = choose(candidates, scales)
+        chosen = choose(candidates, scales, leaves(rows, place.depth))
         if chosen is None:
             continue
         feature, split = chosen

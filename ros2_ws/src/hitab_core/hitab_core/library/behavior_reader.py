@@ -107,11 +107,12 @@ class _Reader:
         self._stop_if_wrong()
         functions, trees = self._learn(content["classifier"], examples, features, scales)
         if trees != content["trees"]:  # perhaps an earlier version has saved it
-            classifier = earlier(content["classifier"])
-            former = self._learn(classifier, examples, features, scales)
-            if former[1] == content["trees"]:
-                functions, trees = former
-                content = {**content, "classifier": classifier}
+            for classifier in earlier(content["classifier"]):
+                former = self._learn(classifier, examples, features, scales)
+                if former[1] == content["trees"]:
+                    functions, trees = former
+                    content = {**content, "classifier": classifier}
+                    break
         if not self._accepting:
             self._check_trees(trees)
             self._check_uses({s.name for s in states if s.name not in FLAGS})

@@ -130,20 +130,24 @@ class ExampleLog:
         next_state: str,
         *,
         kind: ExampleKind,
-        with_default: bool,
+        entered: tuple[float, ...] | None = None,
         cycle: int = 0,
         ago: float = 0.0,
         readings: tuple[float, ...] = (),
     ) -> list[Example]:
-        """Return the numbered examples that a command teaches, without adding them."""
+        """Return the numbered examples that a command teaches, without adding them.
+
+        Args:
+            state, features, next_state, kind, cycle, ago, readings: of the command's example.
+            entered: the values of the default example; None: there is none.
+        """
         command, number = self._next_command, self._next_number
         taught = [
             Example(state, features, next_state, kind, number, command, cycle, ago, readings)
         ]
-        if with_default:
-            taught.append(
-                replace(taught[0], state=next_state, kind=ExampleKind.DEFAULT, number=number + 1)
-            )
+        if entered is not None:
+            kept = replace(taught[0], state=next_state, features=entered, number=number + 1)
+            taught.append(replace(kept, kind=ExampleKind.DEFAULT))
         return taught
 
     # -- preparing --------------------------------------------------------------------------

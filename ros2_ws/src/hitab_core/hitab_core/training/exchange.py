@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from hitab_core.automaton import CLEARED
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.use import Use
@@ -46,7 +47,7 @@ def exchanged(
         if use in column:
             return example.features[column[use]]
         if use in reading and example.readings:
-            return example.readings[reading[use]]
+            return 0.0 if example.is_default and use in CLEARED else example.readings[reading[use]]
         return math.nan
 
     after = [replace(e, features=tuple(value(e, use) for use in features)) for e in examples]

@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 from hitab_core.advice.proposals import Correction
-from hitab_core.automaton import FLAGS, OWN_FEATURES, SECONDS_IN_STATE, START
+from hitab_core.automaton import FLAGS, OWN_FEATURES, SECONDS_IN_STATE, START, as_entered
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
@@ -112,7 +112,7 @@ class Perceived:
     def enter(self, label: str, due: Moment) -> None:
         """Have a commanded state be active since the command was due."""
 
-        def as_entered(moment: Moment) -> Moment:
+        def entered(moment: Moment) -> Moment:
             readings = list(moment.readings)
             for use, column in self._column.items():
                 if use.name in FLAGS:
@@ -121,8 +121,8 @@ class Perceived:
                     readings[column] = moment.time - due.time
             return replace(moment, state=label, readings=tuple(readings))
 
-        self.moments.enter(due, as_entered)
-        self._entered = as_entered(due)
+        self.moments.enter(due, entered)
+        self._entered = entered(due)
 
     def reenter(self, left: str, state: str) -> None:
         """Have a state be active instead of the one that was entered last, which was undone."""
@@ -323,10 +323,11 @@ class Perceived:
             due = dues.get(e.command)
             if due is None:
                 return e
+            values = self.values(due, features)
             return replace(
                 e,
                 state=e.state if e.is_default else due.state,
-                features=self.values(due, features),
+                features=as_entered(features, values) if e.is_default else values,
                 cycle=due.cycle,
                 ago=max(0.0, self._windows[e.command][0] - due.time),
                 readings=due.readings,

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from hitab_core.automaton import FLAGS, START, Automaton
+from hitab_core.automaton import FLAGS, START, Automaton, as_entered
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
@@ -251,12 +251,14 @@ class TrainingSession:
         corrects = label if self._taken_over else ""
         due = perception.due(running, chosen, cycle, ago, seen, corrects)
         again = label == due.state
+        values = perception.values(due, chosen)
+        assumed = not again and not self.context.repertoire.is_one_shot(state)
         taught = self.log.preview(
             due.state,
-            perception.values(due, chosen),
+            values,
             label,
             kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
-            with_default=not again and not self.context.repertoire.is_one_shot(state),
+            entered=as_entered(chosen, values) if assumed else None,
             cycle=due.cycle,
             ago=max(0.0, perception.time - due.time),
             readings=due.readings,
