@@ -22,7 +22,7 @@ class Message:
 
     Attributes:
         number: its own, for the page.
-        kind: good (it was done), note (for information, or nothing was done) or bad (it failed).
+        kind: good (it was done), note (nothing was done, or by others) or bad (it failed).
         times: how often it was said since it was first shown.
         until: when it goes, on the monotonic clock, s.
     """

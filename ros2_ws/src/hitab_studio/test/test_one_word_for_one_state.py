@@ -68,7 +68,9 @@ def test_one_word_stands_wherever_an_agent_is_said_to_be_absent(why, word, sente
     assert f'data-test="absent-{word}">1 {word}</b>' in said["top"]
     assert f'<span class="mode m-performing">{word}</span>' in said["agents"]
     assert f'data-test="mode">{word.capitalize()}</span>' in said["overlay"]
-    assert f'data-test="absent">{sentence}; before that' in said["overlay"]
+    assert (
+        f'data-test="absent" title="{TWO} {sentence}">{sentence}; before that' in said["overlay"]
+    )
     assert f"{TWO}: {word}</h2><p>{TWO} {sentence}." in said["side"]
     assert f"{word.capitalize()}: {TWO}</div>" in panels(of, tab="swarm")["side"]
     others = {"silent", "missing", "not responding", "suspended", "has ended"} - {word}
@@ -128,4 +130,4 @@ def test_a_refusal_never_looks_like_a_success():
         await perform(session, {"do": "why", "reason": f"{TWO} is suspended."})
         return render("messages", session)
 
-    assert '<div class="message note"' in asyncio.run(made())
+    assert '<div class="message k-note"' in asyncio.run(made())
