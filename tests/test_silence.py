@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import re
 import select
 import signal
 import subprocess
@@ -68,6 +69,7 @@ def test_the_status_names_a_suspended_agent_and_shows_the_others(swarm, hitab, s
     assert [agent["agent"] for agent in told["agents"]] == ["keeper_2", "keeper_3"]
     assert told["missing"] == [ONE]
     assert "is suspended" in told["silent"][ONE]
+    assert re.search(rf"(?m)^{ONE} +suspended$", hitab("status").stdout)
 
 
 def test_the_watching_status_notices_who_falls_silent(swarm, suspended):
@@ -103,7 +105,10 @@ def test_a_suspended_world_is_named(swarm, hitab, suspended):
     assert "world's process is suspended" in done.stderr
 
 
-def test_an_agent_that_runs_but_does_not_answer_is_silent_for_as_long_as_it_was_waited_for(swarm):
+def test_an_agent_that_runs_but_does_not_answer_is_silent_for_as_long_as_it_was_waited_for(
+    swarm, monkeypatch
+):
+    monkeypatch.setattr(os, "getloadavg", lambda: (0.0, 0.0, 0.0))
     with RosLink(swarm.record.domain_id) as link:
         # Nothing is on these topics, as if the agents and the world hung.
         expected, processes = swarm.record.agents, RunProcesses(swarm.record)

@@ -190,5 +190,5 @@ def test_a_swarm_that_would_meet_another_of_its_kind_is_refused(hitab, swarm_hom
     assert up.returncode == 1
     assert 'swarm "red"' in up.stderr
     domain = os.environ["ROS_DOMAIN_ID"]
-    assert f"is up in the same ROS domain {domain} and also has x" in up.stderr
+    assert f"is up in the same ROS domain {domain} and also has a node called x" in up.stderr
     assert "or start it and its robots' drivers in another ROS_DOMAIN_ID" in up.stderr

@@ -13,7 +13,7 @@ from pathlib import Path
 from hitab_bringup import supervision
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_description import SwarmDescription
-from hitab_bringup.unsaved_trainings import announcements
+from hitab_bringup.unsaved_trainings import RESUMED, announcements
 from hitab_client import (
     CommandView,
     NamesTakenError,
@@ -25,15 +25,17 @@ from hitab_client import (
     WorldClient,
     domain_ids,
 )
+from hitab_client.machine_load import busy
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
-from hitab_core import each_once, some
+from hitab_core import each_once, quantity, some
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
 COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
 DOMAINS_TRIED = 3  # if the names are taken there
+LARGE = 100  # agents; in a larger swarm a command watches only those that it needs
 STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
 
 Progress = Callable[[int, int, str], None]
@@ -111,8 +113,11 @@ def _brought_up(
         agents, _ = _await_all(swarm, record, folder, link, progress)
         for text in _await_commanders(swarm, record, link, progress):
             warn(text)
+        for text in _slow_to_command(record):
+            warn(text)
         there = sorted(agents.statuses.items())
-        for text in each_once((name, fault) for name, s in there for fault in s.faults):
+        faults = [(name, fault) for name, s in there for fault in s.faults]
+        for text in each_once(one for one in faults if not one[1].startswith(RESUMED)):
             warn(text)
         for text in announcements(agents.statuses.values(), folder.path):
             warn(text)
@@ -205,13 +210,16 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
         both = [name for name in swarm.agent_names if name in record.agents]
         if record.world and swarm.world is not None:
             both.append("world")
-        why = f"also has {some(both)}" if both else ""
+        why = f"also has a node called {some(both, between=' or ')}" if both else ""
+        way = _another_domain(swarm.world is None)
+        if both and swarm.world is not None:
+            way += ", or give it a --namespace"
         if not why and record.world and swarm.uses_sim_time:
             why = f"its world publishes the clock from which {swarm.name} takes its time"
         if why:
             raise SwarmError(
                 f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and {why}; stop '
-                f"it with {way_to_stop(other, record)}, or {_another_domain(swarm.world is None)}"
+                f"it with {way_to_stop(other, record)}, or {way}"
             )
 
 
@@ -328,6 +336,21 @@ def _await_all(
             f"{folder.log(names[0])}:\n{lines}"
         )
     return agents, world
+
+
+def _slow_to_command(record: RunRecord) -> Iterator[str]:
+    """Yield what to expect of commands to a large swarm.
+
+    Each command is a process that has to find the nodes first, which takes with their number.
+    """
+    if len(record.agents) > LARGE:
+        found = (
+            f"with {quantity(len(record.agents), 'agent')}, each command takes some seconds to "
+            "find those that it needs"
+        )
+        if much := busy():
+            found += f", and minutes at first: {much}; close what else runs, such as the studio"
+        yield found
 
 
 def _await_commanders(

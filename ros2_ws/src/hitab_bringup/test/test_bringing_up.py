@@ -78,3 +78,16 @@ def test_up_waits_until_commanders_hear_everybody_or_says_that_they_do_not_yet(g
     assert list(bringing_up._await_commanders(swarm, RECORD, link, progress)) == []
     assert seen[0] == (0, 1, "captain")
     assert seen[-1] == (1, 1, "")
+
+
+def test_up_says_that_commands_to_a_large_swarm_take_their_time(monkeypatch):
+    assert list(bringing_up._slow_to_command(RECORD)) == []
+    large = SimpleNamespace(agents=tuple(f"a{i}" for i in range(1251)))
+    monkeypatch.setattr(bringing_up, "busy", lambda: "")
+    (told,) = bringing_up._slow_to_command(large)
+    assert told == (
+        "with 1251 agents, each command takes some seconds to find those that it needs"
+    )
+    monkeypatch.setattr(bringing_up, "busy", lambda: "this machine is busy (load 6.0 on 2 cores)")
+    (told,) = bringing_up._slow_to_command(large)
+    assert "minutes at first: this machine is busy (load 6.0 on 2 cores)" in told

@@ -45,6 +45,10 @@ def told(*arguments: str) -> str:
         ("reaction 7", "a reaction time of 7 s is too long: give a number from 0 to"),
         ("world place keeper_1 z=1", 'keeper_1 has no field "z"; its fields are x (m), y (m), '),
         ("world place keeper_1 x=far", 'x must be a number, not "far"'),
+        (
+            "down thousand",
+            'no swarm "thousand" is up, and no other; `hitab up thousand` starts',
+        ),
         ("down keepway", 'no swarm "keepway" is up, and no other; `hitab up` starts one'),
         ("upp", "No such command 'upp'. Did you mean 'up'?"),
     ],

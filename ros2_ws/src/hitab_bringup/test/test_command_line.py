@@ -90,6 +90,7 @@ def test_help_imports_nothing_that_takes_long():
         (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
         (["world", "place", "x=1"], 2, "write NAME x=1"),
         (["lesson", "check", "no_such"], 1, 'no lesson "no_such"'),
+        (["lesson", "check", "no_such"], 1, "and others in folders: see `hitab lesson list`"),
         (["library", "list", "-l", "nowhere"], 1, "is neither a folder nor a known library"),
         (["library", "list", "-l", "."], 1, "has no behaviors"),
         (["library", "show", "A", "--agent", "keeper_1"], 1, "no swarm is up"),

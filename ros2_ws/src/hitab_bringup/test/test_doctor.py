@@ -3,8 +3,10 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from collections import namedtuple
 
 import psutil
@@ -127,6 +129,27 @@ def test_nodes_that_hitab_up_did_not_start_are_reported(alone, monkeypatch):
         link.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
         assert one(ros.neighbors(started_here=False)).level == "warning"
         assert one(ros.neighbors(started_here=True)).level == "ok"
+
+
+def test_a_suspended_process_of_a_swarm_is_warned_of_with_the_remedy(monkeypatch):
+    folder = RunFolder.of_swarm("red")
+    folder.prepare()
+    record = RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-1")
+    folder.write(record, register=True)
+    monkeypatch.setattr(RunFolder, "supervisor", lambda self, record: 1)
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as held:
+        state = {"name": "a", "statename": "RUNNING", "pid": held.pid}
+        monkeypatch.setattr(runs, "process_states", lambda *_: [state])
+        assert one(runs.swarms()).level == "ok"
+        held.send_signal(signal.SIGSTOP)
+        while psutil.Process(held.pid).status() != psutil.STATUS_STOPPED:
+            time.sleep(0.01)
+        _, found = runs.swarms()
+        held.send_signal(signal.SIGCONT)
+        held.communicate()
+    assert found.level == "warning"
+    assert found.text == f"a of red is suspended (process {held.pid})"
+    assert found.way_out == f"`kill -CONT {held.pid}` lets it continue"
 
 
 def test_a_swarm_that_has_crashed_and_its_processes_are_reported():

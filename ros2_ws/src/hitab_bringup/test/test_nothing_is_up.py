@@ -10,7 +10,7 @@ from hitab_msgs.msg import AgentStatus
 from hitab_bringup.main import make_app
 from hitab_bringup.verbs.connection import connection
 from hitab_client import RosLink, SwarmError, domain_ids, swarm_choice
-from hitab_client.identity import new_identity
+from hitab_client.identity import BY_HAND, new_identity, other_swarm
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_ros import qos
 
@@ -186,3 +186,16 @@ def test_a_wait_is_announced_once_it_is_noticed(monkeypatch):
         link.spin_until(lambda: told, 30.0, waiting_for=lambda: "Godot")
         link.spin_until(lambda: False, 0.7, waiting_for=lambda: "Godot")
     assert told == ["waiting for Godot"]
+
+
+def test_what_is_left_of_an_own_swarm_is_not_called_a_strangers():
+    record = RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
+    folder = RunFolder.of_swarm("red")
+    folder.prepare()
+    folder.write(record, register=True)
+    assert list(swarm_choice.whose([record.identity])) == []
+    (told,) = swarm_choice.whose(["blue-0a1b2c3d"])
+    assert "not started from here" in told
+    told = other_swarm("a", record.identity, BY_HAND)
+    assert 'left of swarm "red", which has ended' in told
+    assert "`hitab down red`" in told

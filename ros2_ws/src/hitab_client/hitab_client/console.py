@@ -116,8 +116,8 @@ def say(text: str) -> None:
 
 
 def note(text: str) -> None:
-    """Print a message that is not a result; the clauses of a long one on lines of their own."""
-    print(in_lines(as_called(text)), file=sys.stderr)
+    """Print a message that is not a result."""
+    print(as_called(text), file=sys.stderr)
 
 
 def error(text: str) -> None:

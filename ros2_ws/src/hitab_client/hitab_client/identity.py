@@ -56,6 +56,14 @@ def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
 
 def other_swarm(node: str, heard: str, meant: str) -> str:
     """Return an error text for a node of another swarm than the one in question."""
+    from hitab_client.run_folder import registered_swarms  # which needs `is_identity`
+
+    left = [record.swarm for _, record in registered_swarms() if record.identity == heard]
+    if meant == BY_HAND and left:
+        return (
+            f'{node} is left of swarm "{left[0]}", which has ended without `hitab down`; '
+            f"`hitab down {left[0]}` ends what is left of it, and `hitab up` starts it again"
+        )
     if meant == BY_HAND:
         return (
             f"{node} belongs to swarm {heard}, which was not started from here (another "

@@ -86,11 +86,13 @@ class Silence:
         process: its name.
         what: the reason, and the way out.
         lasts: whether waiting is no use.
+        state: of the process, in one word.
     """
 
     process: str
     what: str
     lasts: bool
+    state: str = "silent"
 
     def of(self, *names: str) -> str:
         """Return a sentence for agents, or the world, that the process runs."""
@@ -161,20 +163,18 @@ class RunProcesses:
         logs = f"see `hitab logs {process}`"
         said = state["statename"]
         if said in ENDED:
-            return Silence(process, f"has ended{_how(state)}; {logs}", lasts=True)
+            return Silence(process, f"has ended{_how(state)}; {logs}", lasts=True, state="ended")
         if said in STOPPED:
-            return Silence(process, f"was stopped through its supervisor; {logs}", lasts=True)
+            what = f"was stopped through its supervisor; {logs}"
+            return Silence(process, what, lasts=True, state="stopped")
         if said in STARTING:
             how = _how(state) if said == "BACKOFF" else ""
-            return Silence(process, f"is being started again{how}; {logs}", lasts=False)
+            what = f"is being started again{how}; {logs}"
+            return Silence(process, what, lasts=False, state="restarting")
         pid = state["pid"]
-        try:
-            suspended = psutil.Process(pid).status() == psutil.STATUS_STOPPED
-        except psutil.Error:
-            return None
-        if suspended:
-            way_out = f"`kill -CONT {pid}` lets it continue"
-            return Silence(process, f"is suspended (process {pid}); {way_out}", lasts=True)
+        if is_suspended(pid):
+            what = f"is suspended (process {pid}); `kill -CONT {pid}` lets it continue"
+            return Silence(process, what, lasts=True, state="suspended")
         return None
 
     def _ask(self) -> None:
@@ -188,6 +188,14 @@ class RunProcesses:
                 self._states = {}
             self._silences = {}
             self._asked = time.monotonic()
+
+
+def is_suspended(pid: int) -> bool:
+    """Return whether a process exists, but was stopped until somebody lets it continue."""
+    try:
+        return bool(psutil.Process(pid).status() == psutil.STATUS_STOPPED)
+    except psutil.Error:
+        return False
 
 
 def sentences(why: Mapping[str, Silence | None]) -> list[str]:

@@ -102,9 +102,18 @@ def find_running(which: str | None) -> Found | None:
     found = only(meant(which, up), _called(which))
     if found is None:
         names = [record.swarm for _, record in up]
-        others = f" {has(names, which)}" if names else ", and no other; `hitab up` starts one"
+        start = which if which in _shipped() else ""
+        starts = f"`hitab up {start}` starts it" if start else "`hitab up` starts one"
+        others = f" {has(names, which)}" if names else f", and no other; {starts}"
         raise SwarmError(f'no swarm "{which}" is up{others}')
     return found
+
+
+def _shipped() -> set[str]:
+    """Return the names of the swarms that come with HiTAB."""
+    from hitab_client.shipped import shipped_folders
+
+    return {path.stem for folder in shipped_folders("swarms") for path in folder.glob("*.yaml")}
 
 
 def _called(which: str) -> str:
@@ -138,7 +147,9 @@ def whose(identities: Iterable[str]) -> Iterator[str]:
     Args:
         identities: in the statuses of nodes that have answered.
     """
-    for identity in sorted(set(identities)):
+    # What is left of a swarm of the registry was told of before anybody was looked for.
+    own = {record.identity for _, record in registered_swarms()}
+    for identity in sorted(set(identities) - own):
         if not is_by_hand(identity):
             yield (
                 f"{identity} was not started from here (another HITAB_HOME, user or computer); "

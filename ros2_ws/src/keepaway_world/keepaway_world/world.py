@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from random import Random
 from typing import Any
 
-from hitab_core import world_seed
+from hitab_core import has, world_seed
 from hitab_world import (
     Action,
     Entity,
@@ -217,9 +217,8 @@ class KeepawayWorld:
         for placement in placements:
             mover = self._movers.get(placement.name)
             if mover is None:
-                raise WorldError(
-                    f'nothing is called "{placement.name}" (has: {", ".join(self._movers)})'
-                )
+                known = has(self._movers, placement.name)
+                raise WorldError(f'nothing is called "{placement.name}" {known}')
             _check(placement, mover)
         if new_episode:
             self.reset()

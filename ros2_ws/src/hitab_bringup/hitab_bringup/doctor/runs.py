@@ -8,7 +8,7 @@ from pathlib import Path
 from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import SwarmError
 from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms
-from hitab_client.run_processes import ANSWER_SECONDS, process_states
+from hitab_client.run_processes import ANSWER_SECONDS, is_suspended, process_states
 from hitab_core import some
 
 SHOWN = 5  # processes by name
@@ -43,6 +43,13 @@ def swarms() -> Iterator[Finding]:
             )
         else:
             yield Finding("swarm", told)
+        for state in running:
+            if is_suspended(state["pid"]):
+                yield warning(
+                    "swarm",
+                    f"{state['name']} of {record.swarm} is suspended (process {state['pid']})",
+                    f"`kill -CONT {state['pid']}` lets it continue",
+                )
     if not up:
         yield Finding("swarm", "none is up; `hitab up keepaway` starts one")
 

@@ -50,7 +50,7 @@ def doctor(json: JsonPath = None) -> None:
 def _findings() -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
     from hitab_client import domain_ids
-    from hitab_client.run_folder import running_swarms
+    from hitab_client.run_folder import registered_swarms
 
     yield from machine.python()
     yield from machine.packages()
@@ -65,7 +65,9 @@ def _findings() -> Iterator[Finding]:
     yield from runs.leftovers()
     if loads and all(finding.level != "error" for finding in domain):
         number = domain_ids.chosen_by_user() or 0
-        yield from ros.neighbors(any(r.domain_id == number for _, r in running_swarms()))
+        # What a killed run has left was started here, too, and is among the leftovers.
+        here = [folder for folder, r in registered_swarms() if r.domain_id == number]
+        yield from ros.neighbors(any(folder.processes() for folder in here))
     yield from machine.home()
     yield from machine.memory()
     yield from machine.shared_memory()

@@ -97,7 +97,9 @@ def _tell(done: str, engaged: bool, reason: str) -> None:
         where = " or ".join(map(str, numbers))
         raise SwarmError(
             f"nobody heard it: no robot's relay runs in ROS domain {where}; use the robot's own "
-            "switch, and check ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with `hitab doctor`"
+            "switch, and check ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with "
+            "`hitab doctor`; "
+            "`hitab world pause` halts a simulated world"
         )
     if late:
         raise SwarmError(

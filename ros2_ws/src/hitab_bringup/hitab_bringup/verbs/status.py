@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +13,7 @@ from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import quantity
+from hitab_core import natural, quantity
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -216,8 +216,10 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
         )
         for agent in data["agents"]
     ]
+    shown = [*_with_states(rows, silent), *_silent_rows(data, silent)]
+    shown.sort(key=lambda row: natural(row[0]))
     columns = ("agent", "mode", "behavior", "active", "examples", "library")
-    lines.append(console.table(columns, rows))
+    lines.append(console.table(columns, shown))
     if not data["agents"]:
         lines.append(console.line("no agent answers"))
     lines += [console.line(why, "red") for why in sentences(silent)]
@@ -239,6 +241,25 @@ def _kept(agent: Mapping[str, Any]) -> str:
     )
 
 
+def _with_states(
+    rows: Iterable[tuple[str, ...]], silent: Mapping[str, Silence | None]
+) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of agents; for a mode, why the process of one does not run."""
+    for name, mode, *rest in rows:
+        why = silent.get(name)
+        yield (name, why.state if why is not None and why.lasts else mode, *rest)
+
+
+def _silent_rows(
+    data: dict[str, Any], silent: Mapping[str, Silence | None]
+) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each agent of which it is only known that it does not answer."""
+    known = {agent["agent"] for agent in data["agents"]}
+    for name, why in silent.items():
+        if name not in known and name in data["missing"]:
+            yield (name, "silent" if why is None else why.state, "", "", "", "")
+
+
 def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
     """Return what is wrong with agents, each text once with the names of those concerned."""
     from hitab_core import each_once
@@ -249,12 +270,15 @@ def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
+    from hitab_bringup.unsaved_trainings import RESUMED
     from hitab_core import gist
 
     # It may have been long ago: what is still so is among the faults.
     what = f"last refusal{_at(status)}" if "agent" in status else "last error"
-    told = [gist(fault) for fault in faults]
-    told += [f"{what}: {gist(last)}"] if last and last not in faults else []
+    # That a training was resumed is no fault; the mode and the examples show it.
+    told = [gist(fault) for fault in faults if not fault.startswith(RESUMED)]
+    news = last and last not in faults and not last.startswith(RESUMED)
+    told += [f"{what}: {gist(last)}"] if news else []
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):

@@ -11,7 +11,7 @@ import typer
 
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
-from hitab_core import quantity
+from hitab_core import in_lines, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
@@ -118,7 +118,7 @@ def up(
     )
     console.say(f"files in {folder.path}; look with `hitab status`, stop with `hitab down`")
     for fault in faults:
-        console.note(fault)
+        console.note(in_lines(fault))
 
 
 def down(

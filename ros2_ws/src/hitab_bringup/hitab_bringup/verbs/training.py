@@ -158,7 +158,7 @@ def retrain(
     if saved is not None:
         console.say(f"{saved.message}: {saved.path}")
         if saved.trimmed:
-            console.say(f"trimmed because unused: {', '.join(saved.trimmed)}")
+            console.say(f"trimmed: {', '.join(saved.trimmed)}")
         return
     console.say(as_text(shown))
 
@@ -252,7 +252,7 @@ def save(
                 f"{did_you_mean(parameter, targets)}"
             )
     if answer.trimmed:
-        console.say(f"trimmed because unused: {', '.join(answer.trimmed)}")
+        console.say(f"trimmed: {', '.join(answer.trimmed)}")
 
 
 def discard(

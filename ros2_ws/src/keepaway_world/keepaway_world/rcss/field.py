@@ -12,6 +12,7 @@ from dataclasses import replace
 from random import Random
 from typing import Any, TypeAlias
 
+from hitab_core import has
 from hitab_world import Entity, Placement, WorldError
 from hitab_world.parameters import ParameterError
 from keepaway_world.parameters import KeepawayParameters
@@ -151,7 +152,7 @@ def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict
     for p in placements:
         mover = movers.get(p.name)
         if mover is None:
-            raise WorldError(f'nothing is called "{p.name}" (has: {", ".join(movers)})')
+            raise WorldError(f'nothing is called "{p.name}" {has(movers, p.name)}')
         given = (p.x, p.y, p.heading, p.vx / CYCLES_PER_SECOND, p.vy / CYCLES_PER_SECOND)
         now = (mover.x, mover.y, mover.heading, mover.vx, mover.vy)
         if any(math.isinf(value) for value in given):

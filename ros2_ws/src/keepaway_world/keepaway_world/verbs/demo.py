@@ -226,10 +226,12 @@ def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> No
         f"In {out}: field.png, automata.png, episode_lengths.png, figures.json, library/",
         soft_wrap=True,
     )
-    console.say(
-        "\nNext:\n"
-        f"  hitab library show Keepaway --library {library}   # what was learned\n"
-        f"  hitab keepaway evaluate --library {library}       # play more\n"
-        "  hitab up keepaway                  # a world and three keepers to train yourself\n"
-        "  hitab lesson list                  # the lessons that trained these"
-    )
+    following = {
+        f"hitab library show Keepaway --library {library}": "what was learned",
+        f"hitab keepaway evaluate --library {library}": "play more",
+        "hitab up keepaway": "a world and three keepers to train yourself",
+        "hitab lesson list": "the lessons that trained these",
+    }
+    width = max(map(len, following))
+    lines = (f"  {command:{width}}  # {what}" for command, what in following.items())
+    console.say("\n".join(("\nNext:", *lines)))
