@@ -35,6 +35,7 @@ START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
 COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
 DOMAINS_TRIED = 3  # if the names are taken there
+VALUES_SECONDS = 2.0  # for commanders to get the first values of their subordinates
 LARGE = 100  # agents; in a larger swarm a command watches only those that it needs
 STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
 
@@ -115,6 +116,7 @@ def _brought_up(
             warn(text)
         for text in _slow_to_command(record):
             warn(text)
+        _let_commanders_hear(link, agents, [c.name for c in swarm.commanders])
         there = sorted(agents.statuses.items())
         faults = [(name, fault) for name, s in there for fault in s.faults]
         for text in each_once(one for one in faults if not one[1].startswith(RESUMED)):
@@ -336,6 +338,16 @@ def _await_all(
             f"{folder.log(names[0])}:\n{lines}"
         )
     return agents, world
+
+
+def _let_commanders_hear(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:
+    """Give commanders the time to get the first values of their subordinates.
+
+    Until then they report that they lack these, which is no fault of a swarm that just starts.
+    """
+    link.spin_until(
+        lambda: not any(agents.statuses[name].faults for name in commanders), VALUES_SECONDS
+    )
 
 
 def _slow_to_command(record: RunRecord) -> Iterator[str]:

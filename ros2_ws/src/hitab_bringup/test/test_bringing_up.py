@@ -91,3 +91,19 @@ def test_up_says_that_commands_to_a_large_swarm_take_their_time(monkeypatch):
     monkeypatch.setattr(bringing_up, "busy", lambda: "this machine is busy (load 6.0 on 2 cores)")
     (told,) = bringing_up._slow_to_command(large)
     assert "minutes at first: this machine is busy (load 6.0 on 2 cores)" in told
+
+
+def test_a_commander_that_lacks_values_only_at_first_has_no_fault_at_the_start():
+    faults = {"captain": ["captain decides without what it needs"], "a": ["is lost"]}
+    agents = SimpleNamespace(statuses={n: SimpleNamespace(faults=f) for n, f in faults.items()})
+    tried = []
+
+    def spin_until(done, seconds: float) -> bool:
+        while not done():
+            tried.append(seconds)
+            faults["captain"].clear()  # its subordinates have reported
+        return True
+
+    bringing_up._let_commanders_hear(SimpleNamespace(spin_until=spin_until), agents, ["captain"])
+    assert tried == [bringing_up.VALUES_SECONDS]
+    assert faults == {"captain": [], "a": ["is lost"]}
