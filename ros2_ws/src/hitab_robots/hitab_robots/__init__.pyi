@@ -13,11 +13,15 @@ from .sensors import Sensor as Sensor
 from .velocity import Drive as Drive
 from .words import battery_low as battery_low
 from .words import distance_to as distance_to
+from .words import drive_to as drive_to
+from .words import facing as facing
 from .words import heading_to as heading_to
 from .words import motion as motion
+from .words import near as near
 from .words import nearest_bearing as nearest_bearing
 from .words import nearest_range as nearest_range
 from .words import nearest_return as nearest_return
 from .words import place as place
 from .words import reading as reading
 from .words import stuck as stuck
+from .words import turn_to as turn_to

@@ -14,6 +14,15 @@ from hitab_robots.robot import MEMORY_S, RobotBody
 
 Point = tuple[float, float]
 
+FULL_TURN = 0.5
+"""rad; a target that is farther off than this is turned to at full speed."""
+
+SLOW_M = 0.3
+"""Within this distance of its target, m, a robot drives more slowly."""
+
+ARRIVED_M = 0.02
+"""Nearer to its target than this, m, a robot stands still: where it faces then means nothing."""
+
 
 def motion(
     name: str, ahead: float = 0.0, turn: float = 0.0, left: float = 0.0, description: str = ""
@@ -46,6 +55,79 @@ def _moving(ahead: float, turn: float, left: float) -> str:
     """Return what a velocity is, in words."""
     parts = ((ahead, "m/s ahead"), (left, "m/s to the left"), (turn, "rad/s to the left"))
     return ", ".join(f"{value:g} {unit}" for value, unit in parts if value) or "stands still"
+
+
+def turn_to(name: str = "TurnTo", turn: float = 0.8, description: str = "") -> BasicBehavior:
+    """Return a behavior that turns the robot on the spot to face a target, the shorter way.
+
+    It goes on while it is performed, and follows a target that moves; a feature such as `facing`
+    says when the robot faces it.
+
+    Args:
+        name: a word; its parameter is ``X``, as in ``TurnTo(goal)``.
+        turn: rad/s, at most.
+        description: for people.
+    """
+
+    def pulse(body: RobotBody, point: Point) -> None:
+        body.drive(0.0, _turning(_bearing(body, point), turn))
+
+    return BasicBehavior(
+        name, pulse, parameters=("X",), description=description or "turn on the spot to the target"
+    )
+
+
+def drive_to(
+    name: str = "DriveTo", ahead: float = 0.2, turn: float = 0.8, description: str = ""
+) -> BasicBehavior:
+    """Return a behavior that drives straight to a target, and stands still there.
+
+    It turns first and then keeps facing the target, by the odometry. It sees no obstacles: train
+    when something else has to be performed. It goes on while it is performed; a feature such as
+    `distance_to` says when the robot has arrived.
+
+    Args:
+        name: a word; its parameter is ``X``, as in ``DriveTo(goal)``.
+        ahead: m/s, at most.
+        turn: rad/s, at most.
+        description: for people.
+
+    Examples:
+        >>> from hitab_robots import Odometry, Robot
+        >>> body = Robot((Odometry(),))("robot_1")
+        >>> body.sense([0.1, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], ())
+        >>> drive_to().pulse(body, (3.0, 0.0))
+        >>> [float(value) for value in body.act()[0]]
+        [0.2, 0.0, 0.0]
+    """
+
+    def pulse(body: RobotBody, point: Point) -> None:
+        x, y, _ = body.place
+        distance, bearing = math.hypot(point[0] - x, point[1] - y), _bearing(body, point)
+        if not distance > ARRIVED_M or math.isnan(bearing):
+            body.drive(0.0)
+        elif abs(bearing) > FULL_TURN:
+            body.drive(0.0, _turning(bearing, turn))
+        else:
+            body.drive(ahead * min(1.0, distance / SLOW_M), _turning(bearing, turn))
+
+    return BasicBehavior(
+        name, pulse, parameters=("X",), description=description or "drive straight to the target"
+    )
+
+
+def _bearing(body: RobotBody, point: Point) -> float:
+    """Return in which direction a point is, rad from ahead, positive left."""
+    x, y, heading = body.place
+    angle = math.atan2(point[1] - y, point[0] - x) - heading
+    return math.remainder(angle, math.tau) if math.isfinite(angle) else math.nan
+
+
+def _turning(bearing: float, turn: float) -> float:
+    """Return how fast to turn, rad/s: the slower, the less there is to turn."""
+    if math.isnan(bearing):
+        return 0.0
+    return turn * max(-1.0, min(1.0, bearing / FULL_TURN))
 
 
 def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Feature:
@@ -126,19 +208,76 @@ def heading_to(name: str = "HeadingTo", *, required: bool = True) -> Feature:
         >>> heading_to().read(body, (0.0, 0.0))
         1.5707963267948966
     """
-
-    def read(body: RobotBody, point: Point) -> float:
-        x, y, heading = body.place
-        return math.remainder(math.atan2(point[1] - y, point[0] - x) - heading, math.tau)
-
     return Feature(
         name,
-        read,
+        _bearing,
         FeatureKind.TOROIDAL,
         parameters=("X",),
         unit="rad",
         required=required,
         description="in which direction the target is; 0: ahead",
+    )
+
+
+def facing(
+    name: str = "Facing", within: float = math.radians(10.0), *, required: bool = True
+) -> Feature:
+    """Return whether the robot faces a target.
+
+    One command on a `heading_to` holds near the heading of that moment only, which a real robot
+    never meets again exactly; this feature is yes or no.
+
+    Args:
+        name: a word.
+        within: rad to either side.
+        required: whether nothing is decided without it.
+
+    Raises:
+        VocabularyError: if that is no angle up to half a turn.
+    """
+    if not 0.0 < within < math.pi:
+        raise VocabularyError(
+            f'feature "{name}" is true within {within:g} rad; it must be between 0 and pi'
+        )
+
+    def read(body: RobotBody, point: Point) -> float:
+        bearing = _bearing(body, point)
+        return bearing if math.isnan(bearing) else float(abs(bearing) <= within)
+
+    return Feature(
+        name,
+        read,
+        FeatureKind.BOOLEAN,
+        parameters=("X",),
+        required=required,
+        description=f"it faces the target, within {math.degrees(within):.0f} deg",
+    )
+
+
+def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> Feature:
+    """Return whether the robot's centre is near a target.
+
+    A command on a `distance_to` that comes when the robot has stopped at its target holds up to
+    that distance only, which it may not reach again; this feature is yes or no.
+
+    Args:
+        name: a word.
+        within: m.
+        required: whether nothing is decided without it.
+    """
+    distance = distance_to().read
+
+    def read(body: RobotBody, point: Point) -> float:
+        away = distance(body, point)
+        return away if math.isnan(away) else float(away <= within)
+
+    return Feature(
+        name,
+        read,
+        FeatureKind.BOOLEAN,
+        parameters=("X",),
+        required=required,
+        description=f"the target is within {within:g} m",
     )
 
 

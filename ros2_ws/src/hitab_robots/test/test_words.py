@@ -5,6 +5,8 @@ import subprocess
 import sys
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hitab_core import Domain, VocabularyError
 from hitab_robots import (
@@ -17,14 +19,18 @@ from hitab_robots import (
     Sector,
     battery_low,
     distance_to,
+    drive_to,
+    facing,
     heading_to,
     motion,
+    near,
     nearest_bearing,
     nearest_range,
     nearest_return,
     place,
     reading,
     stuck,
+    turn_to,
 )
 
 ROBOT = Robot(
@@ -35,12 +41,20 @@ DOMAIN = Domain.of(
     "cart",
     "1",
     ROBOT,
-    behaviors=(motion("Forward", 0.4), motion("Left", turn=1.0), motion("Stop")),
+    behaviors=(
+        motion("Forward", 0.4),
+        motion("Left", turn=1.0),
+        motion("Stop"),
+        drive_to(),
+        turn_to(),
+    ),
     features=(
         nearest_range("RangeAhead", "scan.ahead"),
         nearest_bearing("BearingOfNearest", "scan.around"),
         distance_to(),
         heading_to(),
+        facing(),
+        near(within=0.3),
         stuck(),
         battery_low(),
         reading("Speed", "odom.vx", unit="m/s"),
@@ -192,3 +206,65 @@ def test_a_commander_hears_where_the_robot_is_unless_it_does_not_know():
     body.sense(list(values.values()), ())
     assert body.position == (1.0, 2.0)
     assert Robot((Scan(),))("robot_1").position is None
+
+
+def moved(behavior, x, y, heading, seconds=40.0):
+    """Return where a robot is after a behavior to the target home: m, m, rad."""
+    body = DOMAIN.body("robot_1")
+    for step in range(round(seconds * 10)):
+        sense(body, time=step / 10, odom__x=x, odom__y=y, odom__heading=heading)
+        DOMAIN.behaviors[behavior].pulse(body, (0.0, 0.0))
+        ahead, _, turn = body.act()[0]
+        heading += turn / 10
+        x += ahead / 10 * math.cos(heading)
+        y += ahead / 10 * math.sin(heading)
+    return x, y, heading
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-math.pi, math.pi))
+def test_a_robot_drives_to_a_place_from_anywhere(x, y, heading):
+    there = moved("DriveTo", x, y, heading)
+    assert math.hypot(*there[:2]) < 0.1
+    assert moved("DriveTo", *there, seconds=1.0)[:2] == pytest.approx(there[:2], abs=0.05)
+
+
+@given(st.floats(0.5, 3.0), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
+def test_a_robot_turns_to_a_place_on_the_spot(distance, angle, heading):
+    x, y = distance * math.cos(angle), distance * math.sin(angle)
+    there = moved("TurnTo", x, y, heading, seconds=10.0)
+    assert there[:2] == (x, y)
+    body = DOMAIN.body("robot_1")
+    sense(body, odom__x=x, odom__y=y, odom__heading=there[2])
+    assert read(body, "Facing", "home") == 1.0
+    assert abs(there[2] - heading) < math.pi + 0.1, "the shorter way"
+
+
+@pytest.mark.parametrize("behavior", ["DriveTo", "TurnTo"])
+def test_without_odometry_a_robot_drives_nowhere(behavior):
+    body = DOMAIN.body("robot_1")
+    sense(body, time=1.0)
+    DOMAIN.behaviors[behavior].pulse(body, (0.0, 0.0))
+    assert list(body.act()[0]) == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("degrees", "faces"), [(9.0, 1.0), (-9.0, 1.0), (11.0, 0.0), (180.0, 0.0)]
+)
+def test_what_a_robot_faces(degrees, faces):
+    body = DOMAIN.body("robot_1")
+    sense(body, odom__x=-1.0, odom__y=0.0, odom__heading=math.radians(degrees))
+    assert read(body, "Facing", "home") == faces
+
+
+@pytest.mark.parametrize(("x", "is_near"), [(0.29, 1.0), (0.31, 0.0)])
+def test_what_a_robot_is_near_to(x, is_near):
+    body = DOMAIN.body("robot_1")
+    sense(body, odom__x=x, odom__y=0.0, odom__heading=0.0)
+    assert read(body, "Near", "home") == is_near
+
+
+def test_facing_within_no_angle_is_refused():
+    with pytest.raises(
+        VocabularyError, match=r'feature "F" is true within 0 rad; it must be betw'
+    ):
+        facing("F", within=0.0)
