@@ -32,6 +32,9 @@ NOTICED = 2
 MENDING = 6
 """The most examples that are given to a plan to which a person goes back, before going on."""
 
+MENDED = 48 / 60
+"""The part of the budget that may be spent by then: the rest is for the top-level plan."""
+
 
 class Person:
     """One simulated person.
@@ -123,7 +126,7 @@ class Person:
         hindering = [c for c in courses if course.troubles[c.plan.name] >= NOTICED]
         hindering.sort(key=lambda c: -course.troubles[c.plan.name])
         for again in (*hindering[:1], *([course] if hindering or course.memory.lost else [])):
-            again.allowance = min(self.budget, pupil.given + MENDING)
+            again.allowance = min(int(MENDED * self.budget), pupil.given + MENDING)
             self._resume(pupil, again)
 
     def _ended(self, pupil: Pupil, plan: Plan) -> Diary:

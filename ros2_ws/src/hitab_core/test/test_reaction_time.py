@@ -162,6 +162,16 @@ def test_a_command_can_be_retimed_also_after_a_crash_and_that_undone(cart: Drive
         session.retime([3], 9.0)
 
 
+def test_a_command_in_a_world_that_stood_still_was_not_late(cart: Driven) -> None:
+    cart.run(1)
+    cart.command("Right")
+    session = cart.agent.session
+    assert session is not None
+    with pytest.raises(TrainingError, match="example 1 was commanded while the world stood still"):
+        session.retime([1], 0.2)
+    session.retime([1], 0.0)
+
+
 def test_features_are_exchanged_without_demonstrating_again(cart: Driven) -> None:
     cart.run(4)
     cart.command("Right")

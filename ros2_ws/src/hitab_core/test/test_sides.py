@@ -9,7 +9,7 @@ import pytest
 
 from hitab_core import Agent, BehaviorLibrary, Feature, FeatureKind, Use, plain_domain
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.sides import unshown_sides
+from hitab_core.advice.sides import lone_values, unshown_sides
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.training import Curriculum
@@ -35,6 +35,43 @@ def asked(*examples: Example, readings=(), scales=(CIRCLE,), classifier="tree"):
     found = unshown_sides(evidence, rows, [True] * len(rows))
     assert {(side.state, side.next_state) for side in found} <= {("Sail", "Turn")}
     return [round((side.situation[side.feature] + 180.0) % 360.0 - 180.0, 6) for side in found]
+
+
+def lone(*examples: Example, readings=()):
+    """Return where it is asked about a command at one value, from -180 to 180."""
+    evidence = Evidence.of("Sail", examples, [CIRCLE], ["Wind"], ())
+    rows = [[reading] for reading in readings]
+    found = lone_values(evidence, rows, [True] * len(rows))
+    assert all(side.one_value for side in found)
+    return [round((side.situation[0] + 180.0) % 360.0 - 180.0, 6) for side in found]
+
+
+AMONG = (stay(-120.0), turn(0.09), stay(60.0))
+
+
+def test_a_command_at_one_value_is_asked_about_where_the_robot_came_from():
+    assert lone(*AMONG, readings=[50.0, 30.0, 10.0, 3.0]) == [6.09]
+    assert lone(*AMONG, readings=[-50.0, -30.0, -10.0]) == [-5.91]
+
+
+def test_a_sensor_that_rounds_meets_the_value_again():
+    assert lone(*AMONG, readings=[5.0, 0.09, 2.0]) == []
+    assert lone(*AMONG, turn(0.09), readings=[5.0, 2.0]) == [6.09], "two commands are no meeting"
+
+
+def test_a_command_at_two_values_or_for_a_side_holds_for_more():
+    assert lone(*AMONG, turn(3.0)) == []
+    assert lone(stay(0.0), turn(20.0)) == []
+
+
+def test_after_the_answer_to_stay_it_is_asked_nearer_until_it_is_exact():
+    examples, places = [*AMONG], []
+    while found := lone(*examples, readings=[50.0, 30.0, 10.0]):
+        places += found
+        examples.append(stay(found[0]))
+    assert places == pytest.approx([6.09, 3.09, 1.59, 0.84])
+    answered = lone(*AMONG, turn(6.09), readings=[50.0, 30.0])
+    assert answered == [], "now it holds from there to the command"
 
 
 @pytest.mark.parametrize("zero", [0.0, 90.0, 175.0, 355.0])

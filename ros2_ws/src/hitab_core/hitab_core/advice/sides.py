@@ -20,7 +20,7 @@ anything on that half.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,15 @@ from hitab_core.arrays import Booleans
 from hitab_core.learning import Leaf, Node
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.tree_nodes import ArcNode
+
+POINT = 1e-6
+"""Width of an arc, as a share of the circle, that is a single direction: nobody means one."""
+
+BESIDE = 1 / 60
+"""How far from a single value it is asked, as a share of the circle: 6 degrees."""
+
+LEAST = 1 / 720
+"""The least such distance, as a share of the circle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +56,7 @@ class UnshownSide:
         situation: in which to ask: a value for each feature; NaN: any.
         share: how often the agent was there, as a share of the readings in the state.
         text: the question.
+        one_value: whether the command was shown at one value only, see `lone_values`.
     """
 
     state: str
@@ -56,6 +66,7 @@ class UnshownSide:
     situation: tuple[float, ...]
     share: float
     text: str
+    one_value: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +120,63 @@ def unshown_sides(
         rows = np.flatnonzero(there & (column == narrow.shown) & ~evidence.default).tolist()
         found.append(_asked(evidence, node.feature, rows, place, tree.features_used, share))
     return sorted(found, key=lambda side: -side.share)
+
+
+def lone_values(
+    evidence: Evidence, readings: ArrayLike = (), here: ArrayLike | None = None
+) -> list[UnshownSide]:
+    """Return what to ask about commands that hold for a single value, which did not occur again.
+
+    Between default examples on both sides a command holds for what was commanded only. A sensor
+    that rounds meets such a value again; one that measures never does, and the command is lost. It
+    is asked on the side from which the value was mostly approached, a little beside it, or after
+    the answer to stay, half as far.
+
+    Args:
+        evidence, readings, here: see `unshown_sides`.
+
+    Raises:
+        FeatureValueError, VocabularyError, ValueError: as learning from the examples.
+    """
+    tree = evidence.learn()
+    if tree is None:
+        return []
+    perceived = Perceived.of(evidence, readings, here)
+    found = []
+    for node, there in _arcs(tree.root_, evidence):
+        period, column = node.period, evidence.values[:, node.feature]
+        width = (node.end - node.start) % period
+        if min(width, period - width) >= POINT * period:
+            continue
+        alone = int(width > period / 2)  # the branch of the arc itself, or of the rest
+        values = np.unique(column[there])
+        own = [value for value in values if node.branch_for(value) == alone]
+        rows = np.flatnonzero(there & np.isin(column, own) & ~evidence.default).tolist()
+        if len(own) != 1 or not rows or len(values) < 2:
+            continue
+        again = perceived.times[perceived.values[:, node.feature] == own[0]].sum()
+        if again > np.count_nonzero(column == own[0]):
+            continue
+        ways = (values - own[0]) % period
+        gaps = {1: float(ways[ways > 0].min()), -1: float(period - ways.max())}
+        met = (perceived.values[:, node.feature] - own[0]) % period
+        seen = perceived.times * perceived.here
+        beside = {1: seen[(met > 0) & (met < gaps[1])].sum()}
+        beside[-1] = seen[met > period - gaps[-1]].sum()
+        up = max(gaps, key=lambda way: (beside[way], -gaps[way]))
+        away = min(gaps[up] / 2, BESIDE * period)
+        if away < LEAST * period:
+            continue
+        place = on_circle(own[0] + up * away, period)
+        side = _asked(evidence, node.feature, rows, place, tree.features_used, 0.0)
+        shown = situation_in_words(evidence, evidence.values[rows[-1]].tolist(), [node.feature])
+        where = situation_in_words(evidence, side.situation, tree.features_used)
+        text = (
+            f"In {evidence.state}, you showed {side.next_state} at {shown} only, which has not "
+            f"occurred again. Is it right with {where}, too?"
+        )
+        found.append(replace(side, text=text, one_value=True))
+    return found
 
 
 def _arcs(root: Node, evidence: Evidence) -> Iterator[tuple[ArcNode, Booleans]]:

@@ -343,6 +343,11 @@ class Perceived:
             )
         time, moments = self._windows[command]
         longest = time - moments[0].time
+        if ago and longest <= 0.0:
+            raise TrainingError(
+                f"example {example} was commanded while the world stood still, so its command was "
+                "not late; delete it and demonstrate it again if it is wrong"
+            )
         if not ago >= 0.0:
             raise TrainingError(
                 f"a command cannot have been due {-ago:g} s after it was given; give a number "
