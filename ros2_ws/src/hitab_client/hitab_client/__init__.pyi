@@ -1,3 +1,4 @@
+from .angles import as_direction as as_direction
 from . import called_as as called_as
 from . import command_options as command_options
 from . import completion as completion

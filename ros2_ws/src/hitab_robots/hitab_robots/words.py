@@ -97,8 +97,9 @@ def drive_to(
         >>> body = Robot((Odometry(),))("robot_1")
         >>> body.sense([0.1, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], ())
         >>> drive_to().pulse(body, (3.0, 0.0))
-        >>> [float(value) for value in body.act()[0]]
-        [0.2, 0.0, 0.0]
+        >>> (ahead, _, turn), _ = body.act()
+        >>> ahead, turn
+        (0.2, 0.0)
     """
 
     def pulse(body: RobotBody, point: Point) -> None:

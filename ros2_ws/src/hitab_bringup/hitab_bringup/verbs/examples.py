@@ -12,7 +12,7 @@ import typer
 from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
-from hitab_client import console
+from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
 
@@ -57,7 +57,9 @@ def examples_list(
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.list_examples(agent, automaton)
-        units = _units(swarm_up.agents.vocabulary(agent), answer.features)
+        words = swarm_up.agents.vocabulary(agent)
+        units = _of_features(words, words.feature_units, answer.features)
+        kinds = _of_features(words, words.feature_kinds, answer.features)
     if json != "-":
         late = any(e.ago for e in answer.examples)
         shown = (
@@ -69,7 +71,7 @@ def examples_list(
             (
                 str(e.number),
                 e.state,
-                *(_shown(value, unit) for value, unit in zip(e.values, units, strict=True)),
+                *map(_shown, e.values, units, kinds),
                 e.next_state,
                 e.kind,
                 str(e.command),
@@ -110,18 +112,16 @@ def examples_list(
     )
 
 
-def _units(words: Any, features: Sequence[str]) -> list[str]:
-    """Return the units of features in use, from the vocabulary of the agent."""
-    known = {
-        Use.parse(name).name: unit
-        for name, unit in zip(words.features, words.feature_units, strict=True)
-    }
+def _of_features(words: Any, said: Sequence[str], features: Sequence[str]) -> list[str]:
+    """Return what the vocabulary of the agent says of features in use, such as their units."""
+    known = {Use.parse(name).name: unit for name, unit in zip(words.features, said, strict=True)}
     return [known.get(Use.parse(feature).name, "") for feature in features]
 
 
-def _shown(value: float, unit: str) -> str:
+def _shown(value: float, unit: str, kind: str) -> str:
     """Return a value for people: angles in degrees, as the rules that are learned from them."""
-    return f"{shown_value(value, unit):{'.1f' if unit == RADIANS else '.4g'}}"
+    value = shown_value(as_direction(value, unit, kind), unit)
+    return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
 
 
 Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from hitab_client import as_direction
 from hitab_core import (
     FLAGS,
     RADIANS,
@@ -38,7 +39,7 @@ def measure(value: float, kind: str = "", unit: str = "") -> str:
     digits = 2 if abs(value) < MANY else 1
     if unit == RADIANS:
         digits = 1
-    value, unit = shown_value(value, unit), shown_unit(unit)
+    value, unit = shown_value(as_direction(value, unit, kind), unit), shown_unit(unit)
     text = f"{value:.{digits}f}"
     text = text.removeprefix("-") if float(text) == 0.0 else text
     return f"{text} {unit}" if unit else text
