@@ -147,7 +147,7 @@ LOST_AT_5_M = [
 @pytest.mark.parametrize("distance", [CONTINUOUS, DEGREES])
 def test_a_boundary_beside_an_example_of_one_class_is_not_that_of_another(distance, scale):
     turned = [((d * 10.0 if distance is DEGREES else d, k), y, o) for (d, k), y, o in LOST_AT_5_M]
-    far, near, lost = ((40.0, 20.0, 90.0) if distance is DEGREES else (4.0, 2.0, 9.0))
+    far, near, lost = (40.0, 20.0, 90.0) if distance is DEGREES else (4.0, 2.0, 9.0)
     tree = learned(turned, [distance, scale])
     asked = [(far, 1), (near, 1), (lost, 0)]
     assert tree.predict(asked).tolist() == ["Stop", "Pass", "Fetch"]
