@@ -1,4 +1,3 @@
-from .angles import as_direction as as_direction
 from . import called_as as called_as
 from . import command_options as command_options
 from . import completion as completion
@@ -16,6 +15,7 @@ from . import run_processes as run_processes
 from . import shipped as shipped
 from . import swarm_choice as swarm_choice
 from .acknowledgements import DistributionReport as DistributionReport
+from .angles import as_direction as as_direction
 from .command_view import Branch as Branch
 from .command_view import CommandView as CommandView
 from .errors import DescriptionError as DescriptionError
