@@ -28,7 +28,7 @@ LATER = 2
 MISTAKE = "mistake"
 """The kind of the questions that propose to unlearn an example."""
 
-ANSWERS = 8
+ANSWERS = 3
 """The most questions that a person answers at a time."""
 
 

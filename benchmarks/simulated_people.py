@@ -23,7 +23,7 @@ from trial import Kind, Memory, Trial
 from hitab_core import START
 from hitab_core.example import Example
 
-SHARES = (14 / 60, 31 / 60, 46 / 60, 1.0)
+SHARES = (14 / 60, 29 / 60, 44 / 60, 1.0)
 """The part of the budget that may be spent by the end of each plan."""
 
 NOTICED = 2
@@ -32,7 +32,7 @@ NOTICED = 2
 MENDING = 6
 """The most examples that are given to a plan to which a person goes back, before going on."""
 
-MENDED = 48 / 60
+MENDED = 47 / 60
 """The part of the budget that may be spent by then: the rest is for the top-level plan."""
 
 
@@ -100,9 +100,10 @@ class Person:
             return -team.troubles[course.plan.name], not course.memory.lost
 
         # What is left of the budget goes to what is not good yet, first to what goes wrong in
-        # games, then to what lost a command.
+        # games, then to what lost a command; some is kept for the games themselves.
         for course in sorted(courses, key=urgency):
-            name, course.allowance = course.plan.name, self.budget
+            name = course.plan.name
+            course.allowance = self.budget - (0 if team.content else MENDING)
             content = name in self.diary.content and team.troubles[name] < NOTICED
             if not content and not course.exhausted:
                 self._resume(pupil, course)

@@ -73,7 +73,9 @@ def test_commands_in_the_wrong_mode_are_refused(training):
     agents = training.agents
     agents.set_mode(AGENT, "testing", restart=True)
     try:
-        with pytest.raises(SwarmError, match="being tested; go to training mode to take over .*hitab train "):
+        with pytest.raises(
+            SwarmError, match=r"being tested; go to training mode to take over .*hitab train "
+        ):
             agents.command(AGENT, "GoFast")
     finally:
         agents.set_mode(AGENT, "training")
