@@ -80,7 +80,7 @@ class GuardedTick:
         self._failed_in = (agent.mode.value, agent.behavior)
         if why != self.fault:
             self.fault = why
-            text = f"{agent.name} did nothing in cycle {agent.cycle}: {why}"
+            text = f"{agent.name} has done nothing since cycle {agent.cycle}: {why}"
             self._guard.log(text, ("tick", why))
             self._guard.faults.set(TICK, text)
 

@@ -120,7 +120,7 @@ def test_an_agent_that_does_nothing_says_so_until_it_acts_whatever_is_commanded(
     one.perceive(1.0)
     one.process.until(lambda: one.status.faults)
     one.command("Go")  # which succeeds
-    why = "one did nothing in cycle 2: RuntimeError"
+    why = "one has done nothing since cycle 2: RuntimeError"
     assert one.status.faults[0].startswith(why)
     assert one.status.last_error.startswith(why)  # what viewers show that know no faults
     one.command("Dance")

@@ -52,7 +52,7 @@ def reaction(
         reaction_time.keep(who, None if forget else seconds)
     now = reaction_time.of(who)
     console.say(
-        f"each command of {who} counts {now:g} s earlier than it is given"
+        f"commands of {who} count as given {now:g} s earlier"
         if now
         else f"{who} has no reaction time; each command counts when it is given"
     )
