@@ -335,8 +335,10 @@ def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
     assert 'unknown feature "Lucky"' in refused.stderr
     told = re.search(r"last refusal at (\d\d:\d\d:\d\d): ", hitab("status").stdout)
     assert told is not None
-    assert abs(agents.statuses[ONE].refused_at.sec - time.time()) < 600.0
-    assert told[1] == time.strftime("%T", time.localtime(agents.statuses[ONE].refused_at.sec))
+    begun.link.spin_until(lambda: agents.statuses[ONE].refused_at.sec > 0, 60.0)
+    refused_at = agents.statuses[ONE].refused_at.sec
+    assert abs(refused_at - time.time()) < 600.0
+    assert told[1] == time.strftime("%T", time.localtime(refused_at))
     assert agents.statuses[ONE].mode != "training"
 
 

@@ -86,17 +86,18 @@ def by_hand(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
             started.terminate()
 
 
-def test_the_same_swarm_in_another_folder_is_refused_in_one_line(hitab, place):
+def test_the_same_swarm_in_another_folder_is_refused(hitab, place):
     # It said "is up" while its own processes died and were started again and again.
     path = described(place, SOCCER)
     up(hitab, path)
     ((_, record),) = running_swarms()
     again = hitab("up", path, "--run-dir", str(place / "other"))
     assert again.returncode == 1
-    (line,) = again.stderr.splitlines()
-    assert "keeper_1, keeper_2, keeper_3, world" in line
-    assert "stop it with `hitab down soccer`" in line
-    assert "ROS_DOMAIN_ID" in line
+    refused, *ways_out = again.stderr.splitlines()
+    assert "keeper_1, keeper_2, keeper_3, world" in refused
+    assert all(line.startswith("  ") for line in ways_out)
+    assert "stop it with `hitab down soccer`" in " ".join(ways_out)
+    assert "ROS_DOMAIN_ID" in " ".join(ways_out)
     assert RunFolder(place / "other").processes() == []
     assert [r.identity for _, r in running_swarms()] == [record.identity]
 
@@ -110,8 +111,9 @@ def test_names_taken_by_a_swarm_of_another_registry_are_refused_as_well(hitab, p
     again = hitab("up", path)
     monkeypatch.undo()
     assert again.returncode == 1
-    (line,) = again.stderr.splitlines()
-    assert record.identity in line
+    refused, *ways_out = again.stderr.splitlines()
+    assert record.identity in refused
+    assert all(line.startswith("  ") for line in ways_out)
     assert RunFolder(place / "another_home" / "lone").processes() == []
     assert folder.supervisor(record) is not None
 

@@ -212,7 +212,8 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
         both = [name for name in swarm.agent_names if name in record.agents]
         if record.world and swarm.world is not None:
             both.append("world")
-        why = f"also has a node called {some(both, between=' or ')}" if both else ""
+        called = "a node called" if len(both) == 1 else "nodes called"
+        why = f"also has {called} {some(both)}" if both else ""
         way = _another_domain(swarm.world is None)
         if both and swarm.world is not None:
             way += ", or give it a --namespace"

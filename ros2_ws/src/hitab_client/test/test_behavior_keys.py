@@ -30,7 +30,7 @@ def test_when_there_are_no_keys_left_a_behavior_has_none():
 
 
 def test_what_was_trained_gets_its_keys_after_what_the_robot_can_do_by_itself():
-    assert in_order(["Turn", "Chase", "Go(A)"], {"Chase"}) == ["Go(A)", "Turn", "Chase"]
+    assert in_order(["Turn", "Chase", "Go(A)"], {"Chase"}) == ["Turn", "Go(A)", "Chase"]
 
 
 ROBOT = ["Forward", "TurnLeft"]

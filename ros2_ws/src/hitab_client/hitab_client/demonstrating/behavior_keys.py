@@ -35,11 +35,18 @@ def file() -> Path:
 def in_order(behaviors: Iterable[str], trained: Container[str]) -> list[str]:
     """Return behaviors in the order in which they get keys: those of the domain first.
 
+    Among these, those with parameters come last, since a gamepad's button cannot name a target.
+
     Args:
         behaviors: with parameters, such as ``GoTo(A)``.
         trained: names of those that were trained.
     """
-    return sorted(behaviors, key=lambda b: (Use.parse(b).name in trained, b))
+
+    def place(behavior: str) -> tuple[bool, bool, str]:
+        use = Use.parse(behavior)
+        return use.name in trained, bool(use.arguments), behavior
+
+    return sorted(behaviors, key=place)
 
 
 class Keys:
