@@ -37,7 +37,7 @@ from hitab_core import (
     uses_actions,
 )
 from hitab_core.commanding import Subordinate
-from hitab_ros import GuardedNode, names
+from hitab_ros import GuardedNode, names, notes
 from hitab_ros.conversions import use_of
 from hitab_ros.diagnostics import Diagnosis, Level
 from hitab_ros.stamps import seconds_of
@@ -202,7 +202,7 @@ class AgentNode(GuardedNode):
         if self.agent.session is not None:
             training = self.agent.session
             self.status.notify(
-                f'resumed the interrupted training of "{training.curriculum.name}" '
+                f'{notes.RESUMED} of "{training.curriculum.name}" '
                 f"with {quantity(len(training.log), 'example')}"
             )
         else:

@@ -13,7 +13,7 @@ from pathlib import Path
 from hitab_bringup import supervision
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_description import SwarmDescription
-from hitab_bringup.unsaved_trainings import RESUMED, announcements
+from hitab_bringup.unsaved_trainings import announcements
 from hitab_client import (
     CommandView,
     NamesTakenError,
@@ -29,6 +29,7 @@ from hitab_client.machine_load import busy
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import each_once, quantity, some
+from hitab_ros.notes import is_note
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
@@ -118,8 +119,8 @@ def _brought_up(
             warn(text)
         _let_commanders_hear(link, agents, [c.name for c in swarm.commanders])
         there = sorted(agents.statuses.items())
-        faults = [(name, fault) for name, s in there for fault in s.faults]
-        for text in each_once(one for one in faults if not one[1].startswith(RESUMED)):
+        faults = ((n, text) for n, s in there for text in s.faults if not is_note(text))
+        for text in each_once(faults):
             warn(text)
         for text in announcements(agents.statuses.values(), folder.path):
             warn(text)

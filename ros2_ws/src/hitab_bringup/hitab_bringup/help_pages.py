@@ -15,7 +15,7 @@ from typing import Any
 
 import typer
 from typer.core import TyperArgument, TyperCommand, TyperGroup, TyperOption
-from typer.models import DefaultPlaceholder
+from typer.models import CommandInfo, DefaultPlaceholder
 
 INDENT = "  "
 """Of examples."""
@@ -49,18 +49,33 @@ class HelpfulGroup(TyperGroup):
 
 def make_helpful(app: typer.Typer) -> None:
     """Give all verbs of a command, also those in its groups, readable help pages."""
-    for command in app.registered_commands:
+    for _, command in verbs(app):
         if command.help is None:  # groups outlive the command, and are not done twice
             command.help = reflowed(inspect.getdoc(command.callback) or "")
         if command.cls in (None, TyperCommand):
             command.cls = HelpfulCommand
+    for _, group in _groups(app):
+        if isinstance(group.info.cls, DefaultPlaceholder):
+            group.info.cls = HelpfulGroup
+
+
+def verbs(app: typer.Typer) -> Iterator[tuple[tuple[str, ...], CommandInfo]]:
+    """Yield all verbs of a command with the words that call them, such as ``world pause``."""
+    for path, group in ((), app), *_groups(app):
+        for command in group.registered_commands:
+            name = command.name or getattr(command.callback, "__name__", "").replace("_", "-")
+            yield (*path, name), command
+
+
+def _groups(
+    app: typer.Typer, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], typer.Typer]]:
     for group in app.registered_groups:
         inner = group.typer_instance
-        if inner is None or isinstance(inner, DefaultPlaceholder):
-            continue
-        if isinstance(inner.info.cls, DefaultPlaceholder):
-            inner.info.cls = HelpfulGroup
-        make_helpful(inner)
+        if inner is not None and not isinstance(inner, DefaultPlaceholder):
+            within = (*path, str(group.name))
+            yield within, inner
+            yield from _groups(inner, within)
 
 
 def reflowed(text: str) -> str:

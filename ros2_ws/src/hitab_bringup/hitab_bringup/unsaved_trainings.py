@@ -22,9 +22,6 @@ from hitab_core.training import JOURNAL_FILE, TrainingJournal
 
 UNSAVED = "unsaved"
 LIBRARY = "library"
-RESUMED = "resumed the interrupted training"
-"""How an agent's note begins that it has resumed a training; it is no fault."""
-
 TOLD_MAX = 5
 """Trainings that are described individually."""
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 from typer.testing import CliRunner
 
+from hitab_bringup.help_pages import verbs
 from hitab_bringup.main import make_app
 
 HEAVY = ("rclpy", "numpy", "matplotlib", "psutil", "sklearn", "hitab_msgs", "pymunk")
@@ -30,16 +31,7 @@ def in_one_line(text: str) -> str:
     return re.sub(r"[\s│╭╮╰╯─]+", " ", text)
 
 
-def verbs(app, path=()):
-    """Go through all verbs of the command, inner ones too."""
-    for command in app.registered_commands:
-        name = command.name or command.callback.__name__.replace("_", "-")
-        yield (*path, name), command.callback
-    for group in app.registered_groups:
-        yield from verbs(group.typer_instance, (*path, group.name))
-
-
-ALL = dict(verbs(make_app()))
+ALL = {path: verb.callback for path, verb in verbs(make_app())}
 
 
 def test_the_verbs_are_there():

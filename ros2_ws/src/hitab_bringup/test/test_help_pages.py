@@ -7,20 +7,13 @@ from itertools import pairwise
 import pytest
 from typer.testing import CliRunner
 
+from hitab_bringup.help_pages import verbs
 from hitab_bringup.main import make_app
 
 WIDTH = 80
 
 
-def callbacks(app, path=()):
-    for command in app.registered_commands:
-        name = command.name or command.callback.__name__.replace("_", "-")
-        yield (*path, name), command.callback
-    for group in app.registered_groups:
-        yield from callbacks(group.typer_instance, (*path, group.name))
-
-
-ALL = dict(callbacks(make_app()))
+ALL = {path: verb.callback for path, verb in verbs(make_app())}
 
 
 def help_of(*path):

@@ -45,12 +45,10 @@ def lessons(incomplete: str) -> list[str]:
     return begun(incomplete, _shipped("lessons"))
 
 
-def _shipped(folder: str) -> Iterator[str]:
-    from hitab_client.shipped import shipped_folders
+def _shipped(folder: str) -> list[str]:
+    from hitab_client.shipped import shipped_names
 
-    for place in shipped_folders(folder):
-        for path in place.rglob("*.yaml"):
-            yield path.relative_to(place).with_suffix("").as_posix()
+    return shipped_names(folder)
 
 
 def begun(incomplete: str, names: Iterable[str]) -> list[str]:

@@ -55,6 +55,15 @@ def _prefixes(package: str) -> list[Path]:
         return [Path(sys.prefix)]
 
 
+def shipped_names(folder: str) -> list[str]:
+    """Return the names of the shipped files of a kind, such as ``captain/tend``."""
+    return [
+        path.relative_to(place).with_suffix("").as_posix()
+        for place in shipped_folders(folder)
+        for path in place.rglob("*.yaml")
+    ]
+
+
 def shipped(folder: str, name: str) -> Path:
     """Return the shipped file or folder of this name, such as a library.
 

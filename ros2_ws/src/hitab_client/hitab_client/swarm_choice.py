@@ -102,18 +102,13 @@ def find_running(which: str | None) -> Found | None:
     found = only(meant(which, up), _called(which))
     if found is None:
         names = [record.swarm for _, record in up]
-        start = which if which in _shipped() else ""
-        starts = f"`hitab up {start}` starts it" if start else "`hitab up` starts one"
+        from hitab_client.shipped import shipped_names
+
+        is_shipped = which in shipped_names("swarms")
+        starts = f"`hitab up {which}` starts it" if is_shipped else "`hitab up` starts one"
         others = f" {has(names, which)}" if names else f", and no other; {starts}"
         raise SwarmError(f'no swarm "{which}" is up{others}')
     return found
-
-
-def _shipped() -> set[str]:
-    """Return the names of the swarms that come with HiTAB."""
-    from hitab_client.shipped import shipped_folders
-
-    return {path.stem for folder in shipped_folders("swarms") for path in folder.glob("*.yaml")}
 
 
 def _called(which: str) -> str:

@@ -426,10 +426,7 @@ class Agent:
                 f"before commanding (`hitab train {self.name}`)"
             )
         if self.mode is Mode.TESTING:
-            raise TrainingError(
-                f'"{session.curriculum.name}" is being tested; go to training mode to take over '
-                f"before commanding (`hitab train {self.name}`)"
-            )
+            raise TrainingError(f"{session.is_tested} (`hitab train {self.name}`)")
         if 0 < seen < self._episode_since:
             raise TrainingError(
                 f"the command was for cycle {seen}, but a new episode has begun in cycle "

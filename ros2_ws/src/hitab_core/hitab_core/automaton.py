@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -42,16 +42,18 @@ CLEARED = frozenset({*map(Use, FLAGS), Use(SECONDS_IN_STATE)})
 OWN_NAMES = frozenset(use.name for use in OWN_FEATURES)
 
 
-def as_entered(features: Sequence[Use], values: Sequence[float]) -> tuple[float, ...]:
-    """Return values as the state that is entered now will see them: no flag is up, no time passed.
+def as_entered(
+    features: Iterable[Use], values: Iterable[float], seconds: float = 0.0
+) -> tuple[float, ...]:
+    """Return values as a state sees them so many seconds after it was entered, with no flag up.
 
     Args:
         features: of an automaton.
-        values: theirs, in the state that is left.
+        values: theirs, in the state that was left.
+        seconds: since the entry.
     """
-    return tuple(
-        0.0 if use in CLEARED else value for use, value in zip(features, values, strict=True)
-    )
+    own = dict.fromkeys(CLEARED, 0.0) | {Use(SECONDS_IN_STATE): seconds}
+    return tuple(own.get(use, value) for use, value in zip(features, values, strict=True))
 
 
 @dataclass(frozen=True)

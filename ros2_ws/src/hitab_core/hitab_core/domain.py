@@ -40,6 +40,11 @@ class FeatureKind(StrEnum):
     CATEGORICAL = "categorical"
     BOOLEAN = "boolean"
 
+    @property
+    def is_measured(self) -> bool:
+        """Whether a value can lie between others; those of the other kinds are equal or not."""
+        return self in (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
+
 
 @dataclass(slots=True)
 class BatchPercepts:

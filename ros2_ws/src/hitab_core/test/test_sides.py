@@ -9,7 +9,7 @@ import pytest
 
 from hitab_core import Agent, BehaviorLibrary, Feature, FeatureKind, Use, plain_domain
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.sides import lone_values, unshown_sides
+from hitab_core.advice.sides import Circles, lone_values, unshown_sides
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.training import Curriculum
@@ -32,7 +32,7 @@ def asked(*examples: Example, readings=(), scales=(CIRCLE,), classifier="tree"):
     names = ["Wind", "Depth"][: len(scales)]
     evidence = Evidence.of("Sail", examples, scales, names, (), classifier)
     rows = [[reading] for reading in readings]
-    found = unshown_sides(evidence, rows, [True] * len(rows))
+    found = unshown_sides(Circles(evidence, rows, [True] * len(rows)))
     assert {(side.state, side.next_state) for side in found} <= {("Sail", "Turn")}
     return [round((side.situation[side.feature] + 180.0) % 360.0 - 180.0, 6) for side in found]
 
@@ -41,7 +41,7 @@ def lone(*examples: Example, readings=()):
     """Return where it is asked about a command at one value, from -180 to 180."""
     evidence = Evidence.of("Sail", examples, [CIRCLE], ["Wind"], ())
     rows = [[reading] for reading in readings]
-    found = lone_values(evidence, rows, [True] * len(rows))
+    found = lone_values(Circles(evidence, rows, [True] * len(rows)))
     assert all(side.one_value for side in found)
     return [round((side.situation[0] + 180.0) % 360.0 - 180.0, 6) for side in found]
 

@@ -4,34 +4,16 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from hitab_core.agent import Agent
-from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.plain import plain_domain
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
-
-class Body:
-    x = 0.0
-
-    def sense(self, values: Any, heard: Any) -> None:
-        (self.x,) = values
-
-    def act(self) -> tuple[list[float], str]:
-        return [], ""
-
-
-DOMAIN = Domain.of(
-    "line",
-    "1",
-    lambda name: Body(),
-    behaviors=[BasicBehavior(name) for name in ("Left", "Right")],
-    features=[Feature("x", lambda body: body.x)],
-)
+DOMAIN = plain_domain("line", ["Left", "Right"], ["x"])
 MINUTE = 60.0
 
 

@@ -7,6 +7,7 @@ Features are required unless said otherwise: a robot whose sensor is silent must
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from hitab_core import BasicBehavior, Feature, FeatureKind, Target, VocabularyError
@@ -103,8 +104,7 @@ def drive_to(
     """
 
     def pulse(body: RobotBody, point: Point) -> None:
-        x, y, _ = body.place
-        distance, bearing = math.hypot(point[0] - x, point[1] - y), _bearing(body, point)
+        distance, bearing = _distance(body, point), _bearing(body, point)
         if not distance > ARRIVED_M or math.isnan(bearing):
             body.drive(0.0)
         elif abs(bearing) > FULL_TURN:
@@ -115,6 +115,12 @@ def drive_to(
     return BasicBehavior(
         name, pulse, parameters=("X",), description=description or "drive straight to the target"
     )
+
+
+def _distance(body: RobotBody, point: Point) -> float:
+    """Return how far away a point is from the robot's centre, m."""
+    x, y, _ = body.place
+    return math.hypot(point[0] - x, point[1] - y)
 
 
 def _bearing(body: RobotBody, point: Point) -> float:
@@ -184,14 +190,9 @@ def nearest_bearing(name: str, sector: str, *, required: bool = False) -> Featur
 
 def distance_to(name: str = "DistanceTo", *, required: bool = True) -> Feature:
     """Return the distance from the robot's centre to a target, m."""
-
-    def read(body: RobotBody, point: Point) -> float:
-        x, y, _ = body.place
-        return math.hypot(point[0] - x, point[1] - y)
-
     return Feature(
         name,
-        read,
+        _distance,
         parameters=("X",),
         unit="m",
         required=required,
@@ -240,19 +241,8 @@ def facing(
         raise VocabularyError(
             f'feature "{name}" is true within {within:g} rad; it must be between 0 and pi'
         )
-
-    def read(body: RobotBody, point: Point) -> float:
-        bearing = _bearing(body, point)
-        return bearing if math.isnan(bearing) else float(abs(bearing) <= within)
-
-    return Feature(
-        name,
-        read,
-        FeatureKind.BOOLEAN,
-        parameters=("X",),
-        required=required,
-        description=f"it faces the target, within {math.degrees(within):.0f} deg",
-    )
+    about = f"it faces the target, within {math.degrees(within):.0f} deg"
+    return _within(name, _bearing, within, required, about)
 
 
 def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> Feature:
@@ -266,11 +256,21 @@ def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> F
         within: m.
         required: whether nothing is decided without it.
     """
-    distance = distance_to().read
+    return _within(name, _distance, within, required, f"the target is within {within:g} m")
+
+
+def _within(
+    name: str,
+    measure: Callable[[RobotBody, Point], float],
+    within: float,
+    required: bool,
+    description: str,
+) -> Feature:
+    """Return whether what is measured is at most so large, on either side."""
 
     def read(body: RobotBody, point: Point) -> float:
-        away = distance(body, point)
-        return away if math.isnan(away) else float(away <= within)
+        measured = measure(body, point)
+        return measured if math.isnan(measured) else float(abs(measured) <= within)
 
     return Feature(
         name,
@@ -278,7 +278,7 @@ def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> F
         FeatureKind.BOOLEAN,
         parameters=("X",),
         required=required,
-        description=f"the target is within {within:g} m",
+        description=description,
     )
 
 

@@ -1,4 +1,4 @@
-"""How people are told that a topic brings nothing: in statuses, diagnostics and the studio."""
+"""How it is said that a topic brings nothing: in statuses, diagnostics and the studio."""
 
 from __future__ import annotations
 

@@ -11,14 +11,6 @@ from hitab_studio.known import Known
 
 NOT_HEARD = "not heard yet"
 
-WORDS = {
-    "is suspended": "suspended",
-    "has ended": "ended",
-    "was stopped": "stopped",
-    "is being started again": "restarting",
-}
-"""By how the sentence about a process begins."""
-
 
 @dataclass(frozen=True)
 class Absence:
@@ -54,7 +46,6 @@ def absence(known: Known, name: str) -> Absence | None:
 
 
 def _by_process(why: Silence, name: str) -> Absence:
-    word = next((word for begin, word in WORDS.items() if why.what.startswith(begin)), "silent")
     if why.process == name:
-        return Absence(word, why.what)
-    return Absence(word, f"does not answer: {why.process}, which runs it, {why.what}")
+        return Absence(why.state, why.what)
+    return Absence(why.state, f"does not answer: {why.process}, which runs it, {why.what}")

@@ -13,7 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from hitab_client import SwarmError
-from hitab_client.shipped import shipped_folders
+from hitab_client.shipped import shipped_folders, shipped_names
 from hitab_core import did_you_mean
 
 MOST_LINES = 40
@@ -149,13 +149,13 @@ def startable_swarms(only: str | None = None) -> tuple[Startable, ...]:
 
 
 @cache
-def _shipped_names() -> tuple[str, ...]:
-    return tuple(swarm.name for swarm in startable_swarms())
+def _swarms() -> list[str]:
+    return sorted(shipped_names("swarms"))
 
 
 def unknown(name: str) -> str:
     """Say that no swarm of this name is shipped, and what to do; "" if one is."""
-    shipped = _shipped_names()
+    shipped = _swarms()
     if name in shipped:
         return ""
     return (

@@ -23,9 +23,11 @@ from hitab_studio.views import render
 
 ONE, TWO = "keeper_1", "keeper_2"
 UP = Target(0, "keepaway", (ONE, TWO), 1, folder="/keepaway", world=True)
-SUSPENDED = Silence(TWO, "is suspended (process 7); `kill -CONT 7` lets it continue", lasts=True)
-ENDED = Silence(TWO, f"has ended (killed); see `hitab logs {TWO}`", lasts=True)
-HOST_ENDED = Silence("host_1", "has ended (killed); see `hitab logs host_1`", lasts=True)
+SUSPENDED = Silence(
+    TWO, "is suspended (process 7); `kill -CONT 7` lets it continue", True, "suspended"
+)
+ENDED = Silence(TWO, f"has ended (killed); see `hitab logs {TWO}`", True, "ended")
+HOST_ENDED = Silence("host_1", "has ended (killed); see `hitab logs host_1`", True, "ended")
 
 
 def known(*heard: str, **more: Any) -> Known:

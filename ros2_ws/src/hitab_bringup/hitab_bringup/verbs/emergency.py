@@ -98,8 +98,7 @@ def _tell(done: str, engaged: bool, reason: str) -> None:
         raise SwarmError(
             f"nobody heard it: no robot's relay runs in ROS domain {where}; use the robot's own "
             "switch, and check ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with "
-            "`hitab doctor`; "
-            "`hitab world pause` halts a simulated world"
+            "`hitab doctor`; `hitab world pause` halts a simulated world"
         )
     if late:
         raise SwarmError(

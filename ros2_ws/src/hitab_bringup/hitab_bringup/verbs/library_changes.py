@@ -234,20 +234,21 @@ def import_(
     read = read_bundled(bundle, there.editions)
     with there.change() as change:
         changed = change.install(bundle.texts)
-        replaced = {name: change.replaced(name) for name in changed}
+        replaced = {name: change.before_it(name) for name in changed}
+        numbers = dict(change.numbers)
         if not dry_run:
             change.commit()
     for behavior in read:
         if behavior.name not in changed:
             console.say(f"{behavior.name}: the same is there already")
         elif replaced[behavior.name]:
-            number, what = replaced[behavior.name].split(", replaces ", 1)
+            number, what = numbers[behavior.name], replaced[behavior.name]
             told = (
-                f"would become {number} and replace {what}"
+                f"would become version {number} and replace"
                 if dry_run
-                else f"{number}, replaces {what}"
+                else (f"version {number}, replaces")
             )
-            console.say(f"{behavior.name}: {told}")
+            console.say(f"{behavior.name}: {told} {what}")
         else:
             console.say(f"{behavior.name}: {'would be new' if dry_run else 'new'}")
     if changed and not dry_run:

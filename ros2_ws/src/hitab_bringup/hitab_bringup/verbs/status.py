@@ -270,14 +270,14 @@ def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    from hitab_bringup.unsaved_trainings import RESUMED
     from hitab_core import gist
+    from hitab_ros.notes import is_note
 
     # It may have been long ago: what is still so is among the faults.
     what = f"last refusal{_at(status)}" if "agent" in status else "last error"
     # That a training was resumed is no fault; the mode and the examples show it.
-    told = [gist(fault) for fault in faults if not fault.startswith(RESUMED)]
-    news = last and last not in faults and not last.startswith(RESUMED)
+    told = [gist(fault) for fault in faults if not is_note(fault)]
+    news = last and last not in faults and not is_note(last)
     told += [f"{what}: {gist(last)}"] if news else []
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")

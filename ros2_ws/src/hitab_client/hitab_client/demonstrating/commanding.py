@@ -57,9 +57,9 @@ def command(
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
     """Return what came of a command, from the status that acknowledges it."""
     path = " > ".join(status.active_path) or behavior
-    does = "raised" if behavior in FLAGS else "performs"
+    done = f"raised {behavior}" if behavior in FLAGS else f"performs {path}"
     return (
-        f"{agent} {does} {behavior if behavior in FLAGS else path}; {status.behavior} has "
+        f"{agent} {done}; {status.behavior} has "
         f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
     )
 

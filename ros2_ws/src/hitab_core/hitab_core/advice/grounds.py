@@ -182,9 +182,7 @@ def situation_in_words(
 
 
 def _unit(evidence: Evidence, feature: int) -> str:
-    measured = evidence.scales[feature].kind in (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
-    unit = evidence.units[feature]
-    return unit if measured else ""
+    return evidence.units[feature] if evidence.scales[feature].kind.is_measured else ""
 
 
 def _test(node: ThresholdNode | ArcNode | CategoryNode) -> tuple[object, ...]:

@@ -216,7 +216,7 @@ def _may_waver(case: Case, place: Place, row: int) -> bool:
         return False
     for f, scale in enumerate(case.scales):
         value = example.features[f]
-        if scale.kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL) or math.isnan(value):
+        if not scale.kind.is_measured or math.isnan(value):
             continue
         if scale.kind is FeatureKind.TOROIDAL:
             value = math.remainder(value, scale.period)

@@ -52,10 +52,8 @@ class Nearness:
         self._circles = [s.period if s.kind is FeatureKind.TOROIDAL else 0.0 for s in own]
         lengths = np.array([circle or math.inf for circle in self._circles])
         self._lengths = (lengths / self._spreads).reshape(-1, 1)
-        equal = (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL)
-        self._largest = np.array([1.0 if s.kind in equal else math.inf for s in own]).reshape(
-            -1, 1
-        )
+        largest = [math.inf if s.kind.is_measured else 1.0 for s in own]
+        self._largest = np.array(largest).reshape(-1, 1)
 
     def __call__(self, values: Sequence[float | None]) -> float:
         """Return the distance of a situation; `UNKNOWN` if no example is comparable.

@@ -73,7 +73,7 @@ def _apart(a: Floats, b: Floats, scale: Scale) -> Floats:
     if scale.kind is FeatureKind.TOROIDAL:
         difference %= scale.period
         difference = np.minimum(difference, scale.period - difference)
-    elif scale.kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL):
+    elif not scale.kind.is_measured:
         difference = np.where(np.isnan(difference), np.nan, (difference > 0).astype(np.float64))
     return difference
 
@@ -97,7 +97,7 @@ def distances(a: ArrayLike, b: ArrayLike, scales: Sequence[Scale], spread: Float
     found = np.zeros((len(scales), len(A), len(B)))
     for f, scale in enumerate(scales):
         apart = _apart(A[:, f], B[:, f], scale)
-        if scale.kind not in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL):
+        if scale.kind.is_measured:
             apart = apart / (apart + spread[f])
         lacking = np.isnan(A[:, f])[:, None].astype(int) + np.isnan(B[:, f])[None, :]
         found[f] = np.where(lacking == 2, 0.0, np.where(lacking == 1, 0.5, apart))

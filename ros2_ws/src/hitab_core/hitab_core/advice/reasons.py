@@ -20,9 +20,6 @@ from hitab_core.wording import numbered, quantity, some
 NEAREST = 3
 """How many neighbors of an example are named."""
 
-COMPARED = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
-"""The kinds of features whose values lie between others."""
-
 
 def mistake(
     case: Case, place: Place, row: int, answers: Sequence[int] = (), *, tried: bool = True
@@ -197,10 +194,9 @@ def _worth_showing(
     later = [e for e in place.own if 0 < correction.since < e.number]
     if where is None or any(e.features in (where, nearest.features) for e in later):
         return None
-    compared = [scale.kind in COMPARED for scale in case.scales]
     otherwise = tuple(
-        there if compares else value
-        for compares, there, value in zip(compared, where, nearest.features, strict=True)
+        there if scale.kind.is_measured else value
+        for scale, there, value in zip(case.scales, where, nearest.features, strict=True)
     )
     function = case.taught(place)
     decided = [

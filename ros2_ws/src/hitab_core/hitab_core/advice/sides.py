@@ -20,7 +20,7 @@ anything on that half.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,12 +85,8 @@ class _Gap:
     width: float
 
 
-def unshown_sides(
-    evidence: Evidence, readings: ArrayLike = (), here: ArrayLike | None = None
-) -> list[UnshownSide]:
-    """Return the sides of circles to ask about, those that occur most often first.
-
-    There are none about other classifiers than trees.
+class Circles:
+    """The circles that the tree of a state tests, and what was perceived: learned once for both.
 
     Args:
         evidence: the examples of the state.
@@ -99,12 +95,22 @@ def unshown_sides(
     Raises:
         FeatureValueError, VocabularyError, ValueError: as learning from the examples.
     """
-    tree = evidence.learn()
-    if tree is None:
-        return []
-    perceived = Perceived.of(evidence, readings, here)
+
+    def __init__(
+        self, evidence: Evidence, readings: ArrayLike = (), here: ArrayLike | None = None
+    ) -> None:
+        self.evidence = evidence
+        self.perceived = Perceived.of(evidence, readings, here)
+        tree = evidence.learn()  # None: another classifier than a tree is learned
+        self.tested = tree.features_used if tree is not None else ()
+        self.arcs = list(_arcs(tree.root_, evidence)) if tree is not None else []
+
+
+def unshown_sides(circles: Circles) -> list[UnshownSide]:
+    """Return the sides of circles to ask about, those that occur most often first."""
+    evidence, perceived = circles.evidence, circles.perceived
     found = []
-    for node, there in _arcs(tree.root_, evidence):
+    for node, there in circles.arcs:
         gaps = _gaps(node, there, evidence)
         place = gaps and _place(node, *gaps)
         if gaps is None or place is None:
@@ -118,32 +124,21 @@ def unshown_sides(
         share = float(here_times[on_it].sum() / here_times.sum())
         column = evidence.values[:, node.feature]
         rows = np.flatnonzero(there & (column == narrow.shown) & ~evidence.default).tolist()
-        found.append(_asked(evidence, node.feature, rows, place, tree.features_used, share))
+        found.append(_asked(circles, node.feature, rows, place, share))
     return sorted(found, key=lambda side: -side.share)
 
 
-def lone_values(
-    evidence: Evidence, readings: ArrayLike = (), here: ArrayLike | None = None
-) -> list[UnshownSide]:
+def lone_values(circles: Circles) -> list[UnshownSide]:
     """Return what to ask about commands that hold for a single value, which did not occur again.
 
     Between default examples on both sides a command holds for what was commanded only. A sensor
     that rounds meets such a value again; one that measures never does, and the command is lost. It
     is asked on the side from which the value was mostly approached, a little beside it, or after
     the answer to stay, half as far.
-
-    Args:
-        evidence, readings, here: see `unshown_sides`.
-
-    Raises:
-        FeatureValueError, VocabularyError, ValueError: as learning from the examples.
     """
-    tree = evidence.learn()
-    if tree is None:
-        return []
-    perceived = Perceived.of(evidence, readings, here)
+    evidence, perceived = circles.evidence, circles.perceived
     found = []
-    for node, there in _arcs(tree.root_, evidence):
+    for node, there in circles.arcs:
         period, column = node.period, evidence.values[:, node.feature]
         width = (node.end - node.start) % period
         if min(width, period - width) >= POINT * period:
@@ -165,17 +160,9 @@ def lone_values(
         beside[-1] = seen[met > period - gaps[-1]].sum()
         up = max(gaps, key=lambda way: (beside[way], -gaps[way]))
         away = min(gaps[up] / 2, BESIDE * period)
-        if away < LEAST * period:
-            continue
-        place = on_circle(own[0] + up * away, period)
-        side = _asked(evidence, node.feature, rows, place, tree.features_used, 0.0)
-        shown = situation_in_words(evidence, evidence.values[rows[-1]].tolist(), [node.feature])
-        where = situation_in_words(evidence, side.situation, tree.features_used)
-        text = (
-            f"In {evidence.state}, you showed {side.next_state} at {shown} only, which has not "
-            f"occurred again. Is it right with {where}, too?"
-        )
-        found.append(replace(side, text=text, one_value=True))
+        if away >= LEAST * period:
+            place = on_circle(own[0] + up * away, period)
+            found.append(_asked(circles, node.feature, rows, place, 0.0, one_value=True))
     return found
 
 
@@ -239,27 +226,33 @@ def _place(node: ArcNode, narrow: _Gap, wide: _Gap) -> float | None:
 
 
 def _asked(
-    evidence: Evidence,
+    circles: Circles,
     feature: int,
     rows: Sequence[int],
     place: float,
-    tested: Sequence[int],
     share: float,
+    *,
+    one_value: bool = False,
 ) -> UnshownSide:
     """Return what to ask.
 
     Args:
-        evidence, feature, share: see `UnshownSide`.
-        rows: positions of the nearest examples on the other side, oldest first.
+        circles: of the state.
+        feature, share, one_value: see `UnshownSide`.
+        rows: positions of the nearest examples on the other side, oldest first; or of those with
+            the one value.
         place: value of the feature where to ask.
-        tested: the features that the tree tests.
     """
-    last = rows[-1]
+    evidence, last = circles.evidence, rows[-1]
     label = evidence.next_states[last]
     there = tuple(evidence.values[last].tolist())
     situation = (*there[:feature], place, *there[feature + 1 :])
     shown = situation_in_words(evidence, there, [feature])
-    where = situation_in_words(evidence, situation, tested)
+    where = situation_in_words(evidence, situation, circles.tested)
+    if one_value:
+        told = f"at {shown} only, which has not occurred again. Is it right with {where}, too?"
+    else:
+        told = f"on one side only, at {shown}. Is it right on the other side, too, with {where}?"
     return UnshownSide(
         evidence.state,
         label,
@@ -267,6 +260,6 @@ def _asked(
         tuple(row for row in rows if evidence.next_states[row] == label),
         situation,
         share,
-        f"In {evidence.state}, you showed {label} on one side only, at {shown}. Is it right on "
-        f"the other side, too, with {where}?",
+        f"In {evidence.state}, you showed {label} {told}",
+        one_value,
     )

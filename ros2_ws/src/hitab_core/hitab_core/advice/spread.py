@@ -24,7 +24,7 @@ def spreads(values: Floats, scales: Sequence[Scale]) -> Floats:
     """
     found = np.ones(len(scales))
     for f, scale in enumerate(scales):
-        if scale.kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL):
+        if not scale.kind.is_measured:
             continue
         apart = np.abs(values[:, f, None] - values[None, :, f])
         if scale.kind is FeatureKind.TOROIDAL:

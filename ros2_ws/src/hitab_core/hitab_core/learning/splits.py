@@ -19,7 +19,7 @@ Ties (differences below `gain_ratio.TIE`, so that they are the same on all machi
   be switched off (``boolean_first``), and `hitab_core.advice.alternatives` asks about such ties.
 
 One look ahead: if examples of several classes lie on the demonstrated side of a boundary, it is
-beside one of them, and another class that is told apart further down would reach as far (a pass
+beside one of them, and another class that a test further down separates would reach as far (a pass
 shown for takers at 2.5 m, where the ball was lost with a taker at 5 m, would be made at 5 m). A
 boolean or categorical feature comes first then, if the tree has no more leaves for that.
 
@@ -42,9 +42,6 @@ from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.boundaries import end_between, threshold_between
 from hitab_core.learning.gain_ratio import TIE, Counts, best_of, gain_and_ratio, two_way_gains
-
-MEASURED = (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
-"""The kinds of features whose values are measured, so that two examples hardly ever agree."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,10 +248,13 @@ def split_toroidal(
 
     places = (groups.group_of - origin) % k
     inside = (places > last_outside) & (places <= last_inside)
-    default = [groups.is_default[(place + origin) % k] for place in range(k)]
+
+    def is_default(place: int) -> bool:
+        return groups.is_default[(place + origin) % k]
+
     beside = [
-        (default[(last_outside + 1) % k], default[last_outside]),
-        (default[last_inside], default[(last_inside + 1) % k]),
+        (is_default(last_outside + 1), is_default(last_outside)),
+        (is_default(last_inside), is_default(last_inside + 1)),
     ]
     return _noting_shared(examples, _two_way(examples, inside, arc), beside)
 
@@ -370,16 +370,15 @@ def choose_split(
     if not worthy:
         return None
     best = max(split.ratio for _, split in worthy)
-    last = MEASURED if boolean_first else ()
     chosen = min(
         ((f, split) for f, split in worthy if split.ratio >= best - TIE),
-        key=lambda choice: (scales[choice[0]].kind in last, choice[0]),
+        key=lambda choice: (boolean_first and scales[choice[0]].kind.is_measured, choice[0]),
     )
     if leaves is None or not boolean_first or not chosen[1].is_shared:
         return chosen
     fewest = leaves(chosen)
     for feature, split in enumerate(candidates):
-        if split is None or split.gain <= TIE or scales[feature].kind in MEASURED:
+        if split is None or split.gain <= TIE or scales[feature].kind.is_measured:
             continue
         if leaves((feature, split)) <= fewest:
             return feature, split

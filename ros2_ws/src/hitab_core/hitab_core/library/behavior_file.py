@@ -161,5 +161,5 @@ def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:
                 f"{quantity(len(example.features), 'value')} for "
                 f"{quantity(len(kinds), 'feature')}; delete it"
             )
-    counted = [kind in (FeatureKind.BOOLEAN, FeatureKind.CATEGORICAL) for kind in kinds]
+    counted = [not kind.is_measured for kind in kinds]
     return [file_record(example, counted) for example in automaton.examples]

@@ -196,13 +196,21 @@ class LibraryChange:
 
         Such as ``version 7, replaces version 6 (12 examples)``.
         """
-        number = self.numbers[name]
+        what = self.before_it(name)
+        return f"version {self.numbers[name]}, replaces {what}" if what else ""
+
+    def before_it(self, name: str) -> str:
+        """Return what a planned version takes the place of, such as ``version 6 (12 examples)``.
+
+        It is "" if there is nothing.
+        """
+        former = self.numbers[name] - 1
         if name in self.before.unreadable:
-            return f"version {number}, replaces a damaged file, kept as version {number - 1}"
+            return f"a damaged file, kept as version {former}"
         if name not in self.before.readable:
             return ""
         examples = len(self.before.readable[name].automaton.examples)
-        return f"version {number}, replaces version {number - 1} ({quantity(examples, 'example')})"
+        return f"version {former} ({quantity(examples, 'example')})"
 
     def version(self, name: str, number: int) -> BehaviorFile:
         """Return one version of a behavior.

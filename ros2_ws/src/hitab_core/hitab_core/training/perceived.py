@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 from hitab_core.advice.proposals import Correction
-from hitab_core.automaton import FLAGS, OWN_FEATURES, SECONDS_IN_STATE, START, as_entered
+from hitab_core.automaton import FLAGS, OWN_FEATURES, START, as_entered
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
@@ -113,13 +113,9 @@ class Perceived:
         """Have a commanded state be active since the command was due."""
 
         def entered(moment: Moment) -> Moment:
-            readings = list(moment.readings)
-            for use, column in self._column.items():
-                if use.name in FLAGS:
-                    readings[column] = 0.0
-                elif use.name == SECONDS_IN_STATE:
-                    readings[column] = moment.time - due.time
-            return replace(moment, state=label, readings=tuple(readings))
+            seconds = moment.time - due.time
+            readings = as_entered(self.readable, moment.readings, seconds)
+            return replace(moment, state=label, readings=readings)
 
         self.moments.enter(due, entered)
         self._entered = entered(due)

@@ -16,7 +16,7 @@ from typing import Any
 from hitab_core.advice.ambiguity import Ambiguity, searched_ambiguities
 from hitab_core.advice.mistakes import contradictions, propose, suspects
 from hitab_core.advice.proposals import Proposal, ProposalKind
-from hitab_core.advice.sides import UnshownSide, lone_values, unshown_sides
+from hitab_core.advice.sides import Circles, UnshownSide, lone_values, unshown_sides
 from hitab_core.automaton import START
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
@@ -168,9 +168,10 @@ class Questions:
                 continue
             here = [at == state for at, _ in given.perceived]
             readings = [values for _, values in given.perceived]
-            for side in lone_values(evidence, readings, here):
+            circles = Circles(evidence, readings, here)
+            for side in lone_values(circles):
                 yield (1, False, 0.0), self._of_side(side, given)
-            for side in unshown_sides(evidence, readings, here):
+            for side in unshown_sides(circles):
                 yield (1, True, -side.share), self._of_side(side, given)
             yield None
             for ambiguity in searched_ambiguities(evidence, readings=readings, here=here):
@@ -249,8 +250,14 @@ class Questions:
     def _of_side(self, side: UnshownSide, given: Material) -> Question:
         own = [e.number for e in given.examples if e.state == side.state and e.is_learned]
         # Who does not want to be asked means the side; an answer leads to another place there.
-        key: tuple[str, ...] = (QuestionKind.SPARSE, side.state, given.names[side.feature])
-        key = (*key, side.next_state, *(["at one value"] if side.one_value else []))
+        about = ("at one value",) if side.one_value else ()
+        key = (
+            QuestionKind.SPARSE,
+            side.state,
+            given.names[side.feature],
+            side.next_state,
+            *about,
+        )
         return Question(
             self._number((*key, side.situation)),
             QuestionKind.SPARSE,

@@ -93,7 +93,7 @@ def _contradicted(states: Sequence[str], commanded: str, first: int, last: int) 
 
 def _event(values: Sequence[float], scale: Scale, first: int, last: int) -> int | None:
     """Return the first place from ``first`` to ``last`` in which something happened to a value."""
-    compares = scale.kind in (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
+    compares = scale.kind.is_measured
     for place in range(first, last + 1):
         missing = math.isnan(values[place])
         if missing != math.isnan(values[place - 1]):

@@ -210,6 +210,14 @@ class TrainingSession:
         if self.testing:
             self.running.set_transitions(self.automaton().transitions)
 
+    @property
+    def is_tested(self) -> str:
+        """Why a command is refused while testing."""
+        return (
+            f'"{self.curriculum.name}" is being tested; go to training mode to take over before '
+            "commanding"
+        )
+
     def command(
         self,
         state: Use,
@@ -241,10 +249,7 @@ class TrainingSession:
             FeatureValueError: if no feature had a value, or one was infinite.
         """
         if self.testing:
-            raise TrainingError(
-                f'"{self.curriculum.name}" is being tested; go to training mode to take over '
-                "before commanding"
-            )
+            raise TrainingError(self.is_tested)
         self._check_state(state)
         label = str(state)
         perception, chosen, running = self.perception, self.curriculum.features, self.running

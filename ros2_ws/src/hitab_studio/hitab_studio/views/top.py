@@ -47,7 +47,7 @@ def context(session: Session) -> dict[str, Any]:
 
 
 def _absences(known: Known) -> list[tuple[int, str]]:
-    """Return how many agents are absent, by how; those that may still come are told elsewhere."""
+    """Return how many agents are absent, by how; without those that may still come."""
     found = filter(None, (absence(known, name) for name in known.agents))
     words = Counter(absent.word for absent in found if absent.word != NOT_HEARD)
     return [(count, word) for word, count in words.items()]
