@@ -93,7 +93,7 @@ def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, traini
         training.waits_until(lambda: pid_of(swarm, ONE) not in (0, pid), "restarted", SECONDS)
     training.page.wait_for_selector('[data-test="send-again"]:not([aria-disabled])')
     training.sees("mode", "Training")  # it has resumed from its journal
-    training.sees("resumed", f"{ONE} has resumed the interrupted training")
+    training.sees("note", f"{ONE} resumed the interrupted training")
     training.does_not_see(f"fault-{ONE}")  # that is no fault
     training.click("send-again")
     training.does_not_see("lost")

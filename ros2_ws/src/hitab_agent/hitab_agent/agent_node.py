@@ -37,7 +37,7 @@ from hitab_core import (
     uses_actions,
 )
 from hitab_core.commanding import Subordinate
-from hitab_ros import GuardedNode, names, notes
+from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import use_of
 from hitab_ros.diagnostics import Diagnosis, Level
 from hitab_ros.stamps import seconds_of
@@ -201,12 +201,14 @@ class AgentNode(GuardedNode):
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if self.agent.session is not None:
             training = self.agent.session
-            self.status.notify(
-                f'{notes.RESUMED} of "{training.curriculum.name}" '
+            self.status.began(
+                note=f'resumed the interrupted training of "{training.curriculum.name}" '
                 f"with {quantity(len(training.log), 'example')}"
             )
+        elif self._start_error:
+            self.status.began(fault=self._start_error)
         else:
-            self.status.notify(self._start_error or self._memory.restarted(self.agent))
+            self.status.began(note=self._memory.restarted(self.agent))
 
     def _join_actions(self) -> None:
         """Become a client of the actions that are behaviors, and offer the behaviors as one."""

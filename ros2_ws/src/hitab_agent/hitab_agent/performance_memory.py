@@ -50,15 +50,15 @@ class PerformanceMemory:
         return self.performed if resume else ""
 
     def restarted(self, agent: Agent) -> str:
-        """Say that an agent was restarted and what it did before; empty: its first start."""
+        """Say of an agent that it was restarted and what it did before; empty: its first start."""
         if self.performed is None:
             return ""
         if agent.behavior:
-            return f'{agent.name} was restarted; it performs "{self.performed}" again, as before'
+            return f'was restarted; it performs "{self.performed}" again, as before'
         if not self.performed:
-            return f"{agent.name} was restarted; it was idle before, too"
+            return "was restarted; it was idle before, too"
         return (
-            f'{agent.name} was restarted and is idle; it performed "{self.performed}" before: '
+            f'was restarted and is idle; it performed "{self.performed}" before: '
             f"`hitab perform {agent.name} '{self.performed}'` has it perform that again"
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import NamedTuple
 
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
@@ -14,6 +15,18 @@ from hitab_agent.transition_log import TransitionLog
 from hitab_core import Agent
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.faults import shown
+
+
+class Beginning(NamedTuple):
+    """How an agent began.
+
+    Attributes:
+        fault: why it did not begin as it should; empty: it did.
+        note: how it came back from a restart; empty: it did not.
+    """
+
+    fault: str = ""
+    note: str = ""
 
 
 class StatusPublisher:
@@ -53,8 +66,8 @@ class StatusPublisher:
         self._transitions = transitions
         self._prepare = prepare
         self._error = ""
-        self._notice = ""
-        self._noticed_in: tuple[object, ...] = ()
+        self._began = Beginning()
+        self._began_in: tuple[object, ...] = ()
         self._is_due = False
         self._publisher = node.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
 
@@ -65,15 +78,15 @@ class StatusPublisher:
 
     @property
     def notice(self) -> str:
-        """Why the last command or request was refused; else what was noticed; empty: nothing."""
-        return self._error or self._noticed
+        """Why the last command or request was refused; else, its start; empty: nothing was."""
+        return self._error or self._beginning.fault
 
     @property
-    def _noticed(self) -> str:
-        """What was noticed, until the agent does something else or records an example."""
-        if self._notice and self._noticed_in != self._state:
-            self._notice = ""
-        return self._notice
+    def _beginning(self) -> Beginning:
+        """How the agent began, until it does something else or records an example."""
+        if self._began_in != self._state:
+            self._began = Beginning()
+        return self._began
 
     @property
     def _state(self) -> tuple[object, ...]:
@@ -86,8 +99,8 @@ class StatusPublisher:
         refusal = self.refusal
         waits = shown([refusal] if refusal else [])
         missing = shown(self._missing)
-        noticed = [self._noticed] if self._noticed else []
-        return [*waits, *self._guard.faults.texts(), *self._shared.faults, *missing, *noticed]
+        began = shown(filter(None, [self._beginning.fault]))
+        return [*waits, *self._guard.faults.texts(), *self._shared.faults, *missing, *began]
 
     @property
     def _missing(self) -> tuple[str, ...]:
@@ -105,16 +118,18 @@ class StatusPublisher:
         self.message.refused_at = Time(sec=seconds, nanosec=nanoseconds)
         self.publish()
 
-    def notify(self, text: str) -> None:
-        """Publish how the agent began, if it is not as it should; it is no refusal.
+    def began(self, *, fault: str = "", note: str = "") -> None:
+        """Publish how the agent began, until it does something else or records an example.
 
         Args:
-            text: shown among the faults until the agent does something else or records an example.
+            fault: why it did not begin as it should; empty: it did. It is no refusal.
+            note: how it came back from a restart; empty: it did not.
         """
-        self._notice, self._noticed_in = "".join(shown([text])), self._state
-        if text:
-            self._guard.log(text)
+        self._began, self._began_in = Beginning(fault, note), self._state
+        if fault:
             self._shared.diagnostics.soon()
+        if fault or note:
+            self._guard.log(fault or f"{self._agent.name} {note}")
         self.publish()
 
     def publish(self) -> None:
@@ -139,6 +154,7 @@ class StatusPublisher:
         status.library_digest = agent.library_digest
         faults = self.faults
         status.faults = faults
+        status.note = "".join(shown(filter(None, [self._beginning.note])))
         status.last_error = self.notice or (faults[0] if faults else "")
         if self.superior is not None:
             subordinate = self.superior.subordinate

@@ -61,11 +61,11 @@ def test_a_behavior_that_is_no_text_is_ignored(tmp_path):
         (
             "GoTo(A)",
             "",
-            'ann was restarted and is idle; it performed "GoTo(A)" before: '
+            'was restarted and is idle; it performed "GoTo(A)" before: '
             "`hitab perform ann 'GoTo(A)'` has it perform that again",
         ),
-        ("Chase", "Chase", 'ann was restarted; it performs "Chase" again, as before'),
-        ("", "", "ann was restarted; it was idle before, too"),
+        ("Chase", "Chase", 'was restarted; it performs "Chase" again, as before'),
+        ("", "", "was restarted; it was idle before, too"),
     ],
 )
 def test_a_restarted_agent_says_what_it_did_before(tmp_path, before, now, told):

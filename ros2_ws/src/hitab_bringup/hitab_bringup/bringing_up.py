@@ -29,7 +29,6 @@ from hitab_client.machine_load import busy
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import each_once, quantity, some
-from hitab_ros.notes import is_note
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
@@ -119,8 +118,7 @@ def _brought_up(
             warn(text)
         _let_commanders_hear(link, agents, [c.name for c in swarm.commanders])
         there = sorted(agents.statuses.items())
-        faults = ((n, text) for n, s in there for text in s.faults if not is_note(text))
-        for text in each_once(faults):
+        for text in each_once((name, text) for name, s in there for text in s.faults):
             warn(text)
         for text in announcements(agents.statuses.values(), folder.path):
             warn(text)

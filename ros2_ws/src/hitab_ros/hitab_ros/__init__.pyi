@@ -7,7 +7,6 @@ from . import emergency_stop as emergency_stop
 from . import exit_codes as exit_codes
 from . import faults as faults
 from . import names as names
-from . import notes as notes
 from . import plain_text as plain_text
 from . import qos as qos
 from . import ros_domains as ros_domains

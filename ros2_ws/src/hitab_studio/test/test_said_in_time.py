@@ -167,14 +167,14 @@ def test_features_are_offered_with_the_unit_in_which_their_values_are_shown():
 def test_a_training_that_was_resumed_is_a_note_and_no_alarm():
     text = 'resumed the interrupted training of "Chase" with 2 examples'
     status = AgentStatus(agent=ONE, mode="training", behavior="Chase", examples=2)
-    status.faults, status.last_error = [text], text
+    status.note = text
 
     async def use(session: Session) -> None:
         assert f"fault-{ONE}" not in render("agents", session)
-        assert "has resumed the interrupted training" in render("overlay", session)
+        assert "resumed the interrupted training" in render("overlay", session)
         session.tab = "swarm"
         assert "resumed" not in render("side", session)
-        status.faults = [text, "the disk is full"]
+        status.faults = ["the disk is full"]
         assert 'title="the disk is full"' in render("agents", session)
 
     page(keeper(status), use)

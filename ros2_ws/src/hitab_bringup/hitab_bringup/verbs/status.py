@@ -134,6 +134,7 @@ def _status_data(
             "last_error": s.last_error,
             "refused_at": s.refused_at.sec or None,
             "faults": list(s.faults),
+            "note": s.note,
             "unsure": s.unsure,
             "questions": s.questions,
         }
@@ -224,6 +225,8 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
         lines.append(console.line("no agent answers"))
     lines += [console.line(why, "red") for why in sentences(silent)]
     lines += [console.line(text, "red") for text in _wrong_with(data["agents"])]
+    notes = [(agent["agent"], agent["note"]) for agent in data["agents"]]
+    lines += [console.line(f"{name} {note}") for name, note in notes if note]
     lines += [console.line(_kept(agent)) for agent in data["agents"] if _kept(agent)]
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
     lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
@@ -271,14 +274,11 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
     from hitab_core import gist
-    from hitab_ros.notes import is_note
 
     # It may have been long ago: what is still so is among the faults.
     what = f"last refusal{_at(status)}" if "agent" in status else "last error"
-    # That a training was resumed is no fault; the mode and the examples show it.
-    told = [gist(fault) for fault in faults if not is_note(fault)]
-    news = last and last not in faults and not is_note(last)
-    told += [f"{what}: {gist(last)}"] if news else []
+    told = [gist(fault) for fault in faults]
+    told += [f"{what}: {gist(last)}"] if last and last not in faults else []
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):

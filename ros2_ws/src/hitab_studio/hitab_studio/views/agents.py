@@ -7,7 +7,6 @@ from typing import Any
 
 from hitab_studio.absence import absence
 from hitab_studio.markers import STATE_COLORS
-from hitab_studio.notices import lasting_faults
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
 from hitab_studio.views.agent_tree import Branch, tree, unfolded
@@ -106,5 +105,5 @@ def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, belo
         absence=absent.word if absent is not None else "",
         lock="" if holder is None else ("you" if holder.session == session.id else holder.name),
         order=group.order if group is not None else "",
-        faults="\n".join(lasting_faults(status)) if status is not None else "",
+        faults="\n".join(status.faults) if status is not None else "",
     )

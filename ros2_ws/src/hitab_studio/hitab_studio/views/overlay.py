@@ -13,7 +13,6 @@ from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.launching import Startable, unknown
 from hitab_studio.learned import is_taken_out
 from hitab_studio.markers import STATE_COLORS
-from hitab_studio.notices import resumed
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.choices import choices
@@ -62,7 +61,7 @@ def context(session: Session) -> dict[str, Any]:
         "save_off": reasons.saving(session),
         "last_done": history.done[-1] if history.done else "",
         "stuck": _stuck(session),
-        "resumed": resumed(status),
+        "note": status.note if status is not None else "",
         "agent": session.agent,
         "status": status,
         "mode": mode,

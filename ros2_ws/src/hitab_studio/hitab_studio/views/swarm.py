@@ -11,7 +11,6 @@ from hitab_core import natural, some
 from hitab_studio.absence import absence
 from hitab_studio.known import Known
 from hitab_studio.markers import STATE_COLORS
-from hitab_studio.notices import last_error
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
 from hitab_studio.views.agent_tree import DEEPEST, commanded
@@ -52,7 +51,7 @@ def context(session: Session) -> dict[str, Any]:
         "stoppable": _stoppable(session),
         "choices": choices(session),
         "absences": _absences(store.known),
-        "errors": [(n, e) for n, s in store.known.statuses.items() if (e := last_error(s))][:6],
+        "errors": [(n, e) for n, s in store.known.statuses.items() if (e := s.last_error)][:6],
     }
 
 
