@@ -18,7 +18,7 @@ from intentions import Intention, Plan
 from practice import SCENES, Scene, being_open, having_the_ball, playing
 from pupils import Pupil
 from second_thoughts import SecondThoughts, as_seen
-from trial import Kind, Memory, Trial
+from trial import Kind, Memory, Trial, begins
 
 from hitab_core import START
 from hitab_core.example import Example
@@ -34,6 +34,10 @@ MENDING = 6
 
 MENDED = 47 / 60
 """The part of the budget that may be spent by then: the rest is for the top-level plan."""
+
+
+AGAIN = 3
+"""How often a person shows what to begin with before giving up."""
 
 
 class Person:
@@ -89,7 +93,8 @@ class Person:
             courses.append(course)
             pupil.perform("")
             pupil.begin(plan)
-            if not course.practise(SCENES[plan.name], guided=2) or not course.save():
+            course.practise(SCENES[plan.name], guided=2)
+            if not course.save():
                 return self._ended(pupil, plan)
             self._mend_below(pupil, course, courses)
         team = self._train_team(pupil, top)
@@ -183,12 +188,8 @@ class Course:
         guided: int,
         content: int | None = None,
         trials: int | None = None,
-    ) -> bool:
-        """Demonstrate a few times, then let the keeper try until content or out of budget.
-
-        Returns:
-            Whether there is anything to save.
-        """
+    ) -> None:
+        """Demonstrate a few times, then let the keeper try until content or out of budget."""
         wanted = self.person.habits.content if content is None else content
         clean, self.content = 0, False
         for trial in range(self.person.habits.trials if trials is None else trials):
@@ -206,7 +207,6 @@ class Course:
                 break
         if self.person.answers:
             self._forget(self._trial(), self._second_thoughts().answer(self.allowance))
-        return self.memory.begins
 
     def _play(self, scene: Scene, *, guided: bool, first: bool = False, **more: float) -> bool:
         """Play one situation, and look through what was recorded; see `Trial.play`."""
@@ -285,8 +285,16 @@ class Course:
         return True
 
     def save(self) -> bool:
-        """Save what there is; return whether there was anything."""
-        if not self.memory.begins:
+        """Save what there is, and show before what to begin with if that was lost.
+
+        Returns:
+            Whether there was anything.
+        """
+        scenes = SCENES.get(self.plan.name, having_the_ball)
+        for _ in range(AGAIN):
+            if not begins(self.pupil) and not self.exhausted:
+                self.demonstrate(scenes, seconds=0.6)
+        if not begins(self.pupil):
             return False
         self.pupil.save(keep_unused=True)
         return True

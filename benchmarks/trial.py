@@ -63,10 +63,10 @@ class Memory:
     again: Scene | None = None
     pace: float = 1.0
 
-    @property
-    def begins(self) -> bool:
-        """Whether the keeper has been shown what to begin with."""
-        return any(state == START for state, *_ in self.shown)
+
+def begins(pupil: Pupil) -> bool:
+    """Return whether the keeper has been shown what to begin with."""
+    return any(example.state == START for example in pupil.examples())
 
 
 class Trial:
@@ -149,16 +149,13 @@ class Trial:
         twist = scene.twist
         twist_in = -1
         begin = self.wish(START, seen.values)
-        self.guiding = first or (
-            guided and self.kind(START, begin, seen.values) not in self.memory.shown
-        )
+        shown = self.kind(START, begin, seen.values) in self.memory.shown
+        self.guiding = first or not begins(self.pupil) or (guided and not shown)
         if self.guiding:
             self.pupil.take_over()
             self.press(_Press(begin, 0, 0, seen.values), paused=True)
-        elif self.memory.begins:
-            self.pupil.test(restart=True)
         else:
-            return False
+            self.pupil.test(restart=True)
         over = False
         for _ in range(round((seconds or scene.seconds) / self.pupil.cycle_seconds)):
             before, seen = seen, self.pupil.step()
@@ -256,17 +253,23 @@ class Trial:
             self.missed = None
             self.confirm(seen)
             if self.hand_back is not None and self.now >= self.hand_back and not self.guided:
-                self.pupil.test()
-                self.guiding, self.hand_back, self.expected = False, None, None
+                self.let_go()
         elif (
             self.kind(state, wished, seen.values) in self.memory.shown
             and state not in self.memory.early
         ):
-            self.pupil.test()  # it has been shown this; see whether it can do it
-            self.guiding = False
-            self.hand_back = self.expected = None
+            self.let_go()  # it has been shown this; see whether it can do it
         elif self.missed != (state, wished):
             self.decide(state, wished)
+
+    def let_go(self) -> None:
+        """Let the keeper decide, unless it does not know any more what to begin with."""
+        self.hand_back = self.expected = None
+        if begins(self.pupil):
+            self.pupil.test()
+            self.guiding = False
+        else:
+            self.memory.again, self.finished = self.scene, True
 
     def confirm(self, seen: Sight) -> None:
         """Say once more that a state is right, where the keeper had left it too early."""

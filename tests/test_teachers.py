@@ -28,7 +28,7 @@ from pupils import InProcessPupil
 from second_thoughts import SecondThoughts, as_seen
 from simulated_people import Course, Person
 from teachers import NOTHING
-from trial import Memory, Trial
+from trial import Memory, Trial, begins
 
 LESSONS = INTENTIONS["lessons"]
 APPROACH = LESSONS.plans[0]
@@ -180,11 +180,20 @@ def test_a_person_shows_again_what_only_a_deleted_command_had_shown(pupil):
     kind = course._trial().kind("Start", "GoFast", {})
     course.memory.shown.add(kind)
     course._forget(course._trial(), [replace(begin, number=9)])
-    assert course.memory.begins, "another example shows it"
+    assert course.memory.shown == {kind}, "another example shows it"
     pupil.delete([begin.number])
     course._forget(course._trial(), [begin])
-    assert not course.memory.begins
+    assert course.memory.shown == set()
     assert course.memory.lost == {kind}
+
+
+def test_a_person_shows_again_what_to_begin_with_before_saving(pupil):
+    running(pupil)
+    course = Course(Person(LESSONS, NOTHING, 1), pupil, APPROACH, 60)
+    (begin, _) = pupil.examples()
+    pupil.delete([begin.number])
+    assert not begins(pupil)
+    assert course.save()
 
 
 def test_people_see_directions_to_the_right_as_negative():
