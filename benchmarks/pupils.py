@@ -8,6 +8,7 @@ A command therefore takes effect in the next cycle.
 from __future__ import annotations
 
 import tempfile
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -63,10 +64,15 @@ class Pupil(Protocol):
     Attributes:
         cycle_seconds: simulated time of a cycle, s.
         given: the number of examples recorded so far in all trainings, deleted ones counted.
+        held: the number of examples that all trainings hold now.
     """
 
     cycle_seconds: float
     given: int
+
+    @property
+    def held(self) -> int:
+        """Return the number of examples that all trainings hold now."""
 
     def begin(self, plan: Plan, *, resume: bool = False) -> None:
         """Begin to train an automaton, or resume its training."""
@@ -149,6 +155,8 @@ class InProcessPupil:
         other_side: bool = True,
     ) -> None:
         self.given = 0
+        self._held_before = Counter[str]()
+        self._plan = ""
         # The engine has no such switches, since nobody should want them.
         setattr(example_log, "superseding", superseding if supersede else list)  # noqa: B010
         setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
@@ -180,6 +188,7 @@ class InProcessPupil:
             plan.name, plan.features, plan.states, (), (), self._classifier
         )
         self._pupil.begin(curriculum, resume=plan.name if resume else "")
+        self._plan = plan.name
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = True) -> Sight:
         """Arrange the field while the world is paused; a new episode puts all in Start."""
@@ -247,6 +256,13 @@ class InProcessPupil:
         self.given += max(0, len(self._session.examples) - before)
 
     @property
+    def held(self) -> int:
+        """Return the number of examples that all trainings hold now."""
+        if self._pupil.session is not None:
+            self._held_before[self._plan] = len(self._session.examples)
+        return self._held_before.total()
+
+    @property
     def _session(self) -> TrainingSession:
         session = self._pupil.session
         assert session is not None
@@ -254,6 +270,7 @@ class InProcessPupil:
 
     def save(self, *, keep_unused: bool = False) -> None:
         """Save what was trained and give it to the team mates."""
+        self._held_before[self._plan] = len(self._session.examples)
         self._pupil.save(keep_unused=keep_unused)
         for mate in self._mates:
             mate.reload()

@@ -6,6 +6,7 @@ UT Austin's keepaway 0.6.
 
 from __future__ import annotations
 
+import json as js
 import re
 import signal
 import subprocess
@@ -13,6 +14,7 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import typer
 from report import tell
@@ -113,10 +115,10 @@ def tell_episodes(
         title: of the figures.
         seconds, passes: of each episode.
         out: how many ended because the ball left the box.
-        json: file for the figures; "": none.
+        json: file for the figures and the length of each episode; "": none.
     """
     hold, passed = mean_and_error(seconds), mean_and_error(passes)
-    figures = {
+    figures: dict[str, Any] = {
         "episodes": len(seconds),
         "seconds": hold["mean"],
         "seconds_se": hold["se"],
@@ -124,4 +126,7 @@ def tell_episodes(
         "passes_se": passed["se"],
         "out_percent": round(100.0 * out / len(seconds)),
     }
-    tell(title, figures, json)
+    tell(title, figures)
+    if json:
+        figures["each_seconds"] = [round(one, 2) for one in seconds]
+        Path(json).write_text(js.dumps(figures, indent=1) + "\n", encoding="utf-8")

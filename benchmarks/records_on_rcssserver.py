@@ -57,7 +57,7 @@ def main(
     library: Annotated[Path | None, typer.Option(help="Folder of a trained library.")] = None,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
-    """Play episodes and print hold time, passes and how episodes ended."""
+    """Play episodes and print hold time, passes and how they ended; Ctrl-C prints those so far."""
     if sight not in SIGHTS:
         raise typer.BadParameter(f'there is no "{sight}" (has: {", ".join(SIGHTS)})')
     counts = size_of(game)
@@ -89,9 +89,15 @@ def main(
         start_team(stack, folder, player, port, counts, "takers")
         played = []
         players = perform(world, trained.repertoire, trained.behavior)
-        for number in range(episodes):
-            played += play(world, players, 1, first=number)
-            print(f"  episode {number + 1} of {episodes}: {played[-1].seconds:.1f} s", flush=True)
+        try:
+            for number in range(episodes):
+                played += play(world, players, 1, first=number)
+                seconds = played[-1].seconds
+                print(f"  episode {number + 1} of {episodes}: {seconds:.1f} s", flush=True)
+        except KeyboardInterrupt:
+            print("  interrupted; these are the figures so far")
+    if not played:
+        raise typer.Abort
     tell_episodes(
         f"trained keepers on rcssserver, {game} in {side} m, {sight}",
         [one.seconds for one in played],

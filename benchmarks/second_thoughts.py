@@ -156,7 +156,7 @@ class SecondThoughts:
         """Answer what the agent asks, as long as there is something, and budget.
 
         Args:
-            allowance: the most examples that may have been recorded.
+            allowance: the most examples that all trainings may hold.
 
         Returns:
             The examples that answers have deleted, default ones left out.
@@ -164,7 +164,7 @@ class SecondThoughts:
         before, answered = self.pupil.examples(), set()
         for _ in range(ANSWERS):
             examples = self.pupil.examples()
-            if self.pupil.given >= allowance or not any(e.state == START for e in examples):
+            if self.pupil.held >= allowance or not any(e.state == START for e in examples):
                 break
             questions = self.pupil.questions()
             if not questions:

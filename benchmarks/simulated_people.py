@@ -47,7 +47,7 @@ class Person:
         intention: what the team should do.
         habits: how the person acts.
         seed: of everything that the person draws.
-        budget: the most examples to record, default ones and deleted ones counted.
+        budget: the most examples that the trainings may hold, default ones counted.
         says_ago: whether the person's measured reaction time is applied to the commands.
         contradicts: whether a command can be meant for the decision that it contradicts.
         reviews: whether the person looks through what was recorded after each trial.
@@ -132,7 +132,7 @@ class Person:
         hindering = [c for c in courses if course.troubles[c.plan.name] >= NOTICED]
         hindering.sort(key=lambda c: -course.troubles[c.plan.name])
         for again in (*hindering[:1], *([course] if hindering or course.memory.lost else [])):
-            again.allowance = min(int(MENDED * self.budget), pupil.given + MENDING)
+            again.allowance = min(int(MENDED * self.budget), pupil.held + MENDING)
             self._resume(pupil, again)
 
     def _ended(self, pupil: Pupil, plan: Plan) -> Diary:
@@ -273,8 +273,8 @@ class Course:
 
     @property
     def exhausted(self) -> bool:
-        """Whether no more can be recorded for this plan."""
-        return self.pupil.given + 2 > self.allowance
+        """Whether this plan may hold no more."""
+        return self.pupil.held + 2 > self.allowance
 
     def hand_out(self, plan: Plan) -> bool:
         """Save what there is, have all mates perform it, and go on training it."""

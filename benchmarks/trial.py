@@ -79,7 +79,7 @@ class Trial:
         random: of the person.
         diary: of the person.
         memory: of the training of this plan.
-        allowance: the most examples that may have been recorded, all plans together.
+        allowance: the most examples that all trainings may hold.
         ago: how long before they arrive the person's commands were due, as far as known, s.
         contradicts: whether the person corrects a wrong change of state by commanding what should
             have been done instead, since the command can be meant for that decision.
@@ -129,7 +129,7 @@ class Trial:
     @property
     def exhausted(self) -> bool:
         """Whether no more can be recorded."""
-        return self.pupil.given + 2 > self.allowance
+        return self.pupil.held + 2 > self.allowance
 
     def play(
         self, scene: Scene, *, guided: bool, first: bool = False, seconds: float | None = None

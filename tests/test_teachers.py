@@ -11,7 +11,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from hitab_core import Repertoire
+from hitab_core import Automaton, Example, ExampleKind, HandWritten, Repertoire
 from hitab_core.training.question import KEEP, REMOVE, Choice, Question, QuestionKind
 from hitab_world import Placement
 from hitab_world.inprocess import perform, play
@@ -23,10 +23,13 @@ import teachers
 from agreement import objections
 from habits import Diary, Habits
 from intentions import INTENTIONS, KICKABLE, OFF, Intention, Plan
+from peers import OPTIONS
+from peers_of_people import commands_of
 from practice import approaching
 from pupils import InProcessPupil
 from second_thoughts import SecondThoughts, as_seen
-from simulated_people import Course, Person
+from simulated_people import MENDING, Course, Person
+from tasks import uses
 from teachers import NOTHING
 from trial import Memory, Trial, begins
 
@@ -85,10 +88,24 @@ def test_a_late_person_commands_late_unless_the_reaction_time_is_applied():
     assert 3.9 <= threshold(says_ago=True) <= 5.0
 
 
-def test_nobody_records_more_than_the_budget(pupil):
+def test_no_training_holds_more_than_the_budget(pupil):
     hurried = Habits(wrong=0.3)
     examples = trained(hurried, pupil, budget=12)
-    assert 2 <= len(examples) <= pupil.given <= 12
+    assert 2 <= len(examples) == pupil.held <= min(12, pupil.given)
+
+
+def test_what_is_taken_back_is_given_but_not_held(pupil):
+    examples = trained(NOTHING, pupil)
+    given = pupil.given
+    pupil.begin(APPROACH, resume=True)
+    pupil.place([])
+    pupil.command("GoFast")
+    assert pupil.held > len(examples)
+    pupil.undo()
+    assert pupil.held == len(examples)
+    pupil.delete([examples[0].number])
+    assert pupil.held == len(examples) - 1
+    assert pupil.given > given
 
 
 def test_the_same_person_teaches_the_same():
@@ -227,9 +244,9 @@ def test_a_person_answers_questions_by_the_intention_within_the_budget(pupil):
     trained(NOTHING, pupil)
     pupil.begin(APPROACH, resume=True)
     before, given = len(pupil.examples()), pupil.given
-    thoughts(pupil).answer(allowance=given)
+    thoughts(pupil).answer(allowance=pupil.held)
     assert len(pupil.examples()) == before
-    thoughts(pupil).answer(allowance=given + 20)
+    thoughts(pupil).answer(allowance=pupil.held + 20)
     added = pupil.examples()[before:]
     assert len(added) == pupil.given - given
     wish = thoughts(pupil).judge()
@@ -293,13 +310,14 @@ def test_a_person_goes_back_to_the_plan_that_hinders_the_next_one(pupil):
     resumed = []
     person._resume = lambda pupil, course: resumed.append((course.plan.name, course.allowance))
     lower, course = (Course(person, pupil, plan, 20) for plan in LESSONS.plans[:2])
-    pupil.given = 17
+    trained(NOTHING, pupil)
+    most = pupil.held + MENDING
     course.troubles["ApproachBall"] = 1
     person._mend_below(pupil, course, [lower])
     assert resumed == [], "once can happen"
     course.troubles["ApproachBall"] = 2
     person._mend_below(pupil, course, [lower])
-    assert resumed == [("ApproachBall", 23), ("GotoBall", 23)]
+    assert resumed == [("ApproachBall", most), ("GotoBall", most)]
     resumed.clear()
     person.diary.content.append("GotoBall")
     person._mend_below(pupil, course, [lower])
@@ -355,14 +373,44 @@ def test_the_benchmark_prints_and_writes_its_figures(tmp_path):
     app.command()(teachers.main)
     path = tmp_path / "figures.json"
     arguments = ["--people", "1", "--episodes", "2", "--own-episodes", "2", "--diagnose"]
-    arguments += ["--json", str(path)]
+    arguments += ["--peers", "--json", str(path)]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
     assert "as asked" in result.output
     person = json.loads(path.read_text())["people"]["as asked"][0]
     assert person["intention"] == "lessons"
-    assert person["given"] <= 60
+    assert person["held"] <= min(60, person["given"])
     assert person["objections"]
+    assert person["peers"].keys() == OPTIONS.keys()
+    assert "as asked, nearest neighbours" in result.output
+
+
+def test_other_learners_get_the_commands_as_commands_of_basic_behaviors(pupil):
+    trained(NOTHING, pupil)
+    learned = dict(pupil.repertoire.automata)
+    flat = commands_of(learned)
+    given = [e for e in learned["ApproachBall"].examples if not e.is_default]
+    assert [c.behavior for c in flat] == [e.next_state for e in given]
+    assert [c.readings[0] for c in flat] == [e.features[0] for e in given]
+    assert flat[0].state == "Start"
+
+    # The same commands, one level up: GotoBall begins with TurnToBall or ApproachBall.
+    go_to = Automaton(
+        "GotoBall",
+        uses("TurnToBall ApproachBall"),
+        uses("DirectionTo(ball)"),
+        {"Start": HandWritten(lambda off: "ApproachBall" if off < 0.1 else "TurnToBall", (0,))},
+        examples=(
+            Example("Start", (0.0,), "ApproachBall"),
+            Example("ApproachBall", (0.5,), "TurnToBall"),
+            Example("TurnToBall", (0.5,), "TurnToBall", ExampleKind.DEFAULT),
+            Example("TurnToBall", (0.5,), "Done"),
+        ),
+    )
+    approach, turn = commands_of(learned | {"GotoBall": go_to})[len(flat) :]
+    begins = {e.next_state for e in given if e.state == "Start"}
+    assert approach.behavior in begins
+    assert (turn.state, turn.behavior) == (approach.behavior, "TurnToBall")
 
 
 def test_each_aid_is_switched_off_by_itself():
