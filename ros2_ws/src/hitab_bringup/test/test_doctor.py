@@ -13,7 +13,7 @@ import psutil
 import pytest
 from hitab_msgs.msg import AgentStatus
 
-from hitab_bringup.doctor import machine, ros, runs
+from hitab_bringup.doctor import agents, machine, ros, runs
 from hitab_bringup.main import make_app
 from hitab_client import RosLink, RunFolder, RunRecord, domain_ids
 from hitab_client.dds_profile import LOOPBACK, RANGE, VARIABLES
@@ -185,6 +185,33 @@ def test_a_swarm_that_is_up_is_reported_with_its_processes(monkeypatch):
     assert one(runs.swarms()).text == "red is up in ROS domain 7, supervisor 1: world 11"
     states.append({"name": "a", "statename": "EXITED", "pid": 0})
     assert one(runs.swarms()).way_out == "`hitab logs a` shows why"
+
+
+def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
+    assert list(agents.faults()) == [], "no swarm is up"
+    folder = RunFolder.of_swarm("red")
+    folder.prepare()
+    record = RunRecord("red", "r.yaml", alone, "LOCALHOST", ("a", "b"), True, 1, "s", "red-1")
+    folder.write(record, register=True)
+    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
+
+    def say(link: RosLink, agent: str, *faults: str) -> None:
+        publisher = link.node.create_publisher(AgentStatus, f"/{agent}/status", qos.LATCHED)
+        publisher.publish(AgentStatus(agent=agent, swarm="red-1", faults=faults))
+
+    with RosLink(alone) as link:
+        say(link, "a", "nothing heard on /scan")
+        monkeypatch.setattr(agents, "ASK_SECONDS", 0.5)
+        mute, *_ = agents.faults()
+        assert mute.level == "warning"
+        assert mute.text.endswith("b of red did not answer within 0.5 s")
+        monkeypatch.setattr(agents, "ASK_SECONDS", 60.0)
+        say(link, "b")
+        found = one(agents.faults())
+        assert (found.level, found.text) == ("warning", "a: nothing heard on /scan")
+        assert found.way_out == "`hitab status --swarm red-1` shows it"
+        monkeypatch.setattr(agents, "MANY", 1)
+        assert "were not asked" in one(agents.faults()).text
 
 
 def test_little_room_is_reported(monkeypatch, tmp_path):

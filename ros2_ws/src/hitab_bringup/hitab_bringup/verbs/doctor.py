@@ -48,7 +48,7 @@ def doctor(json: JsonPath = None) -> None:
 
 
 def _findings() -> Iterator[Finding]:
-    from hitab_bringup.doctor import machine, ros, runs
+    from hitab_bringup.doctor import agents, machine, ros, runs
     from hitab_client import domain_ids
     from hitab_client.run_folder import registered_swarms
 
@@ -68,6 +68,7 @@ def _findings() -> Iterator[Finding]:
         # What a killed run has left was started here, too, and is among the leftovers.
         here = [folder for folder, r in registered_swarms() if r.domain_id == number]
         yield from ros.neighbors(any(folder.processes() for folder in here))
+        yield from agents.faults()
     yield from machine.home()
     yield from machine.memory()
     yield from machine.shared_memory()

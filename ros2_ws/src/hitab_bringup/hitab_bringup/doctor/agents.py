@@ -1,0 +1,42 @@
+"""Asks the agents of the swarms that are up what hinders them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from hitab_bringup.doctor.finding import Finding, warning
+from hitab_client import RosLink, RunRecord, SwarmClient
+from hitab_client.run_folder import running_swarms
+from hitab_core import each_once, quantity, some
+
+MANY = 100  # agents; a larger swarm takes long to ask
+ASK_SECONDS = 3.0
+
+
+def faults() -> Iterator[Finding]:
+    """Report what agents say that hinders them, such as a silent sensor."""
+    for _, record in running_swarms():
+        if len(record.agents) > MANY:
+            count = quantity(len(record.agents), "agent")
+            told = f"the {count} of {record.swarm} were not asked; `hitab status` does"
+            yield Finding("agents", told)
+        else:
+            yield from _faults_of(record)
+
+
+def _faults_of(record: RunRecord) -> Iterator[Finding]:
+    with RosLink(record.domain_id) as link:
+        agents = SwarmClient(
+            link, record.agents, prefix=record.namespace, identity=record.identity
+        )
+        agents.watch_all()
+        link.spin_until(lambda: len(agents.statuses) == len(record.agents), ASK_SECONDS)
+        statuses = dict(agents.statuses)
+    if mute := [name for name in record.agents if name not in statuses]:
+        told = f"{some(mute)} of {record.swarm} did not answer within {ASK_SECONDS:g} s"
+        yield warning("agents", told, f"`hitab logs {mute[0]}` shows why")
+    found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
+    for fault in found:
+        yield warning("agents", fault, f"`hitab status --swarm {record.identity}` shows it")
+    if not mute and not found:
+        yield Finding("agents", f"{quantity(len(statuses), 'agent')} of {record.swarm}: no faults")
