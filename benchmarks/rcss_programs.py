@@ -7,7 +7,6 @@ UT Austin's keepaway 0.6.
 from __future__ import annotations
 
 import json as js
-import re
 import signal
 import subprocess
 import time
@@ -16,7 +15,6 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-import typer
 from report import tell
 
 from keepaway_world.verbs.evaluation import mean_and_error
@@ -64,20 +62,6 @@ def options(
     values["text_log_compression"] = 0
     values |= others
     return [f"server::{name}={value}" for name, value in values.items()]
-
-
-def size_of(game: str) -> tuple[int, int]:
-    """Return the numbers of keepers and takers of a game such as "4v3".
-
-    Raises:
-        BadParameter: if there is no such game.
-    """
-    found = re.fullmatch(r"([2-9])v([1-9])", game)
-    if found is None:
-        raise typer.BadParameter(
-            f'"{game}" is no game; give keepers and takers, as in 4v3', param_hint="--game"
-        )
-    return int(found[1]), int(found[2])
 
 
 def start(stack: ExitStack, folder: Path, *command: str) -> None:

@@ -14,7 +14,6 @@ episodes, so the difference is one of pairs.
 from __future__ import annotations
 
 import json as js
-import re
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from games import size_of
 
 from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
@@ -154,16 +154,12 @@ def _game(text: str, side: float, sight: str, takers: str) -> KeepawayParameters
     Raises:
         BadParameter: if there is no such game.
     """
-    found = re.fullmatch(r"(\d+)v(\d+)", text)
-    if found is None or int(found[2]) < 1:
-        raise typer.BadParameter(
-            f'"{text}" is no game; give keepers and takers, as in 4v3', param_hint="--game"
-        )
+    keepers, others = size_of(text)
     try:
         return variant(
             "standard",
-            keepers=int(found[1]),
-            takers=int(found[2]),
+            keepers=keepers,
+            takers=others,
             width=side,
             height=side,
             sight=sight,

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rcss_programs import options, size_of, start, start_team, tell_episodes
+from games import size_of
+from rcss_programs import options, start, start_team, tell_episodes
 
 from hitab_client.shipped import shipped
 from hitab_world.inprocess import perform, play

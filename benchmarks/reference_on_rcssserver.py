@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rcss_programs import JOIN_SECONDS, options, size_of, start, start_team, tell_episodes
+from games import size_of
+from rcss_programs import JOIN_SECONDS, options, start, start_team, tell_episodes
 
 START_SECONDS = 6  # from the server's start to the first episode
 KICKED = re.compile(r"(\d+),\d+\s+Recv (keepers|takers)_(\d+): .*\(kick ")

@@ -38,10 +38,9 @@ def learned(home, tmp_path_factory):
         return examples_of(Path(report.path).parent)
 
 
-def records(*options: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, str(RECORDS), *options], capture_output=True, text=True, timeout=100
-    )
+def ran(script: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(script), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100)
 
 
 @pytest.mark.long
@@ -71,22 +70,37 @@ def test_they_last_longer_than_keepers_that_know_distances_only():
 
 def test_the_records_compare_trained_keepers_and_rules_over_the_same_episodes(tmp_path):
     path = tmp_path / "r.json"
-    done = records("--episodes", "2", "--longest", "4", "--sight", "full", "--json", str(path))
+    done = ran(
+        RECORDS, "--episodes", "2", "--longest", "4", "--sight", "full", "--json", str(path)
+    )
     assert done.returncode == 0, done.stderr
     figures = json.loads(path.read_text())["full"]
     assert [len(team["seconds"]) for team in figures.values()] == [2, 2]
     assert "trained (31 examples) - rules (near 4.5, slack 0.2):" in done.stdout
+
+    plot, server = tmp_path / "r.png", tmp_path / "server.json"
+    server.write_text('{"each_seconds": [3.0, 40.0, 700.0]}')
+    drawn = ran(RECORDS.with_name("records_plot.py"), path, "--full", server, "--plot", plot)
+    assert drawn.returncode == 0, drawn.stderr
+    assert plot.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_plot_of_the_records_names_a_file_that_it_cannot_read(tmp_path):
+    wrong = ran(RECORDS.with_name("records_plot.py"), tmp_path / "no.json", "--plot", "r.png")
+    assert wrong.returncode == 2
+    assert "cannot be read" in " ".join(wrong.stderr.replace("│", "").split())
 
 
 @pytest.mark.parametrize(
     ("options", "named"),
     [
         (("--sight", "none"), "none"),
-        (("--game", "1v2"), "keepers is 1"),
+        (("--game", "1v2"), '"1v2" is no game; give 2 to 9 keepers'),
+        (("--side", "1"), "width is 1"),
     ],
 )
 def test_the_records_refuse_what_there_is_not(options, named):
-    done = records(*options)
+    done = ran(RECORDS, *options)
     assert done.returncode == 2
     assert named in done.stderr
     assert "Traceback" not in done.stderr
