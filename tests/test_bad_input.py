@@ -95,10 +95,14 @@ def test_a_command_sent_again_is_not_obeyed_twice_though_others_commanded_since(
     publisher = link.node.create_publisher(Command, topic, qos.EVENTS, temporary=True)
     assert link.spin_until(lambda: publisher.get_subscription_count() > 0, 5)
 
-    def command(who, sequence, behavior):
+    def command(who, sequence, behavior, called=""):
         agents.statuses[AGENT].demonstrator = ""
         publisher.publish(Command(sequence=sequence, demonstrator=who, behavior=behavior))
-        assert link.spin_until(lambda: agents.statuses[AGENT].demonstrator == who, 5)
+
+        def acknowledged():
+            return agents.statuses[AGENT].demonstrator.startswith(called or who)
+
+        assert link.spin_until(acknowledged, 5)
         status = agents.statuses[AGENT]
         return status.examples, status.last_command_sequence, status.last_refused_sequence
 
@@ -110,6 +114,8 @@ def test_a_command_sent_again_is_not_obeyed_twice_though_others_commanded_since(
         assert command("bob", 4, "Dance")[::2] == (before + 4, 4)
         assert command("ann", 8, "GoFast")[:2] == (before + 5, 8)
         assert command("bob", 4, "Dance")[::2] == (before + 5, 4)
+        # What a stranger calls himself must not keep the agent's status from being heard.
+        assert command("eve\n" + "\x1b" * 300, 5, "Stop", r"eve\n")[::2] == (before + 5, 5)
     finally:
         link.node.destroy_publisher(publisher)
         for _ in range(3):

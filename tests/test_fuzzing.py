@@ -106,12 +106,15 @@ def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[Runni
         assert max(grown.values()) < MEMORY_MAX
         # By somebody who comes later: who listened all the time may still see what was forged.
         with RosLink(running.record.domain_id) as link:
+            said: list[str] = []
+            link.node.guard.log = lambda text, *_: said.append(text)
             clients = SwarmClient(link, running.record.agents), WorldClient(link)
             clients[0].watch_all()
             later = RunningSwarm(running.folder, running.record, link, *clients)
             clients[1].wait(SECONDS)
             let_go(later, agents)
             yield later
+            assert not said, "the swarm itself has sent what it would refuse from others"
         assert pids(running) == before, "a process has ended"
 
 

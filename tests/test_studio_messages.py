@@ -49,6 +49,19 @@ def test_a_name_that_cannot_be_is_answered_with_the_format_of_names(swarm, perso
     person.click("begin")
     person.sees("refused", "Choose at least one feature")
     person.does_not_see("message")
+    # Also if it was pressed right after the last letter.
+    person.page.eval_on_selector(
+        '[data-test="new-name"]',
+        """name => {
+          for (const text of ["ApproachTheBall", "ApproachBall"]) {
+            name.value = text;
+            name.dispatchEvent(new Event("input", { bubbles: true }));
+          }
+          name.form.requestSubmit();
+        }""",
+    )
+    person.page.wait_for_timeout(500)
+    person.sees("refused", "Choose at least one feature")
     name, feature = '[data-test="new-name"]', '[data-test="feature-DistanceTo(ball)"]'
     person.tick("feature-DistanceTo(ball)")
     person.page.reload()  # as after the connection was lost

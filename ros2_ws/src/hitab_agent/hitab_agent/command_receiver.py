@@ -17,7 +17,7 @@ from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.plain_text import plain
 
-DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; the rest is cut off
+DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; a longer one is shortened
 EARLY_S = 8.0
 """How long a command may be held back: less than its demonstrator waits for an acknowledgement."""
 
@@ -93,7 +93,7 @@ class CommandReceiver:
     def _obey(self, command: msg.Command) -> None:
         self.obeying(command)
         status = self._status.message
-        status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX)
+        status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX, lines=False)
         # A command resent because its acknowledgement was late is acknowledged again.
         refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:

@@ -141,7 +141,7 @@ def _text_check(place: str) -> Callable[[str], None]:
 
 
 def _shown(value: str) -> str:
-    return plain(f'"{value}"', 80).replace("\n", "\\n")
+    return plain(f'"{value}"', 80, lines=False)
 
 
 def _texts(place: str, field: str, text: Callable[[str], None]) -> Check:

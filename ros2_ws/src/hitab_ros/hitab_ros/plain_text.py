@@ -6,11 +6,31 @@ TEXT_MAX = 1000
 """Maximum characters of a text."""
 
 
-def plain(text: str, limit: int = TEXT_MAX) -> str:
-    """Return a text of bounded length without control characters except line ends."""
-    if len(text) > limit:
-        half = (limit - 5) // 2
-        text = f"{text[:half]} ... {text[-half:]}"
+def plain(text: str, limit: int = TEXT_MAX, *, lines: bool = True) -> str:
+    """Return a text of bounded length without control characters.
+
+    A message with such a text passes `hitab_ros.checks`: otherwise all others would drop it.
+
+    Args:
+        text: as it came.
+        limit: most characters; the middle of a longer text is left out.
+        lines: whether line ends are kept, as in a text for people.
+    """
+    text = _shortened(text, limit)
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() or c == "\n" else f"\\x{ord(c):02x}" for c in text)
+    kept = "\n" if lines else ""
+    return _shortened("".join(c if c in kept else _escaped(c) for c in text), limit)
+
+
+def _escaped(character: str) -> str:
+    if character.isprintable():
+        return character
+    return character.encode("unicode_escape").decode()
+
+
+def _shortened(text: str, limit: int) -> str:
+    if len(text) <= limit:
+        return text
+    half = (limit - 5) // 2
+    return f"{text[:half]} ... {text[-half:]}"

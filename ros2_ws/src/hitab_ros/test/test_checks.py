@@ -6,9 +6,12 @@ import time
 
 import pytest
 from hitab_msgs import msg, srv
+from hypothesis import given
+from hypothesis import strategies as st
 from std_msgs.msg import String
 
 from hitab_ros.checks import BadMessage, check
+from hitab_ros.plain_text import plain
 
 FAR = time.time_ns() + 365 * 24 * 3600 * 10**9
 
@@ -66,3 +69,19 @@ def test_each_message_and_service_of_the_project_can_be_checked():
     for kind in kinds:
         if kind is not msg.HostRoster:  # whose name must not be empty
             check(kind())
+
+
+@given(st.text(alphabet=st.characters(codec="utf-8"), max_size=3000))
+def test_a_status_with_any_text_made_plain_passes(text):
+    """Otherwise whoever quotes a stranger would no longer be heard by anybody."""
+    told = plain(text)
+    name = plain(text, 200, lines=False)
+    assert len(told) <= 1000
+    assert len(name) <= 200
+    check(msg.AgentStatus(demonstrator=name, last_error=told, faults=[told], note=told))
+
+
+def test_a_short_printable_text_stays_as_it_is_and_others_can_be_read():
+    assert plain("Zoë\nO'Hara") == "Zoë\nO'Hara"
+    assert plain("a\nb\x1b[31m", lines=False) == r"a\nb\x1b[31m"
+    assert plain("x" * 2000, 11) == "xxx ... xxx"

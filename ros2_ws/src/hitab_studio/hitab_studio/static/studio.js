@@ -7,7 +7,10 @@
 //   data-seen          with the cycle that the field showed when the key or the button was pressed
 //   data-hotkey="k"    pressing the key clicks the element
 //   data-off="why"     it does nothing at present, and says why
-const told = (what, more = {}) => window.emitEvent("studio", { do: what, ...more });
+function told(what, more = {}) {
+  tellTyped(); // the server hears of everything in the order in which the person did it
+  window.emitEvent("studio", { do: what, ...more });
+}
 window.studioTell = told;
 
 function dataOf(element) {
@@ -122,14 +125,24 @@ document.addEventListener("change", (event) => {
   if (element.type === "number") element.value = element.defaultValue; // until the server agrees
 });
 
-let typing;
+// What is typed is told once the person pauses, or does something else.
+let typed = null;
+function tellTyped() {
+  const last = typed;
+  typed = null;
+  if (!last) return;
+  clearTimeout(last.timer);
+  told(last.what, last.data);
+}
 document.addEventListener("input", (event) => {
   const element = event.target.closest("[data-input]");
   if (!element) return;
-  clearTimeout(typing);
+  if (typed?.element === element) clearTimeout(typed.timer);
+  else tellTyped();
   const data = { ...dataOf(element), value: element.value };
   delete data.input;
-  typing = setTimeout(() => told(element.dataset.input, data), element.type === "range" ? 30 : 150);
+  const timer = setTimeout(tellTyped, element.type === "range" ? 30 : 150);
+  typed = { element, what: element.dataset.input, data, timer };
 });
 
 document.addEventListener("submit", (event) => {
@@ -217,8 +230,8 @@ document.addEventListener("keydown", (event) => {
     event.preventDefault();
     return;
   }
-  const typed = TEXT.has(document.activeElement?.tagName) && document.activeElement.type !== "range";
-  if (typed || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+  const writing = TEXT.has(document.activeElement?.tagName) && document.activeElement.type !== "range";
+  if (writing || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
   const key = event.key === " " ? "space" : event.key.toLowerCase();
   const open = document.querySelector("[data-modal]");
   const element = (open || document).querySelector(`[data-hotkey="${CSS.escape(key)}"]`);
