@@ -1,8 +1,8 @@
 """What a simulated person trains: a team of keepers in a world that runs.
 
 `Pupil` is all that a person can see and do, as in the studio; `InProcessPupil` is a team in this
-process. A person sees one keeper's percepts, cycle by cycle, after the keepers have acted on them.
-A command therefore takes effect in the next cycle.
+process, `topic_pupil.TopicPupil` one of nodes. A person sees what a keeper perceives when the
+world has run for a cycle, and commands before the keeper acts on that.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -28,6 +28,7 @@ from hitab_core.training import (
     questions,
 )
 from hitab_core.training.moments import Moment
+from hitab_core.training.question import QuestionKind
 from hitab_core.training.responses import responded
 from hitab_world import Placement
 from keepaway_world.domain import DOMAIN
@@ -105,7 +106,7 @@ class Pupil(Protocol):
         """Have commands been due so many seconds before they came."""
 
     def contradictions(self) -> int:
-        """Return how many questions the status shows: those that need no search."""
+        """Return how many commands are asked about since they contradict others."""
 
     def questions(self) -> Sequence[Question]:
         """Return what the keeper asks, the most useful first."""
@@ -118,6 +119,11 @@ class Pupil(Protocol):
 
     def perform(self, behavior: str) -> None:
         """Have the team mates perform a behavior; "": nothing."""
+
+
+def learner(*, sides: bool = True, ahead: bool = True) -> str:
+    """Return the classifier that learns, with these aids."""
+    return f"tree(all_around={not sides}, look_ahead={ahead})"
 
 
 def _when_due(moments: Sequence[Moment], due: Moment, *rest: Any) -> Moment:
@@ -161,8 +167,7 @@ class InProcessPupil:
         setattr(example_log, "superseding", superseding if supersede else list)  # noqa: B010
         setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
         setattr(questions, "unshown_sides", unshown_sides if other_side else _none)  # noqa: B010
-        self._classifier = f"tree(all_around={not sides}, look_ahead={ahead})"
-        self._time = 0.0
+        self._classifier = learner(sides=sides, ahead=ahead)
         self._folder = tempfile.TemporaryDirectory(prefix="hitab-teachers-")
         self._world = KeepawayWorld(parameters, seed)
         self._library = BehaviorLibrary(self._folder.name, DOMAIN)
@@ -193,23 +198,21 @@ class InProcessPupil:
     def place(self, placements: Iterable[Placement], *, new_episode: bool = True) -> Sight:
         """Arrange the field while the world is paused; a new episode puts all in Start."""
         self._world.place(placements, new_episode=new_episode)
-        if new_episode:
-            for agent in self._agents.values():
-                agent.restart(self._world.seed, self._world.episode)
-        self._perceive(jumped=True)
+        self._perceive(jumped=True, restart=new_episode)
         return self._sight()
 
     def step(self) -> Sight:
-        """Let the world run for one cycle."""
+        """Let the world run for one cycle; after the last one of an episode another begins."""
         actions = {}
         self._perceive()
         for name, agent in self._agents.items():
             agent.tick()
             actions[name] = agent.act()
-        seen = self._sight()
-        if self._world.step(actions):
-            seen = replace(seen, ended=True)
-        return seen
+        ended = bool(self._world.step(actions))
+        if ended:
+            self._world.reset()
+        self._perceive(restart=ended)
+        return self._sight(ended=ended)
 
     def command(self, state: str, ago: float = 0.0) -> Sequence[Example]:
         """Command the keeper; the command was due ``ago`` seconds earlier."""
@@ -242,8 +245,9 @@ class InProcessPupil:
         self._session.retime(numbers, ago)
 
     def contradictions(self) -> int:
-        """Return how many questions the status shows: those that need no search."""
-        return self._session.asked.count(self._session.examples)
+        """Return how many commands are asked about since they contradict others."""
+        known = self._session.asked.known(self._session.examples)
+        return sum(question.kind is QuestionKind.CONTRADICTION for question in known)
 
     def questions(self) -> Sequence[Question]:
         """Return what the keeper asks, the most useful first."""
@@ -280,16 +284,19 @@ class InProcessPupil:
         for mate in self._mates:
             mate.perform(Use.parse(behavior) if behavior else None)
 
-    def _perceive(self, *, jumped: bool = False) -> None:
-        self._time += 0.0 if jumped else self.cycle_seconds
+    def _perceive(self, *, jumped: bool = False, restart: bool = False) -> None:
+        world = self._world
+        time = world.cycle * self.cycle_seconds
         for name, agent in self._agents.items():
-            agent.sense(*self._world.percept(name), self._world.cycle, self._time, jumped=jumped)
+            agent.sense(*world.percept(name), world.cycle, time, jumped=jumped)
+            if restart:
+                agent.restart(world.seed, world.episode)
 
-    def _sight(self) -> Sight:
+    def _sight(self, *, ended: bool = False) -> Sight:
         session = self._session
         look = self._pupil.context.senses.look
         values = {str(use): look(use) for use in self._visible}
         child = session.running.child
         values[DONE] = float(child is not None and "Done" in child.raised)
         below = dict(pairwise(session.running.active_path))
-        return Sight(session.running.active, values, bool(self._world.ended), below)
+        return Sight(session.running.active, values, ended, below)

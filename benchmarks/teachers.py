@@ -36,6 +36,7 @@ from peers_of_people import TASK, teams_of_peers
 from pupils import InProcessPupil
 from simulated_people import Person
 from tasks import TRIED_SEED, Team
+from topic_pupil import TopicPupil
 
 from hitab_core import Automaton, HitabError, Repertoire
 from hitab_world.inprocess import perform, play
@@ -95,6 +96,7 @@ class Setting:
         diagnose: whether to compare what was learned with what was intended.
         own_episodes: that each intention plays itself.
         peers: whether other learners learn from the same commands, and play, too.
+        over_topics: whether people train nodes; with all aids only.
     """
 
     habits: Habits
@@ -105,6 +107,11 @@ class Setting:
     diagnose: bool = False
     own_episodes: int = OWN[0]
     peers: bool = False
+    over_topics: bool = False
+
+    def seed_of(self, number: int) -> int:
+        """Return the seed of a person, and of the world in which the person trains."""
+        return self.seed * 1000 + number
 
 
 Play = Callable[[int, int], list[float]]
@@ -141,16 +148,12 @@ def intention_of(number: int) -> Intention:
     return list(INTENTIONS.values())[number % len(INTENTIONS)]
 
 
-def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
-    """Have one person train a team, and the team play; return the figures."""
-    intention = intention_of(number)
-    own = own_hold_time(intention.name, setting.own_episodes)
-    needed = max(PAPER_S, SHARE * own)
-    seed = setting.seed * 1000 + number
-    person = Person(
-        intention,
+def person_of(number: int, setting: Setting) -> Person:
+    """Return a person."""
+    return Person(
+        intention_of(number),
         setting.habits,
-        seed,
+        setting.seed_of(number),
         setting.budget,
         says_ago="reaction" in setting.aids,
         contradicts="events" in setting.aids,
@@ -159,14 +162,28 @@ def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
         unlearns="unlearning" in setting.aids,
         slows="pace" in setting.aids,
     )
-    pupil = InProcessPupil(
-        seed,
+
+
+def pupil_of(number: int, setting: Setting) -> InProcessPupil | TopicPupil:
+    """Return the team that a person trains."""
+    if setting.over_topics:
+        return TopicPupil(setting.seed_of(number))
+    return InProcessPupil(
+        setting.seed_of(number),
         events="events" in setting.aids,
         supersede="supersede" in setting.aids,
         sides="sides" in setting.aids,
         ahead="ahead" in setting.aids,
         other_side="other_side" in setting.aids,
     )
+
+
+def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
+    """Have one person train a team, and the team play; return the figures."""
+    intention = intention_of(number)
+    own = own_hold_time(intention.name, setting.own_episodes)
+    needed = max(PAPER_S, SHARE * own)
+    person, pupil = person_of(number, setting), pupil_of(number, setting)
     figures: dict[str, Any] = {"person": number, "intention": intention.name, "own_s": own}
     try:
         diary = person.train(pupil)
@@ -209,7 +226,7 @@ def best_of(teams: Sequence[Team], seed: int) -> Play:
     return lambda count, first: TASK.play(best, count, seed, first)
 
 
-def _no_team(failure: str, pupil: InProcessPupil) -> dict[str, Any]:
+def _no_team(failure: str, pupil: InProcessPupil | TopicPupil) -> dict[str, Any]:
     examples = {"given": pupil.given, "held": pupil.held}
     return {"failure": failure, **examples, "hold_s": 0.0, "se": 0.0, "success": False}
 
@@ -371,6 +388,9 @@ def main(
     peers: Annotated[
         bool, typer.Option(help="Have other learners learn from the same commands, too.")
     ] = False,
+    over_topics: Annotated[
+        bool, typer.Option(help="Train nodes over topics and services, not in one process.")
+    ] = False,
     episodes: Annotated[int, typer.Option(help="Episodes of each team.", min=2)] = 200,
     own_episodes: Annotated[
         int, typer.Option(help="Episodes that each intention plays itself.", min=2)
@@ -386,7 +406,11 @@ def main(
         raise typer.BadParameter(f'there is no aid "{unknown[0]}" (has: {", ".join(AIDS)})')
     habits = Habits(reaction=span(reaction), waver=waver, inattention=inattention, wrong=wrong)
     aids = frozenset(AIDS) - off
-    setting = Setting(habits, aids, episodes, seed, budget, diagnose, own_episodes, peers)
+    if over_topics and (off or each_aid):
+        raise typer.BadParameter("nodes have all aids; leave out --over-topics, or the others")
+    setting = Setting(
+        habits, aids, episodes, seed, budget, diagnose, own_episodes, peers, over_topics
+    )
     measured: dict[str, list[dict[str, Any]]] = {}
     asked = settings(habits, causes, only or ())
     for title, case in cases(setting, asked, each_aid).items():

@@ -30,7 +30,8 @@ from pupils import InProcessPupil
 from second_thoughts import SecondThoughts, as_seen
 from simulated_people import MENDING, Course, Person
 from tasks import uses
-from teachers import NOTHING
+from teachers import NOTHING, Setting, intention_of, person_of, pupil_of
+from topic_pupil import TopicPupil
 from trial import Memory, Trial, begins
 
 LESSONS = INTENTIONS["lessons"]
@@ -108,6 +109,44 @@ def test_what_is_taken_back_is_given_but_not_held(pupil):
     assert pupil.given > given
 
 
+def recorded(examples):
+    """Return what examples say, in the order of the commands."""
+    return [
+        (e.command, e.state, e.point, e.next_state, e.kind, e.cycle, round(e.ago, 6))
+        for e in examples
+    ]
+
+
+def test_the_same_person_teaches_nodes_over_topics_the_same(home, pupil):
+    hurried = Habits(wrong=0.2)
+    nodes = TopicPupil(seed=3)
+    try:
+        assert recorded(trained(hurried, nodes)) == recorded(trained(hurried, pupil))
+    finally:
+        nodes.close()
+    assert (nodes.given, nodes.held) == (pupil.given, pupil.held)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", range(len(INTENTIONS)))
+def test_whole_courses_over_topics_teach_the_same(home, number):
+    """So that figures of teams in one process hold for nodes, too."""
+    given = Setting(Habits(wrong=0.1), seed=11)
+    taught = []
+    for over_topics in (True, False):
+        setting = replace(given, over_topics=over_topics)
+        pupil = pupil_of(number, setting)
+        try:
+            diary = person_of(number, setting).train(pupil)
+            automata = pupil.repertoire.automata
+        finally:
+            pupil.close()
+        plans = [plan.name for plan in intention_of(number).plans]
+        examples = {name: recorded(automata[name].examples) for name in plans}
+        taught.append((examples, diary.figures(), pupil.given, pupil.held))
+    assert taught[0] == taught[1]
+
+
 def test_the_same_person_teaches_the_same():
     taught = []
     for _ in range(2):
@@ -182,7 +221,7 @@ def test_a_person_deletes_a_command_that_was_never_right(pupil):
 
 
 def test_a_person_keeps_a_command_that_comes_only_a_little_early(pupil):
-    assert 5.0 < running(pupil, away=12.0) < 6.0
+    assert 5.0 < running(pupil, away=13.0) < 6.0
     taught = pupil.command("GoMedium")
     assert thoughts(pupil).review([taught[0].number]) == []
     (kept,) = [e for e in pupil.examples() if e.number == taught[0].number]

@@ -1,0 +1,224 @@
+"""A team of nodes, trained over topics and services as the studio does it.
+
+`TopicPupil` is the other implementation of `pupils.Pupil`. The world is stepped cycle by cycle, so
+that a person's reaction time, in simulated seconds, is the same on every machine. The same person
+then teaches both pupils the same examples.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+from itertools import pairwise
+from typing import Any
+
+from hitab_msgs.msg import TransitionEvent
+from hitab_msgs.srv import ReadFeatures
+from intentions import DONE, Plan
+from pupils import VISIBLE, Sight, learner
+
+from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.opened_library import open_library
+from hitab_client import SwarmError
+from hitab_core import START, Example, ExampleKind, Repertoire, some
+from hitab_core.training import Question
+from hitab_core.training.question import Choice, QuestionKind
+from hitab_ros import names, qos
+from hitab_world import Placement
+from keepaway_world.verbs.evaluation import trained_keepers
+
+PUPIL, MATES = "keeper_1", ("keeper_2", "keeper_3")
+CYCLE_SECONDS = 0.1
+
+
+class TopicPupil:
+    """A team of three nodes and a world, started for one person.
+
+    Args:
+        seed: of the world and the agents.
+    """
+
+    cycle_seconds = CYCLE_SECONDS
+
+    def __init__(self, seed: int) -> None:
+        self.given = 0
+        self._held_before = Counter[str]()
+        self._plan = ""
+        self._path: list[str] = []
+        self._stack = ExitStack()
+        swarm = trained_keepers(None, "", {}, seed=seed)
+        running = self._stack.enter_context(temporary_swarm(swarm))
+        self._agents, self._world, self._folder = running.agents, running.world, running.folder
+        transitions = names.of_agent(PUPIL, names.TRANSITIONS)
+        running.link.subscribe(TransitionEvent, transitions, self._follow, qos.EVENTS)
+        running.link.spin_until(lambda: running.link.node.count_publishers(transitions) > 0, 10.0)
+        self._world.state_at(0)
+
+    def close(self) -> None:
+        """Stop the nodes."""
+        self._stack.close()
+
+    @property
+    def repertoire(self) -> Repertoire:
+        """What the trained keeper can do by now."""
+        opened = open_library(self._folder.path / "libraries" / PUPIL)
+        return Repertoire(opened.domain, opened.load())
+
+    @property
+    def held(self) -> int:
+        """Return the number of examples that all trainings hold now."""
+        return self._held_before.total()
+
+    def _count(self) -> None:
+        """Note how many examples the training holds."""
+        self._held_before[self._plan] = len(self.examples())
+
+    # -- the world --------------------------------------------------------------------------
+
+    def place(self, placements: Iterable[Placement], *, new_episode: bool = True) -> Sight:
+        """Arrange the field while the world is paused; a new episode puts all in Start."""
+        things = {
+            p.name: {"x": p.x, "y": p.y, "heading": p.heading, "vx": p.vx, "vy": p.vy}
+            for p in placements
+        }
+        self._world.changed(lambda: self._world.place(things, new_episode=new_episode))
+        if new_episode:
+            self._path = [START]
+        return self._sight()
+
+    def step(self) -> Sight:
+        """Let the world run for one cycle."""
+        before = self._world.state_at(0).episode
+        after = self._world.step().episode
+        if after != before:
+            self._path = [START]
+        return self._sight(ended=after != before)
+
+    def _follow(self, event: TransitionEvent) -> None:
+        self._path = [*event.automaton[1:], event.to_state]
+
+    def _sight(self, *, ended: bool = False) -> Sight:
+        answer = self._agents.ask(PUPIL, ReadFeatures, names.READ_FEATURES, also=list(VISIBLE))
+        read = list(zip(answer.automata, answer.features, answer.values, strict=True))
+        values = {feature: value for automaton, feature, value in read if not automaton}
+        done = [value for automaton, feature, value in read if automaton and feature == DONE]
+        values[DONE] = done[0] if done else 0.0
+        return Sight(self._path[0], values, ended, dict(pairwise(self._path)))
+
+    # -- training ---------------------------------------------------------------------------
+
+    def begin(self, plan: Plan, *, resume: bool = False) -> None:
+        """Begin to train an automaton, or resume its training."""
+        self._agents.begin(
+            PUPIL,
+            plan.name,
+            features=list(plan.features),
+            states=list(plan.states),
+            classifier=learner(),
+            resume=plan.name if resume else "",
+        )
+        self._plan, self._path = plan.name, [START]
+        self._count()
+
+    def command(self, state: str, ago: float = 0.0) -> Sequence[Example]:
+        """Command the keeper; the command was due ``ago`` seconds earlier."""
+        self._agents.command(PUPIL, state, ago=ago)
+        if self._path[0] != state:
+            self._path = [state]
+        self._count()
+        examples = self.examples()
+        last = max(example.command for example in examples)
+        taught = [example for example in examples if example.command == last]
+        self.given += len(taught)
+        return taught
+
+    def test(self, *, restart: bool = False) -> None:
+        """Let the keeper do what it has learned."""
+        self._agents.set_mode(PUPIL, "testing", restart=restart)
+        if restart:
+            self._path = [START]
+
+    def take_over(self) -> None:
+        """Take control back."""
+        self._agents.set_mode(PUPIL, "training")
+
+    def undo(self) -> None:
+        """Undo the last command."""
+        before = self.examples()
+        self._edit("undo")
+        kept = {example.number for example in self.examples()}
+        gone = [example for example in before if example.number not in kept]
+        if gone:
+            self._path = [gone[0].state]
+
+    def delete(self, numbers: Iterable[int]) -> None:
+        """Delete examples."""
+        self._edit("delete", list(numbers))
+
+    def retime(self, numbers: Iterable[int], ago: float) -> None:
+        """Have commands been due so many seconds before they came."""
+        self._edit("retime", list(numbers), ago=ago)
+
+    def _edit(self, action: str, numbers: Sequence[int] = (), **fields: Any) -> None:
+        self._agents.edit_examples(PUPIL, action, numbers, **fields)
+        self._count()
+
+    def examples(self) -> Sequence[Example]:
+        """Return what has been recorded in this training."""
+        return [
+            Example(
+                e.state,
+                tuple(e.values),
+                e.next_state,
+                ExampleKind(e.kind),
+                e.number,
+                e.command,
+                e.cycle,
+                e.ago,
+                tuple(e.readings),
+            )
+            for e in self._agents.list_examples(PUPIL).examples
+        ]
+
+    # -- questions --------------------------------------------------------------------------
+
+    def contradictions(self) -> int:
+        """Return how many commands are asked about since they contradict others."""
+        return sum(question.kind == QuestionKind.CONTRADICTION for question in self.questions())
+
+    def questions(self) -> Sequence[Question]:
+        """Return what the keeper asks, the most useful first."""
+        return [
+            Question(
+                q.number,
+                QuestionKind(q.kind),
+                q.text,
+                q.state,
+                tuple(q.examples),
+                tuple(Choice(name, "", None) for name in q.choices),
+                tuple(q.situation),
+            )
+            for q in self._agents.questions(PUPIL).questions
+        ]
+
+    def answer(self, number: int, choice: str) -> None:
+        """Answer a question; "": dismiss it."""
+        before = len(self.examples())
+        self._agents.answer(PUPIL, number, choice, dismiss=not choice)
+        self._count()
+        self.given += max(0, len(self.examples()) - before)
+
+    # -- the team ---------------------------------------------------------------------------
+
+    def save(self, *, keep_unused: bool = False) -> None:
+        """Save what was trained and give it to the team mates."""
+        self._agents.save(PUPIL, keep_unused=keep_unused)
+        told = self._agents.distribute(PUPIL, self._plan)
+        if missed := [*told.refused.values(), *told.silent]:
+            raise SwarmError(f"not all have it: {some(missed)}")
+
+    def perform(self, behavior: str) -> None:
+        """Have the team mates perform a behavior; "": nothing."""
+        for mate in MATES:
+            self._agents.perform(mate, behavior)
