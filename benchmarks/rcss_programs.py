@@ -45,6 +45,7 @@ def options(
         "use_offside": 0,
         "forbid_kick_off_offside": 0,
         "stamina_inc_max": 3500,
+        "stamina_capacity": -1,  # no limit: else players tire after some minutes of an episode
         "fullstate_l": int(fullstate),
         "fullstate_r": int(fullstate),
         "synch_mode": 1,

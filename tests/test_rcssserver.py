@@ -28,6 +28,7 @@ OPTIONS = {
     "use_offside": 0,
     "forbid_kick_off_offside": 0,
     "stamina_inc_max": 3500,
+    "stamina_capacity": -1,
     "min_dash_power": -100,
     "visible_angle": 541,
     "fullstate_l": 1,
