@@ -27,7 +27,7 @@ from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.dds_profile import RANGE, choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import MARK
-from hitab_client.run_processes import ENDED, process_states
+from hitab_client.run_processes import ENDED, answers, process_states
 from hitab_client.swarm_choice import way_to_stop
 from hitab_ros.exit_codes import FINAL
 
@@ -107,7 +107,7 @@ def launch(
         swarm.namespace,
     )
     folder.write(record, register=not temporary)
-    _await_socket(supervisor, socket, folder)
+    _await_answer(supervisor, record, folder)
     return record
 
 
@@ -133,9 +133,16 @@ def _end_with_parent() -> None:
     ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGTERM)
 
 
-def _await_socket(supervisor: subprocess.Popen[bytes], socket: Path, folder: RunFolder) -> None:
+def _await_answer(
+    supervisor: subprocess.Popen[bytes], record: RunRecord, folder: RunFolder
+) -> None:
+    """Wait until the supervisor answers: its socket exists before it listens there.
+
+    Raises:
+        SwarmError: if it does not, after stopping the rest.
+    """
     deadline = time.monotonic() + 15
-    while not socket.exists():
+    while not answers(record):
         if supervisor.poll() is not None or time.monotonic() > deadline:
             out = (folder.path / "supervisord.out").read_text(errors="replace").strip()
             stop(folder)

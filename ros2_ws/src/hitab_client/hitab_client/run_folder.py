@@ -182,8 +182,12 @@ class RunFolder:
             return
         socket = Path(record.socket)
         socket.unlink(missing_ok=True)
+        # A supervisor that was killed while it started leaves a second name of its socket.
+        for left in socket.parent.glob(f"{SOCKET}.[0-9]*"):
+            left.unlink(missing_ok=True)
         if socket.parent != self.path and socket.parent.name.startswith("hitab-"):
-            socket.parent.rmdir()
+            with contextlib.suppress(OSError):  # what else is in there is not ours
+                socket.parent.rmdir()
         self._unregister()
 
     @property

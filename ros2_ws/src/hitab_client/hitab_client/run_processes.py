@@ -78,6 +78,15 @@ def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[di
         ) from None
 
 
+def answers(record: RunRecord) -> bool:
+    """Whether the supervisor answers, which it does not while it starts."""
+    try:
+        process_states(record, ANSWER_SECONDS)
+    except SwarmError:
+        return False
+    return True
+
+
 @dataclass(frozen=True)
 class Silence:
     """Why a process does not answer.

@@ -62,6 +62,22 @@ def test_a_deep_run_folder_gets_its_socket_elsewhere(tmp_path):
     assert not socket.parent.exists()
 
 
+def test_what_a_supervisor_left_that_was_killed_while_it_started_is_removed(tmp_path):
+    folder = RunFolder(tmp_path / ("x" * 80) / "y")
+    folder.prepare()
+    socket = folder.socket_path()
+    Path(f"{socket}.4711").touch()
+    folder.write(record(str(socket)), register=False)
+    folder.forget()
+    assert not socket.parent.exists()
+    folder.write(record(str(folder.socket_path())), register=False)
+    other = Path(folder.read().socket).with_name("other")
+    other.touch()
+    folder.forget()
+    assert other.exists(), "it is somebody else's"
+    assert folder.read() is None
+
+
 def test_a_folder_that_cannot_be_made_is_told(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(SwarmError, match="choose another with --run-dir"):
