@@ -7,6 +7,7 @@ UT Austin's keepaway 0.6.
 from __future__ import annotations
 
 import json as js
+import shutil
 import signal
 import subprocess
 import time
@@ -19,6 +20,7 @@ from report import tell
 
 from keepaway_world.verbs.evaluation import mean_and_error
 
+END_SECONDS = 5.0
 JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
 
 
@@ -67,11 +69,29 @@ def options(
 
 def start(stack: ExitStack, folder: Path, *command: str) -> None:
     """Start a program that ends with the stack."""
+    found = shutil.which(command[0])
+    if found is None:
+        raise SystemExit(
+            f"error: there is no program {command[0]}; docs/rcssserver.md and docs/fidelity.md "
+            "say where it comes from"
+        )
     program = subprocess.Popen(
-        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [str(Path(found).resolve()), *command[1:]],
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
-    stack.callback(program.wait)
-    stack.callback(program.send_signal, signal.SIGINT)
+    stack.callback(_end, program)
+
+
+def _end(program: subprocess.Popen[bytes]) -> None:
+    """End a program; UT's players do not always end when they are asked to."""
+    program.send_signal(signal.SIGINT)
+    try:
+        program.wait(END_SECONDS)
+    except subprocess.TimeoutExpired:
+        program.kill()
+        program.wait()
 
 
 def start_team(
