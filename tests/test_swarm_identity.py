@@ -355,3 +355,20 @@ def test_a_temporary_swarm_looks_for_a_domain_where_its_names_are_free(
         swarm = parse_swarm(LONE, tmp_path / "lone.yaml")
         with temporary_swarm(swarm, tmp_path / "run") as running:
             assert running.record.domain_id == second
+
+
+def test_who_interrupts_a_start_is_told_at_once_that_it_is_being_stopped(home, tmp_path):
+    run = RunFolder(tmp_path / "run")
+    command = subprocess.Popen(
+        [sys.executable, "-m", "hitab_bringup.main", "up", "keepaway", "--run-dir", str(run.path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert within(60, lambda: run.read() is not None)
+    command.send_signal(signal.SIGINT)
+    _, told = command.communicate(timeout=60)
+    assert command.returncode == 130
+    assert "interrupted: stopping what was started of keepaway" in told
+    assert "Traceback" not in told
+    assert run.processes() == []

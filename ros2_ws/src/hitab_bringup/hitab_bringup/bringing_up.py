@@ -59,6 +59,7 @@ def bring_up(
     folder: RunFolder,
     progress: Progress | None = None,
     warn: Callable[[str], None] = lambda text: None,
+    say: Callable[[str], None] = lambda text: None,
 ) -> RunRecord:
     """Start a swarm that stays up, and wait until every agent and the world answer.
 
@@ -69,6 +70,7 @@ def bring_up(
         warn: called with whatever a person should know: why it is not in ROS domain 0; commanders
             that do not hear everybody yet; faults that agents have from the start; trainings that
             they resume.
+        say: called with what it does if it is interrupted, which takes a while.
 
     Raises:
         SwarmError: naming what did not start, or the names in use and their owner; nothing is left
@@ -77,7 +79,7 @@ def bring_up(
     refused: list[int] = []
     while True:
         try:
-            return _brought_up(swarm, folder, refused, progress, warn)
+            return _brought_up(swarm, folder, refused, progress, warn, say)
         except NamesTakenError as error:
             refused.append(error.domain_id)
             fixed = swarm.world is None or domain_ids.chosen_by_user() is not None
@@ -93,6 +95,7 @@ def _brought_up(
     refused: Collection[int],
     progress: Progress | None,
     warn: Callable[[str], None],
+    say: Callable[[str], None],
 ) -> RunRecord:
     """Do so in the first domain that is free and not refused.
 
@@ -107,7 +110,9 @@ def _brought_up(
             for text in _beside_others(swarm, refused, domain_id):
                 warn(text)
             remove_stale()
-            record = stack.enter_context(_started(swarm, folder, domain_id, temporary=False))
+            record = stack.enter_context(
+                _started(swarm, folder, domain_id, temporary=False, say=say)
+            )
             for text in _namesakes(record, folder):
                 warn(text)
         link = stack.enter_context(RosLink(domain_id))
@@ -164,14 +169,21 @@ def temporary_swarm(
 
 @contextlib.contextmanager
 def _started(
-    swarm: SwarmDescription, folder: RunFolder, domain_id: int, *, temporary: bool
+    swarm: SwarmDescription,
+    folder: RunFolder,
+    domain_id: int,
+    *,
+    temporary: bool,
+    say: Callable[[str], None] = lambda text: None,
 ) -> Iterator[RunRecord]:
     """Launch the processes; stop them again if the context fails or is interrupted."""
     record = None
     try:
         record = supervision.launch(swarm, folder, domain_id, temporary=temporary)
         yield record
-    except BaseException:
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt):
+            say(f"interrupted: stopping what was started of {swarm.name} …")
         there = folder.read()
         if record is None or there is None or there.identity == record.identity:
             supervision.stop(folder)  # otherwise another swarm was started here since

@@ -814,3 +814,9 @@ def test_a_pruned_tree_is_the_tree_with_some_nodes_made_leaves(examples, confide
             assert type(whole) is type(pruned)
             assert whole.feature == pruned.feature
             waiting.extend(zip(whole.branches, pruned.branches, strict=True))
+
+
+def test_the_ends_of_an_interval_have_as_many_digits_as_tell_them_apart():
+    tree = TransitionTree().fit([[0.2088405], [0.2088409], [0.2088413]], ["a", "b", "a"])
+    between = next(rule for rule in tree.rules(["x"]) if rule.distribution.get("b") == 1.0)
+    assert between.conditions == ("0.2088407 < x <= 0.2088411",)

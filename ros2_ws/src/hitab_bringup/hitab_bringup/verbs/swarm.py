@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
 PANEL = "Swarm"
+MANY = 100  # agents; a larger swarm takes long enough to start that each tenth is told
 RunDir = Annotated[
     Path | None,
     typer.Option("--run-dir", help="Folder for its files, instead of the default one."),
@@ -109,8 +110,10 @@ def up(
     folder = RunFolder.of_swarm(description.name, run_dir)
     began = time.monotonic()
     faults: list[str] = []
-    with console.progress(f"starting {description.name}") as advance:
-        record = bring_up(description, folder, advance, faults.append)
+    nodes = len(description.agent_names)
+    tenth = nodes // 10 if nodes > MANY else 0
+    with console.progress(f"starting {description.name}", "nodes", line_every=tenth) as advance:
+        record = bring_up(description, folder, advance, faults.append, console.note)
     console.say(
         f"{record.swarm} is up: {quantity(len(record.agents), 'agent')}"
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "

@@ -1,11 +1,11 @@
 """A transition tree in words: conditions, one rule per leaf, and a drawing.
 
-Numbers are rounded to six digits. A number just beside a short one, such as a threshold next to an
-example, is written as the short one, and ``<`` or ``>=`` gives the side. Arcs are written within
-half a circle on either side of zero, so that the lower end comes first: ``in -10..10``, and
-``outside -10..10`` for the rest of the circle, which contains 180 degrees. Angles of features in
-radians are written in degrees, to a tenth if that tells them apart. The exact numbers are in the
-files.
+Numbers are rounded to six digits, or to as many as tell the ends of an interval apart. A number
+just beside a short one, such as a threshold next to an example, is written as the short one, and
+``<`` or ``>=`` gives the side. Arcs are written within half a circle on either side of zero, so
+that the lower end comes first: ``in -10..10``, and ``outside -10..10`` for the rest of the circle,
+which contains 180 degrees. Angles of features in radians are written in degrees, to a tenth if
+that tells them apart. The exact numbers are in the files.
 """
 
 from __future__ import annotations
@@ -22,6 +22,14 @@ Step = tuple[ThresholdNode | ArcNode | CategoryNode, int | None]
 """A node on a path and the branch taken there; None for a category that was not seen."""
 
 Interval = tuple[float, float]
+
+DIGITS = 6
+"""Of a number, unless more are needed to tell two apart."""
+
+ROUNDING = 1e-12
+"""Numbers that differ by less, as a part of them, are the same but for rounding."""
+
+NEGLIGIBLE = 1e-300
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +122,10 @@ def _condition(steps: Sequence[Step], scale: Scale, name: str, unit: str) -> str
 def _range(low: float, high: float, name: str) -> str:
     """Return ``low < value <= high`` in words."""
     (least, least_side), (most, most_side) = _short(low), _short(high)
+    digits = DIGITS
+    while least == most and high - low > max(ROUNDING * abs(high), NEGLIGIBLE) and digits < 17:
+        digits += 1  # there is more than one number in between, and six digits do not show it
+        (least, least_side), (most, most_side) = _short(low, digits), _short(high, digits)
     if least == most:
         return f"{name} = {most}"
     at_most = "<" if most_side < 0 else "<="
@@ -124,16 +136,17 @@ def _range(low: float, high: float, name: str) -> str:
     return f"{least} {'<=' if least_side < 0 else '<'} {name} {at_most} {most}"
 
 
-def _short(number: float, negligible: float = 1e-300) -> tuple[str, int]:
-    """Return a number in six digits, and 1 or -1 if it lies just above or below that.
+def _short(number: float, digits: int = DIGITS, negligible: float = NEGLIGIBLE) -> tuple[str, int]:
+    """Return a number in a few digits, and 1 or -1 if it lies just above or below that.
 
     Args:
         number: what to write.
+        digits: how many.
         negligible: magnitude up to which a number counts as zero.
     """
-    text = "0" if abs(number) < negligible else f"{number:.6g}"
+    text = "0" if abs(number) < negligible else f"{number:.{digits}g}"
     written = float(text)
-    if written == number or abs(number - written) > max(1e-12 * abs(number), negligible):
+    if written == number or abs(number - written) > max(ROUNDING * abs(number), negligible):
         return text, 0
     return text, 1 if number > written else -1
 
@@ -188,7 +201,7 @@ def _place(place: float, scale: Scale) -> str:
     signed, half_text = (place - scale.period if place > half else place), f"{half:.6g}"
     if in_degrees(scale):
         signed, half_text = math.degrees(signed), "180"
-    text, _ = _short(signed, 1e-12 * scale.period)
+    text, _ = _short(signed, negligible=ROUNDING * scale.period)
     return half_text if text == f"-{half_text}" else text
 
 

@@ -9,6 +9,7 @@ export const STATE_COLORS = [
 const NAMED = 26; // things; with more, names are shown for chosen ones only
 export const MANY = 120; // things; with more, they are drawn smaller
 const SILENT = 5; // mode of an agent that does not answer
+export const KNOB = 4.5; // px; radius of such a knob
 const HANDLE = 24; // px; from a thing's edge to the knob that turns it
 const EDGE = 20; // px; from the edge of the view to the middle of an arrow
 
@@ -176,7 +177,7 @@ function drawHandles(field, c, screen) {
     c.lineTo(x, y);
     c.stroke();
     c.beginPath();
-    c.arc(x, y, 4.5, 0, 2 * Math.PI);
+    c.arc(x, y, KNOB, 0, 2 * Math.PI);
     c.fill();
     c.stroke();
   }

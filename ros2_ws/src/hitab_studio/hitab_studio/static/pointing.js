@@ -1,5 +1,7 @@
 // What a person does in the field, with a mouse, fingers or the keyboard: chooses things, moves and
 // turns them, and looks closer.
+import { KNOB } from "./drawing.js";
+
 const FINGER = 16; // px; how far beside a thing a finger still touches it
 const HOLD_MS = 500; // a finger that stays for so long chooses several
 const STEP = 0.5; // m, of an arrow key; a fifth of it with Shift
@@ -72,8 +74,10 @@ function beginDrag(field, event) {
   const slack = finger ? FINGER : 6;
   const arrow = near(field.arrows, ...from, 8 + slack);
   const handle = near(field.handles, ...from, 5 + slack);
-  // A knob may lie on another thing: who touches a thing itself means the thing.
-  const thing = arrow ? -1 : field.thingAt(...from, handle ? 0 : slack);
+  // A knob may lie on another thing: who touches what is seen of the knob means the knob, and who
+  // touches the thing beside it the thing.
+  const knob = near(field.handles, ...from, KNOB + 1.5);
+  const thing = arrow || knob ? -1 : field.thingAt(...from, handle ? 0 : slack);
   const turning = thing < 0 ? !!handle : event.altKey;
   const i = thing < 0 && handle ? handle.i : thing;
   const starts = new Map();
