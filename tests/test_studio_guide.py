@@ -116,10 +116,17 @@ def sees_the_frame(person: Person, swarm: Any) -> None:
     person.page.wait_for_selector('.overlay[data-mode="training"]')
 
 
-@step("Drag the ball to the middle of the field, and the keeper far to the left of it.")
+@step(
+    "Drag the ball to the middle of the field, and the keeper far to the left of it. Drag whoever "
+    "stands beside it out of the way."
+)
 def places(person: Person, swarm: Any) -> None:
     drag(person, swarm, "ball", 0.0, 0.0)
     drag(person, swarm, ONE, -7.0, 0.0)
+    for i, name in enumerate(("keeper_2", "keeper_3", "taker_1", "taker_2")):
+        there = entity(swarm, name)
+        if math.dist((there.x, there.y), (-7.0, 0.0)) < 3.0:
+            drag(person, swarm, name, 8.0, 6.0 - 3.0 * i)
 
 
 @step(
