@@ -70,10 +70,6 @@ class TopicPupil:
         """Return the number of examples that all trainings hold now."""
         return self._held_before.total()
 
-    def _count(self) -> None:
-        """Note how many examples the training holds."""
-        self._held_before[self._plan] = len(self.examples())
-
     # -- the world --------------------------------------------------------------------------
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = True) -> Sight:
@@ -119,14 +115,13 @@ class TopicPupil:
             resume=plan.name if resume else "",
         )
         self._plan, self._path = plan.name, [START]
-        self._count()
+        self.examples()
 
     def command(self, state: str, ago: float = 0.0) -> Sequence[Example]:
         """Command the keeper; the command was due ``ago`` seconds earlier."""
         self._agents.command(PUPIL, state, ago=ago)
         if self._path[0] != state:
             self._path = [state]
-        self._count()
         examples = self.examples()
         last = max(example.command for example in examples)
         taught = [example for example in examples if example.command == last]
@@ -155,6 +150,7 @@ class TopicPupil:
     def delete(self, numbers: Iterable[int]) -> None:
         """Delete examples."""
         self._edit("delete", list(numbers))
+        self.examples()
 
     def retime(self, numbers: Iterable[int], ago: float) -> None:
         """Have commands been due so many seconds before they came."""
@@ -162,11 +158,10 @@ class TopicPupil:
 
     def _edit(self, action: str, numbers: Sequence[int] = (), **fields: Any) -> None:
         self._agents.edit_examples(PUPIL, action, numbers, **fields)
-        self._count()
 
     def examples(self) -> Sequence[Example]:
-        """Return what has been recorded in this training."""
-        return [
+        """Return what has been recorded in this training, and note how much it holds."""
+        found = [
             Example(
                 e.state,
                 tuple(e.values),
@@ -180,6 +175,8 @@ class TopicPupil:
             )
             for e in self._agents.list_examples(PUPIL).examples
         ]
+        self._held_before[self._plan] = len(found)
+        return found
 
     # -- questions --------------------------------------------------------------------------
 
@@ -206,7 +203,6 @@ class TopicPupil:
         """Answer a question; "": dismiss it."""
         before = len(self.examples())
         self._agents.answer(PUPIL, number, choice, dismiss=not choice)
-        self._count()
         self.given += max(0, len(self.examples()) - before)
 
     # -- the team ---------------------------------------------------------------------------

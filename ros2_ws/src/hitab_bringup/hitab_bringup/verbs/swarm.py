@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
 PANEL = "Swarm"
-MANY = 100  # agents; a larger swarm takes long enough to start that each tenth is told
 RunDir = Annotated[
     Path | None,
     typer.Option("--run-dir", help="Folder for its files, instead of the default one."),
@@ -86,7 +85,7 @@ def up(
 
       hitab up keepaway --namespace left
     """
-    from hitab_bringup.bringing_up import bring_up
+    from hitab_bringup.bringing_up import LARGE, bring_up
     from hitab_bringup.library_choice import with_library
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
@@ -111,7 +110,7 @@ def up(
     began = time.monotonic()
     faults: list[str] = []
     nodes = len(description.agent_names)
-    tenth = nodes // 10 if nodes > MANY else 0
+    tenth = nodes // 10 if nodes > LARGE else 0  # a large one starts for a while
     with console.progress(f"starting {description.name}", "nodes", line_every=tenth) as advance:
         record = bring_up(description, folder, advance, faults.append, console.note)
     console.say(

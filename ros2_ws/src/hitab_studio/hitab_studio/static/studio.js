@@ -125,7 +125,7 @@ document.addEventListener("change", (event) => {
   if (element.type === "number") element.value = element.defaultValue; // until the server agrees
 });
 
-// What is typed is told once the person pauses, or does something else.
+// The server hears of what is typed once the person pauses or does something else.
 let typed = null;
 function tellTyped() {
   const last = typed;
