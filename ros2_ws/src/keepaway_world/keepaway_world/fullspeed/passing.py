@@ -67,6 +67,11 @@ class Tables:
             self.coasted.append(self.coasted[-1] + p.player_decay**cycle)
             self.rolled.append(self.rolled[-1] + p.ball_decay**cycle)
         self.rolls_out = 1.0 / (1.0 - p.player_decay)
+        self._slowing, self._log_decay = 1.0 - p.ball_decay, math.log(p.ball_decay)
+        delays = [max(0, cycle - REACTION) for cycle in range(HORIZON)]
+        self._reach = [self.run[cycle] + self.kickable for cycle in delays]  # of a taker
+        delays = [max(0, cycle - RECEIVER_TURNS) for cycle in range(HORIZON)]
+        self._arrives = [0.9 * self.run[cycle] + AT_FOOT for cycle in delays]  # of a receiver
 
     def cycles_to_run(self, distance: float) -> int:
         """Return the number of cycles in which a player runs so far; at most `HORIZON`."""
@@ -74,8 +79,8 @@ class Tables:
 
     def time_to_roll(self, distance: float, speed: float) -> float:
         """Return the time in which a ball rolls so far, in cycles and parts; at most `HORIZON`."""
-        left = 1.0 - distance * (1.0 - self.ball_decay) / speed
-        return math.log(left) / math.log(self.ball_decay) if left > 0.0 else float(HORIZON)
+        left = 1.0 - distance * self._slowing / speed
+        return math.log(left) / self._log_decay if left > 0.0 else float(HORIZON)
 
     def slack(
         self,
@@ -97,19 +102,18 @@ class Tables:
             half: of the width and of the height within which the pass must arrive.
         """
         (x, y), (ux, uy), (mate_x, mate_y) = ball, direction, receiver
-        run, coasted = self.run, self.coasted
-        least = math.inf
+        half_width, half_height = half
+        hypot, least = math.hypot, math.inf
         for cycle in range(1, PASS_CYCLES + 1):
             rolled = speed * self.rolled[cycle]
             ball_x, ball_y = x + ux * rolled, y + uy * rolled
-            if abs(ball_x) > half[0] or abs(ball_y) > half[1]:
+            if abs(ball_x) > half_width or abs(ball_y) > half_height:
                 return BLOCKED
-            reach = run[max(0, cycle - REACTION)] + self.kickable
-            coast = coasted[cycle]
+            reach, coast = self._reach[cycle], self.coasted[cycle]
             for taker_x, taker_y, vx, vy in takers:
-                away = math.hypot(ball_x - taker_x - vx * coast, ball_y - taker_y - vy * coast)
-                least = min(least, away - reach)
-            arrives = 0.9 * run[max(0, cycle - RECEIVER_TURNS)] + AT_FOOT
-            if least < HOPELESS or math.hypot(ball_x - mate_x, ball_y - mate_y) <= arrives:
+                away = hypot(ball_x - taker_x - vx * coast, ball_y - taker_y - vy * coast)
+                if away - reach < least:
+                    least = away - reach
+            if least < HOPELESS or hypot(ball_x - mate_x, ball_y - mate_y) <= self._arrives[cycle]:
                 return least
         return BLOCKED

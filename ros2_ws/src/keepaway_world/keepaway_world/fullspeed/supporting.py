@@ -82,11 +82,13 @@ def _pressing(taker: Point, ball: Point) -> Point:
 
 def _is_worth_less(than: float, place: Point, ball: Point, others: Sequence[Point]) -> bool:
     """Whether its distances make a place worth less than ``than``; the best are worth 0."""
-    worth = PER_M_OF_PASS * min(math.dist(place, ball) - LONG, 0.0)
+    lacking = math.dist(place, ball) - LONG
+    worth = PER_M_OF_PASS * lacking if lacking < 0.0 else 0.0
     if worth <= than:
         return True
     for other in others:
-        if worth + PER_M_APART * min(math.dist(place, other) - APART, 0.0) <= than:
+        lacking = math.dist(place, other) - APART
+        if lacking < 0.0 and worth + PER_M_APART * lacking <= than:
             return True
     return False
 
@@ -117,8 +119,10 @@ def _slack_of_place(tables: Tables, place: Point, ball: Point, takers: Sequence[
     for x, y in takers:
         x, y = x - ball[0], y - ball[1]
         along, across = x * ux + y * uy, x * uy - y * ux
-        part = min(max(along, 0.0), far)
+        part = 0.0 if along < 0.0 else far if along > far else along
         away = math.hypot(across, along - part)
-        time = tables.time_to_roll(part, TYPICAL)
-        slack = min(slack, away - max(0.0, time - 1.0) - tables.kickable)
+        late = tables.time_to_roll(part, TYPICAL) - 1.0
+        misses = away - (late if late > 0.0 else 0.0) - tables.kickable
+        if misses < slack:
+            slack = misses
     return slack
