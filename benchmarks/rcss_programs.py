@@ -7,6 +7,7 @@ UT Austin's keepaway 0.6.
 from __future__ import annotations
 
 import json as js
+import re
 import shutil
 import signal
 import subprocess
@@ -19,6 +20,9 @@ from typing import Any
 from report import tell
 
 from keepaway_world.verbs.evaluation import mean_and_error
+
+GARBLED = re.compile(r'\tRecv \S+ \(say "[^"]*\(say "')
+"""What the server logs of a player whose command was overwritten by what it says."""
 
 END_SECONDS = 5.0
 JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
@@ -109,6 +113,27 @@ def start_team(
         arguments = f"-p {port} -k {keepers} -j {takers} -t {team} -e 0 -q {policy}"
         start(stack, folder, str(player.resolve()), *arguments.split())
     time.sleep(JOIN_SECONDS)
+
+
+def lost_commands(folder: Path) -> int:
+    """Return how many commands the players lost, by what the server received from them.
+
+    A message of UT's players has ten characters, and their program reserves ten bytes for it and
+    for the zero at its end. What that overwrites depends on the compiler; it may be the command of
+    the same cycle. Such a message is sent when opponents are near, so that both takers and keepers
+    play much worse than they should.
+    """
+    with (folder / "game.rcl").open(encoding="utf-8", errors="replace") as log:
+        return sum(GARBLED.search(line) is not None for line in log)
+
+
+def tell_lost_commands(folder: Path) -> None:
+    """Warn if the players lost commands."""
+    if lost := lost_commands(folder):
+        print(
+            f"warning: this build of keepaway_player has lost {lost} commands, and plays worse "
+            "than UT Austin's players do; docs/fidelity.md says how to build it"
+        )
 
 
 def tell_episodes(

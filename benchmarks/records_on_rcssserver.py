@@ -17,7 +17,7 @@ from typing import Annotated
 
 import typer
 from games import size_of
-from rcss_programs import options, start, start_team, tell_episodes
+from rcss_programs import options, start, start_team, tell_episodes, tell_lost_commands
 
 from hitab_client.shipped import shipped
 from hitab_world.inprocess import perform, play
@@ -97,6 +97,7 @@ def main(
                 print(f"  episode {number + 1} of {episodes}: {seconds:.1f} s", flush=True)
         except KeyboardInterrupt:
             print("  interrupted; these are the figures so far")
+        tell_lost_commands(folder)
     if not played:
         raise typer.Abort
     tell_episodes(

@@ -19,7 +19,14 @@ from typing import Annotated
 
 import typer
 from games import size_of
-from rcss_programs import JOIN_SECONDS, options, start, start_team, tell_episodes
+from rcss_programs import (
+    JOIN_SECONDS,
+    options,
+    start,
+    start_team,
+    tell_episodes,
+    tell_lost_commands,
+)
 
 START_SECONDS = 6  # from the server's start to the first episode
 KICKED = re.compile(r"(\d+),\d+\s+Recv (keepers|takers)_(\d+): .*\(kick ")
@@ -77,6 +84,7 @@ def main(
         lines = (folder / "game.kwy").read_text(encoding="utf-8").splitlines()
         episodes = [line.split() for line in lines if line and not line.startswith("#")]
         passes = passes_of(folder, [int(e[2]) for e in episodes])
+        tell_lost_commands(folder)
     tell_episodes(
         f"UT {keepers} on rcssserver, {game} in {side} m, "
         f"{'full' if fullstate else 'quantised'} sight",
