@@ -74,7 +74,8 @@ def lesson_file(folder, steps: str) -> str:
 def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path, number, code):
     keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
     keepers.agents.discard("keeper_1")
-    long = lesson_file(tmp_path, "  - wait: 600\n")
+    mate = "  - {perform: GoFast, agents: [keeper_2]}\n"
+    long = lesson_file(tmp_path, f"{mate}  - wait: 600\n")
     command = subprocess.Popen(
         [sys.executable, "-m", "hitab_bringup.main", "lesson", "run", long, "--factor", "1"],
         stdout=subprocess.PIPE,
@@ -82,12 +83,14 @@ def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path,
         text=True,
     )
     agents = keepers.agents
+    assert keepers.link.spin_until(lambda: agents.statuses["keeper_2"].behavior == "GoFast", 30)
     taught = keepers.link.spin_until(lambda: agents.statuses["keeper_1"].examples == 2, 30)
     command.send_signal(number)
     _, told = command.communicate(timeout=30)
     assert taught, told
     assert command.returncode == code
     assert 'keeper_1 is idle; discarded "Stand" with 2 unsaved examples' in told
+    assert "keeper_2 goes on performing GoFast" in told
     assert "Traceback" not in told
     assert keepers.link.spin_until(lambda: keepers.world.status.mode == "paused", 5)
     again = hitab("lesson", "run", lesson_file(tmp_path, "  - save: true\n"))

@@ -38,6 +38,8 @@ def _no_option(option: str, error: Any) -> str:
         for parameter in parameters:
             if parameter.param_type_name == "argument" and _least(parameter) is not None:
                 return f"{parameter.name} must be {_numbers(parameter)}, not a negative number"
+            if "FIELD=VALUE" in (parameter.metavar or ""):
+                return f"{option}: say what it is, for example x={option}"
         return f"{option} is no option, and no negative number is expected here"
     known = [name for p in parameters if p.param_type_name == "option" for name in p.opts]
     near = difflib.get_close_matches(option, known, n=1, cutoff=NEAR)

@@ -67,7 +67,7 @@ def shipped_libraries() -> dict[str, Path]:
 
 
 def _listed(known: Mapping[str, Path]) -> str:
-    return f"there are {some(list(known), NAMED_MAX)}"
+    return f"there are {some(sorted(known), NAMED_MAX)}"
 
 
 def library_of_agent(agent: str, folder: RunFolder, swarm: str) -> Path:

@@ -84,7 +84,7 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     taken |= {m.process: m.name for m in (*agents, *commanders)}
     taken |= {m.name: m.name for m in (*agents, *commanders)}
     processes = read_processes(top, common.ros.without_parameters(), groups, taken)
-    top.done()
+    top.done(name="swarm")
     top.complaints.raise_any()
     if world is not None:
         above = replace(common.ros.without_parameters(), use_sim_time=None)
@@ -209,7 +209,7 @@ def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool
     section = top.inner("agents")
     groups: Groups = {}
     owners: dict[str, str] = {}
-    if "agents" not in top or not section.names():
+    if not top.raw("agents", None):
         top.complain("a swarm needs `agents:`, a mapping with one line per agent")
     for key in section.names():
         fields = section.inner(key)

@@ -44,6 +44,8 @@ def told(*arguments: str) -> str:
         ("reaction -1", "-1 is no option, and no negative number is expected here"),
         ("reaction 7", "a reaction time of 7 s is too long: give a number from 0 to"),
         ("world place keeper_1 z=1", 'keeper_1 has no field "z"; its fields are x (m), y (m), '),
+        ("world place keeper_1 9 0", '"9": say what it is, for example keeper_1 x=9'),
+        ("world place keeper_1 -9 0", "-9: say what it is, for example x=-9"),
         ("world place keeper_1 x=far", 'x must be a number, not "far"'),
         (
             "down thousand",

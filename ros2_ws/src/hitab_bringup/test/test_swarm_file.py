@@ -140,6 +140,7 @@ def test_a_missing_library_is_told_with_the_way_out():
         ("domain: keepaway\nagents: [a, b]\n", "needs `key: value` lines here, not a list"),
         ("domain: keepaway\nagents: {1a: {}}\n", '"1a" is not a name for an agent'),
         ("domain: keepaway\nagents: {world: {}}\n", 'an agent cannot be called "world"'),
+        ("name: red\ndomain: keepaway\nagents: {a: {}}\n", "not known here; write `swarm:`"),
         ("domain: keepaway\nagent: {a: {}}\n", 'Did you mean "agents"?'),
         ("domain: keepaway\nagents: {a: {count: 0}}\n", "`count: 0` must be at least 1"),
         ("domain: keepaway\nagents: {a: {seed: x}}\n", "`seed:` must be a whole number"),

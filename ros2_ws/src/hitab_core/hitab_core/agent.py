@@ -119,6 +119,7 @@ class Agent:
         self.top: Use | None = None
         self.awaited: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
+        self._latest_saved = ""
         self._brake = Brake()
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
@@ -501,7 +502,7 @@ class Agent:
             LibraryError: if it cannot be written; nothing has changed.
             VocabularyError: if it does not fit the repertoire; nothing has changed.
         """
-        session = self._session("nothing can be saved: ")
+        session = self._session(to_save=True)
         curriculum = session.curriculum
         automaton, notes = self.preview_save(name, bindings, description, keep_unused=keep_unused)
         then = self.top if self.mode is Mode.PERFORMING else None
@@ -519,6 +520,7 @@ class Agent:
             self.journal.saved(saved.name, saved.checksum)
             change.commit()
         self.journal.archive()
+        self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
         return Saved(saved.automaton, self.library.path(saved.name), notes, replaced)
@@ -550,7 +552,7 @@ class Agent:
             TrainingError: if there is no training, or no example leaves Start.
             VocabularyError: if something would remain unbound.
         """
-        session = self._session("nothing can be saved: ")
+        session = self._session(to_save=True)
         classifier = session.curriculum.classifier
         learned = session.automaton("saved")
         if name or description:
@@ -576,8 +578,11 @@ class Agent:
         self.session = self.top = self._performance = None
         self.mode = Mode.IDLE
 
-    def _session(self, refused: str = "") -> TrainingSession:
+    def _session(self, *, to_save: bool = False) -> TrainingSession:
         if self.session is None:
+            refused = "nothing can be saved: " if to_save else ""
+            if to_save and self._latest_saved:
+                refused += f'"{self._latest_saved}" has been saved already, and '
             raise TrainingError(
                 f"{refused}{self.name} is not training anything; begin a training first "
                 f"(`hitab train {self.name} NAME -f FEATURE`)"

@@ -93,6 +93,8 @@ def test_what_is_taught_is_tested_saved_and_performed(make):
     assert replaced == ""
     assert (agent.mode, agent.behavior, agent.session) == (Mode.PERFORMING, "Home", None)
     assert do(agent, 2.0) == "Left"
+    with pytest.raises(TrainingError, match='nothing can be saved: "Home" has been saved already'):
+        agent.save()
 
 
 def test_a_saved_training_says_which_version_it_replaces(make):

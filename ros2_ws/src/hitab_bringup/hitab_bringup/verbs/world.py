@@ -121,6 +121,7 @@ FIELDS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
 """The fields of a thing that can be set, and their units here."""
 
 _FIELD = re.compile(rf"({'|'.join(FIELDS)})=(-?[0-9.]+(?:e-?[0-9]+)?)\Z")
+_NUMBER = re.compile(r"[0-9.]+\Z")
 
 
 @app.command()
@@ -148,7 +149,7 @@ def place(
     name = ""
     for word in things:
         match = _FIELD.match(word)
-        if match is None and "=" not in word:
+        if match is None and "=" not in word and not (name and _NUMBER.match(word)):
             name = word
             placed[name] = {}
         elif match is None or not name:
@@ -175,6 +176,8 @@ def place(
 
 def _not_a_place(word: str, name: str) -> str:
     """Return an error text for a word that says neither what to place nor where."""
+    if name and _NUMBER.match(word):
+        return f'"{word}": say what it is, for example {name} x={word}'
     field, is_field, value = word.partition("=")
     if not (name and is_field):
         return f'"{word}": write NAME x=1 y=2 heading=90 vx=0 vy=0'

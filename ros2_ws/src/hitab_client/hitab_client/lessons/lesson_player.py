@@ -40,7 +40,7 @@ from hitab_client.lessons.watching import Watch, WorldWatch
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
-from hitab_core import HitabError, quantity
+from hitab_core import HitabError, quantity, some
 
 
 @dataclass
@@ -106,6 +106,7 @@ class LessonPlayer:
         self.begun: dict[str, str] = {}
         self.watch = Watch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
         self._discard = discard
+        self._performing: dict[str, str] = {}
 
     def play(self, progress: Progress | None = None) -> LessonReport:
         """Play all steps, then restore the pace and mode of the world, if there is one.
@@ -155,6 +156,10 @@ class LessonPlayer:
                         f"`hitab discard {agent}`: {error}"
                     )
             self.begun.clear()
+        for behavior in dict.fromkeys(self._performing.values()):
+            agents = [agent for agent, its in self._performing.items() if its == behavior]
+            verb = "goes" if len(agents) == 1 else "go"
+            told.append(f"{some(agents)} {verb} on performing {behavior}")
         return told
 
     def _play(self, step: Step) -> None:
@@ -279,8 +284,11 @@ class LessonPlayer:
         for agent in step.agents:
             if step.use is None:
                 self.swarm.perform(agent, "")
-            else:
-                self.swarm.perform(agent, step.use.name, step.use.arguments)
+                self._performing.pop(agent, None)
+                continue
+            # Noted before it is confirmed: an interruption may come in between.
+            self._performing[agent] = str(step.use)
+            self.swarm.perform(agent, step.use.name, step.use.arguments)
 
     def _say(self, step: Say) -> None:
         """Do nothing: the progress report has shown the text."""

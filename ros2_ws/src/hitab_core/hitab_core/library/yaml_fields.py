@@ -135,10 +135,16 @@ class Fields:
         for index in range(len(value)):
             yield Fields(self.complaints, (*self.path, key, index))
 
-    def done(self) -> None:
-        """Complain about fields that were not asked for."""
+    def done(self, **meant: str) -> None:
+        """Complain about fields that were not asked for.
+
+        Args:
+            meant: the names of fields that people call otherwise, by what they call them.
+        """
         for key in self._value:
-            if key not in self._asked:
+            if key not in self._asked and key in meant:
+                self.complain(f"`{key}:` is not known here; write `{meant[key]}:`", key)
+            elif key not in self._asked:
                 self.complain(f"`{key}:` is not known here {has(self._asked, key)}", key)
 
     def _typed(self, key: str, default: Any, types: Any, what: str) -> Any:
