@@ -39,6 +39,30 @@ def test_no_name_lies_on_another_one(swarm, person):
 
 
 @needs_browser
+@pytest.mark.parametrize("heading", [-math.pi / 2, -math.pi / 4, 0.0, math.pi / 2])
+def test_a_name_makes_way_for_the_knob_that_turns_a_thing(swarm, person, heading):
+    away_from_everybody(swarm, 6.0)
+    swarm.world.changed(
+        lambda: swarm.world.place({ONE: {"x": -6.0, "y": 0.0, "heading": heading}})
+    )
+    shown_at(person, ONE, -6.0, 0.0)
+    person.click(f"agent-{ONE}")
+    person.waits_until(lambda: field(person, "f.handles.length") == 1, "it has a knob")
+    index = field(person, f"f.index.get('{ONE}')")
+    turned = f"Math.abs(f.now.places[3 * {index} + 2] - {heading}) < 0.05"
+    person.waits_until(lambda: field(person, turned), "it is shown as it was turned")
+    person.page.wait_for_timeout(400)  # it is drawn between two moments until then
+    knob, labels = field(person, "f.handles[0]"), field(person, "f.labels")
+    assert len(labels) == 5
+    for x, y, width, height in labels:
+        away = (
+            max(x - knob["x"], 0.0, knob["x"] - x - width),
+            max(y - knob["y"], 0.0, knob["y"] - y - height),
+        )
+        assert math.hypot(*away) >= 4.0, "the knob lies on a name"
+
+
+@needs_browser
 def test_what_is_out_of_sight_has_an_arrow_that_leads_to_it(swarm, person):
     away_from_everybody(swarm, 6.0)
     shown_at(person, ONE, -6.0, 0.0)

@@ -78,6 +78,26 @@ def test_a_name_that_cannot_be_is_answered_with_the_format_of_names(swarm, perso
 
 
 @needs_browser
+def test_a_name_that_is_missing_is_asked_for_below_its_field(swarm, person):
+    """The browser said "Please fill out this field." for some seconds."""
+    person.click(f"agent-{ONE}")
+    person.click("new")
+    person.sees("feature-DistanceTo(ball)")
+    missing, name = '[data-test="name-missing"]', '[data-test="new-name"]'
+    assert not person.page.is_visible(missing), "nobody has tried yet"
+    person.page.focus('[data-test="begin"]')
+    person.click("begin")
+    person.page.wait_for_selector(missing)
+    assert person.text("name-missing").startswith("Give the behavior a name")
+    assert box_of(person, missing)["y"] < box_of(person, name)["y"] + 60
+    assert person.page.eval_on_selector(name, "e => e === document.activeElement")
+    person.type("new-name", "Chase")
+    assert not person.page.is_visible(missing)
+    person.page.keyboard.press("Escape")
+    person.does_not_see("new-name")
+
+
+@needs_browser
 def test_messages_name_agents_as_they_are_called(swarm, person):
     person.click(f"agent-{ONE}")
     person.click("do-Stop")

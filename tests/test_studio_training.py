@@ -87,6 +87,18 @@ def test_what_does_nothing_says_why_to_the_mouse_and_to_the_keyboard(swarm, pers
 
 
 @needs_browser
+def test_keys_of_a_training_say_what_to_press_while_nothing_is_trained(swarm, person):
+    person.page.keyboard.press("t")
+    person.sees("message", "Choose an agent first")
+    person.click(f"agent-{TWO}")
+    person.sees("mode", "Idle")
+    person.page.keyboard.press("t")
+    person.sees("message", f"{TWO} trains nothing, so there is nothing to test (T). Press Train…")
+    person.page.keyboard.press("u")
+    person.sees("message", "There is nothing to undo")
+
+
+@needs_browser
 def test_features_and_behaviors_are_described_with_what_is_perceived_now(swarm, person):
     away_from_everybody(swarm, 6.0)
     person.click(f"agent-{ONE}")

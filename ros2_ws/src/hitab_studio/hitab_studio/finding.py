@@ -90,7 +90,7 @@ class Finder:
             folder = RunFolder(self._folder)
             record = folder.read()
             if record is None or folder.supervisor(record) is None:
-                return Target(own or 0, problem=f"No swarm is up in {folder.path}.")
+                return Target(own or 0, problem=_none_in(folder))
             return _target(folder, record)
         up = [*running_swarms()]
         if self._swarm is not None:
@@ -123,6 +123,11 @@ class Finder:
         several = "Several swarms are up" if len(up) > 1 else "Another swarm is up"
         text = f"{ended}{several}. Choose the one to show:"
         return Target(domain_id, self._swarm or "", problem=text, choices=choices)
+
+
+def _none_in(folder: RunFolder) -> str:
+    path = folder.path
+    return f"No swarm is up in {path}. `hitab up SWARM --run-dir {path}` starts one there."
 
 
 def _choice(found: Found) -> Choice:

@@ -41,7 +41,7 @@ TALLER = 3.0
 
 @dataclass(frozen=True)
 class DrawnState:
-    """A state: its centre, size, name and kind."""
+    """A state: its center, size, name and kind."""
 
     name: str
     kind: str

@@ -106,6 +106,21 @@ def testing(session: Session) -> str:
     return agent(session)
 
 
+def switching(session: Session) -> str:
+    """Return why nobody can switch between training and testing."""
+    why = agent(session)
+    kept = session.watched.training is not None
+    if why or session.is_training or kept or session.status is None:
+        return why
+    learned = ""
+    if session.watched.vocabulary.trained:
+        learned = " To see what it has learned before, press Perform in Teach."
+    return (
+        f"{session.agent} trains nothing, so there is nothing to test (T). Press Train… above the "
+        f"field to begin.{learned}"
+    )
+
+
 def _examples(session: Session) -> int:
     """Return the number of examples by the status, which is known before what they are."""
     return session.status.examples if session.status is not None else 0

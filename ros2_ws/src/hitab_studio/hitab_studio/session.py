@@ -102,6 +102,7 @@ class Session:
         agent: the one among them, or in the list, that is viewed and commanded.
         level: the viewed automaton, if not the outermost one.
         state: the state whose tree is viewed, if not the active one.
+        to_start: the swarm that is chosen to be started; empty: none was chosen yet.
         folds: what was opened (true) or closed in the list of agents, by name.
         lost: the last command, if the agent has not taken it.
         dialog: the open dialog, with all that is needed to show it.
@@ -123,6 +124,7 @@ class Session:
         self.level = ""
         self.state = ""
         self.filter = ""
+        self.to_start = ""
         self.folds: dict[str, bool] = {}
         self.asked: Asked | None = None
         self.lost: Lost | None = None

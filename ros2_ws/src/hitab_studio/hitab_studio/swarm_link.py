@@ -42,6 +42,9 @@ AGAIN_SECONDS = 10.0
 """Time until the same error is reported again."""
 
 ENDED = "The studio has ended."
+UNCONNECTED = (
+    "The studio is not connected to a swarm: start one, or choose one, in the middle of the page."
+)
 
 FAILURES = 50
 """Consecutive failed turns after which the link reconnects."""
@@ -228,12 +231,12 @@ class SwarmLink:
 
     def _swarm(self) -> Connected:
         if self._connected is None:
-            raise SwarmError("The studio is not connected to a swarm.")
+            raise SwarmError(UNCONNECTED)
         return self._connected
 
     def _observing(self) -> Observer:
         if self._observer is None:
-            raise SwarmError("The studio is not connected to a swarm.")
+            raise SwarmError(UNCONNECTED)
         return self._observer
 
     def _with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:

@@ -350,7 +350,7 @@ def test_robots_are_a_field_in_which_no_command_means_a_moment_of_a_world():
         (SensorState("/t", "BatteryState", 1, since=0.0, heard=90.0), "10.0 s ago"),
         (SensorState("/t", "Imu", 1, since=0.0), "silent for 100 seconds"),
         (SensorState("/t", "Imu", 1, since=99.5), "waiting for it"),
-        (SensorState("/t", "Imu", 0, since=0.0, heard=99.6), "not connected"),
+        (SensorState("/t", "Imu", 0, since=0.0, heard=99.6), "no publisher"),
         (SensorState("/t", "Image", 1), "connected"),
         (SensorState("/t", "Imu", 1, since=0.0, heard=99.6, trouble="is wrong"), "not usable"),
     ],

@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+import re
 from dataclasses import replace
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
@@ -10,12 +11,13 @@ import pytest
 from hitab_msgs.msg import AgentStatus
 
 from hitab_client import Learned, SwarmError
+from hitab_client.called_as import CALLED_AS
 from hitab_core import Example
 from hitab_core.example import ExampleKind
 from hitab_studio.actions import perform
-from hitab_studio.finding import Target
+from hitab_studio.finding import Choice, Target
 from hitab_studio.known import Known
-from hitab_studio.launching import Launch, unknown
+from hitab_studio.launching import Launch, Startable, unknown
 from hitab_studio.learned import Vocabulary
 from hitab_studio.session import Session
 from hitab_studio.situations import Situations
@@ -63,7 +65,7 @@ def scene(cycle: int, mode: str) -> Any:
 
 
 def test_a_command_that_was_given_while_the_world_stood_still_was_never_late():
-    """The button was grey then, but not once the world ran; it failed with "from 0 to 0"."""
+    """The button was gray then, but not once the world ran; it failed with "from 0 to 0"."""
     situations = Situations()
     situations.see(scene(5, "running"))
     situations.keep(ONE, "Chase", [(1, 5)])
@@ -213,6 +215,55 @@ def test_a_swarm_that_is_not_shipped_is_not_proposed_to_be_started(name, said):
         assert (f"<code>hitab up {name}</code>" in shown) == (not said)
 
     page(Known(Target(0, name, problem=f'Swarm "{name}" is not up.')), use)
+
+
+def test_the_page_says_what_it_is_not_connected_to_and_what_to_do():
+    choices = (Choice("red", "/red", 0, 3),)
+
+    async def shown(session: Session) -> list[str]:
+        found = []
+        for target in (
+            None,
+            Target(0, problem="Which?", choices=choices),
+            Target(0, "red", ("a",), 1, folder="/red"),
+        ):
+            session.shared.store.known = Known(target)
+            found += re.findall(r"not connected[^<]*", render("top", session))
+        return found
+
+    assert page(Known(), shown) == [
+        "not connected to a swarm: start one in a terminal",
+        "not connected to a swarm: choose one below",
+        "not connected to red yet: it does not answer",
+    ]
+
+
+def test_commands_are_named_as_the_command_was_called(monkeypatch):
+    """The page said `hitab up`, and what it had run said `scripts/hitab up`."""
+    monkeypatch.setenv(CALLED_AS, "scripts/hitab")
+
+    async def shown(session: Session) -> str:
+        session.tell("It has ended; see `hitab logs keeper_1`")
+        return render("overlay", session) + render("messages", session)
+
+    said = page(Known(Target(0)), shown)
+    assert "<code>scripts/hitab up keepaway</code>" in said
+    assert "see `scripts/hitab logs keeper_1`" in said
+
+
+def test_the_swarm_that_is_chosen_to_be_started_is_described_in_full():
+    swarms = tuple(Startable(name, f"What {name} is. " * 9) for name in ("keepaway", "thousand"))
+
+    async def shown(session: Session) -> list[str]:
+        session.shared.launcher.startable = swarms
+        found = [render("overlay", session)]
+        await perform(session, {"do": "swarm-about", "value": "thousand"})
+        return [*found, render("overlay", session)]
+
+    for swarm, said in zip(swarms, page(Known(Target(0)), shown), strict=True):
+        assert f'data-test="swarm-about">{swarm.about}</p>' in said
+        assert f'<option value="{swarm.name}" selected>' in said
+        assert f"<code>hitab up {swarm.name}</code>" in said
 
 
 # -- the library ------------------------------------------------------------------------------

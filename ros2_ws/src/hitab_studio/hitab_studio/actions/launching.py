@@ -17,6 +17,12 @@ async def swarm_start(session: Session, data: Data) -> None:
     launcher.run("up", name)
 
 
+@action("swarm-about", repeats=True)
+async def swarm_about(session: Session, data: Data) -> None:
+    """Say what the swarm is that is chosen to be started."""
+    session.to_start = str(data["value"])
+
+
 @action("swarm-choose")
 async def swarm_choose(session: Session, data: Data) -> None:
     """Show another swarm that is up, on all pages."""

@@ -67,9 +67,10 @@ async def _preview(session: Session, values: Any) -> None:
 
 @action("save")
 async def save(session: Session, data: Data) -> None:
-    """Save what was trained."""
+    """Save what was trained, and show it in the library."""
     values = data["values"]
     bound = _bindings(values)
+    training = session.dialog.get("training")
     answer = await session.ask_agent(
         lambda swarm, agent: swarm.agents.save(
             agent,
@@ -83,7 +84,8 @@ async def save(session: Session, data: Data) -> None:
     left_out = "; what nothing uses was left out" if answer.trimmed else ""
     session.dialog = {}
     session.tab = "library"
-    session.behavior = str(values.get("name", "")).strip()
+    # Without a name it was saved under the one that training began with.
+    session.behavior = str(values.get("name", "")).strip() or (training.name if training else "")
     session.shared.link.want(session.agent, session.behavior)
     session.tell(f"{answer.message}{left_out}")
 

@@ -35,7 +35,7 @@ class SensorState:
     Attributes:
         topic: its topic.
         kind: its type without the package, such as ``LaserScan``.
-        publishers: how many there are; 0: it is not connected.
+        publishers: how many there are; 0: nobody publishes it.
         since: since when it is listened to, s, on the monotonic clock; None: it is not.
         heard: when its last message came, on the same clock; None: none came.
         trouble: what is wrong with its messages; "": nothing.

@@ -168,12 +168,13 @@ function drawHandles(field, c, screen) {
     const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
     const away = field.radius(i) + HANDLE;
     const [x, y] = [px + away * Math.cos(heading), py - away * Math.sin(heading)];
-    field.handles.push({ i, x, y });
+    const root = [px + (away - 16) * Math.cos(heading), py - (away - 16) * Math.sin(heading)];
+    field.handles.push({ i, x, y, root });
     c.strokeStyle = field.colors.accent;
     c.fillStyle = field.colors.paper;
     c.lineWidth = 1.5;
     c.beginPath();
-    c.moveTo(px + (away - 16) * Math.cos(heading), py - (away - 16) * Math.sin(heading));
+    c.moveTo(...root);
     c.lineTo(x, y);
     c.stroke();
     c.beginPath();
@@ -190,6 +191,10 @@ function drawNames(field, c, screen, footer) {
   const important = (i) => (field.chosen.has(names[i]) ? 2 : i === field.hovered ? 1 : 0);
   const labels = new Labels();
   if (footer) labels.block(...footer);
+  for (const { x, y, root } of field.handles) {
+    const [left, top] = [Math.min(x - KNOB, root[0]), Math.min(y - KNOB, root[1])];
+    labels.block(left, top, Math.max(x + KNOB, root[0]) - left, Math.max(y + KNOB, root[1]) - top);
+  }
   for (let i = 0; few && i < now.n; i++) {
     const radius = field.radius(i);
     const [px, py] = [screen[3 * i], screen[3 * i + 1]];

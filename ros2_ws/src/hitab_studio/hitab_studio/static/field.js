@@ -8,6 +8,7 @@ import { openStream } from "./stream.js";
 
 const ROOM = 122; // px; below the field, for two rows of behaviors
 const ABOVE = 92; // px; for a banner and the legend
+const BESIDE = 46; // px; at either side, for the buttons at the right
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
 const TRAIL = 90;
@@ -127,7 +128,7 @@ class Field {
   fit() {
     const [w, h] = this.roster.size;
     const [top, bottom] = this.margins();
-    const scale = Math.min((this.width - 40) / w, (this.height - top - bottom) / h);
+    const scale = Math.min((this.width - 2 * BESIDE) / w, (this.height - top - bottom) / h);
     const [x, y] = this.roster.center;
     const [mx, my] = [this.width / 2, top + (this.height - top - bottom) / 2];
     this.view = { scale, x: mx - x * scale, y: my + y * scale, fitted: true };

@@ -152,8 +152,15 @@ document.addEventListener("submit", (event) => {
   told(form.dataset.submit, { ...dataOf(form), values: valuesOf(form), again: again || undefined });
 });
 
-// The browser only says that a format is wanted; the page says which.
-document.addEventListener("invalid", ({ target }) => {
+// The browser only says that a format is wanted; the page says which. What is missing stands below
+// its field (class "missing"), where it stays, in place of the browser's bubble.
+document.addEventListener("invalid", (event) => {
+  const { target } = event;
+  if (target.validity.valueMissing && target.nextElementSibling?.matches(".missing")) {
+    event.preventDefault();
+    target.form.querySelector(":invalid").focus();
+    return;
+  }
   const wrong = target.validity.patternMismatch && target.dataset.format;
   target.setCustomValidity(wrong || "");
 }, true);

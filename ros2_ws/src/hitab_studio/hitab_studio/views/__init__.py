@@ -10,6 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from jinja2.utils import markupsafe
 
+from hitab_client.called_as import as_called
 from hitab_core import quantity
 from hitab_studio.reasons import off
 from hitab_studio.session import Session
@@ -54,10 +55,18 @@ def breaks(name: str) -> markupsafe.Markup:
     return markupsafe.Markup("<wbr>").join(parts)
 
 
+def called(value: Any) -> Any:
+    """Return a text that names commands as they can be typed where the studio was started."""
+    if not isinstance(value, str) or "hitab " not in value:
+        return value
+    return type(value)(as_called(value))  # what is HTML stays HTML
+
+
 _environment = Environment(
     loader=PackageLoader("hitab_studio"),
     autoescape=True,
     undefined=StrictUndefined,
+    finalize=called,
     trim_blocks=True,
     lstrip_blocks=True,
 )

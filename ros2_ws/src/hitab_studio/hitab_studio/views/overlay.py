@@ -59,6 +59,7 @@ def context(session: Session) -> dict[str, Any]:
         "earlier_off": reasons.retiming(session),
         "test_off": reasons.testing(session),
         "save_off": reasons.saving(session),
+        "switch_off": reasons.switching(session),
         "last_done": history.done[-1] if history.done else "",
         "stuck": _stuck(session),
         "note": status.note if status is not None else "",
@@ -81,7 +82,7 @@ def context(session: Session) -> dict[str, Any]:
         "making": session.shared.generations.making if live else None,
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
-        "startable": () if session.shared.launcher.is_busy else _startable(session),
+        **_to_start(session),
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
@@ -166,8 +167,13 @@ def _empty(session: Session) -> tuple[str, str, str]:
     if target is not None and target.problem.endswith("is not up."):
         return _not_up(session, target.swarm)
     if target is not None and target.problem:
-        title = "Which swarm?" if target.choices else "Not connected"
-        return (title, target.problem, "")
+        if target.choices:
+            return ("Which swarm?", target.problem, "")
+        return (
+            "Not connected to a swarm",
+            f"{target.problem} This page connects by itself as soon as it can.",
+            "",
+        )
     if store.known.statuses and target is not None and target.world:
         return (f"Waiting for the world of {target.swarm}", "It does not answer yet.", "")
     if store.known.statuses:
@@ -196,9 +202,9 @@ def _empty(session: Session) -> tuple[str, str, str]:
     return (
         "No swarm is up",
         "Start one here or in a terminal. This page finds it by itself."
-        if _startable(session)
+        if startable(session)
         else "Start one in a terminal. This page finds it by itself.",
-        "hitab up keepaway",
+        f"hitab up {_proposed(session)}",
     )
 
 
@@ -209,11 +215,24 @@ def _not_up(session: Session, name: str) -> tuple[str, str, str]:
         return ("The swarm is not up", f"Start it in a terminal. {finds}", "")
     if why := unknown(name):
         return (f"{name} is not up", f"{why} {finds}", "")
-    where = "here or in a terminal" if _startable(session) else "in a terminal"
+    where = "here or in a terminal" if startable(session) else "in a terminal"
     return (f"{name} is not up", f"Start it {where}. {finds}", f"hitab up {name}")
 
 
-def _startable(session: Session) -> tuple[Startable, ...]:
+def _to_start(session: Session) -> dict[str, Any]:
+    """Return the swarms to choose from, and the one that is chosen to be started."""
+    swarms = () if session.shared.launcher.is_busy else startable(session)
+    name = _proposed(session)
+    chosen = next((swarm for swarm in swarms if swarm.name == name), None)
+    return {"startable": swarms, "to_start": chosen or (swarms[0] if swarms else None)}
+
+
+def _proposed(session: Session) -> str:
+    """Return the swarm that is proposed to be started: the chosen one, else keepaway."""
+    return session.to_start or "keepaway"
+
+
+def startable(session: Session) -> tuple[Startable, ...]:
     """Return the swarms that may be started now: none if one is up."""
     known = session.shared.store.known
     if known.target is not None and known.target.choices:

@@ -43,10 +43,11 @@ def row(sensor: SensorState, now: float) -> Row:
     if sensor.trouble:
         return Row(sensor.topic, sensor.kind, "not usable", True, f"It {sensor.trouble}.")
     if not sensor.publishers:
-        words = f"{absence.NOT_PUBLISHED.capitalize()}: is its driver running?"
+        words = f"{absence.NOT_PUBLISHED.capitalize()}: start the robot's driver."
         if sensor.heard is not None:
-            words = f"Its publisher is gone; the last message came {now - sensor.heard:.0f} s ago."
-        return Row(sensor.topic, sensor.kind, "not connected", True, words)
+            ago = f"{now - sensor.heard:.0f} s ago"
+            words = f"Its publisher is gone (last message {ago}): start the robot's driver again."
+        return Row(sensor.topic, sensor.kind, "no publisher", True, words)
     if sensor.since is None:
         return Row(sensor.topic, sensor.kind, "connected")
     if sensor.is_silent(now):

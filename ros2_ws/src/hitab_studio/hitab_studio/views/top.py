@@ -11,6 +11,7 @@ from hitab_studio.absence import NOT_HEARD, absence
 from hitab_studio.known import Known
 from hitab_studio.session import Session
 from hitab_studio.views import emergency
+from hitab_studio.views.overlay import startable
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
@@ -43,7 +44,21 @@ def context(session: Session) -> dict[str, Any]:
         "unplace_off": world_off or ("" if store.placements else "Nothing was placed yet."),
         "absent": absence(store.known, names.WORLD) if world is not None else None,
         "absences": _absences(store.known),
+        "unconnected": _unconnected(session),
     }
+
+
+def _unconnected(session: Session) -> str:
+    """Say to what the page is not connected, and what to do about it."""
+    target, launch = session.shared.store.known.target, session.shared.launcher.launch
+    if launch is not None and launch.status is None and launch.verb == "up":
+        return f"not connected to {launch.swarm} yet: it is starting"
+    if target is not None and target.choices and target.problem:
+        return "not connected to a swarm: choose one below"
+    if target is not None and target.swarm and not target.problem:
+        return f"not connected to {target.swarm} yet: it does not answer"
+    where = "below" if startable(session) else "in a terminal"
+    return f"not connected to a swarm: start one {where}"
 
 
 def _absences(known: Known) -> list[tuple[int, str]]:
