@@ -85,14 +85,22 @@ class SecondThoughts:
             if example is None or self.random.random() < self.habits.overlooks:
                 continue
             if not self._place(example) and not self._may_be_meant(example):
-                self.pupil.delete(
-                    e.number for e in self.pupil.examples() if e.command == example.command
+                self._delete(
+                    [e.number for e in self.pupil.examples() if e.command == example.command]
                 )
                 self.diary.counts["deleted"] += 1
                 deleted.append(example)
                 continue
             self._check_default(example.command)
         return deleted
+
+    def _delete(self, numbers: Sequence[int]) -> None:
+        """Delete examples, out of a test if nothing would be left to begin it with."""
+        try:
+            self.pupil.delete(numbers)
+        except HitabError:
+            self.pupil.take_over()
+            self.pupil.delete(numbers)
 
     def _check_default(self, command: int) -> None:
         """Delete the default example of a command if the person would not stay there."""

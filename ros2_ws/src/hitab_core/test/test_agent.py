@@ -347,7 +347,7 @@ def test_an_edit_that_leaves_nothing_to_test_is_refused_while_testing(make):
     teach_home(agent)
     agent.test(restart=True)
     before = agent.session.examples
-    with pytest.raises(TrainingError, match="no example leaves Start"):
+    with pytest.raises(TrainingError, match="no example leaves Start; take over first, and"):
         agent.session.delete([e.number for e in before if e.state == "Start"])
     assert agent.session.examples == before
     assert do(agent, 2.0) == "Left"

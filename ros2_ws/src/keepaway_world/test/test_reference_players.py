@@ -130,8 +130,8 @@ def test_players_that_see_everything_decide_as_uts_do():
 def test_players_of_a_game_with_takers_that_mark_decide_as_uts_do():
     found = agreement("4v3", 0.0, 1.5, keepers=4, takers=3, width=25.0, height=25.0)
     assert found["keeping"] > 0.98
-    assert found["taking"] > 0.98
-    assert found["marking"] > 0.96
+    assert found["taking"] > 0.99
+    assert found["marking"] > 0.98
 
 
 def test_players_that_see_what_the_simulator_shows_decide_as_uts_do():

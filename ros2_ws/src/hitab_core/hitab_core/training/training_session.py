@@ -485,9 +485,9 @@ class TrainingSession:
         # Refuse before writing anything.
         edit = self._prepared(record)
         assert edit is not None
-        learned = (
-            self._learned(self.log.after(edit), features=edit.features) if self.testing else None
-        )
+        learned = None
+        if self.testing:
+            learned = self._learned(self.log.after(edit), "tested after this", edit.features)
         labels = _labels(example for _, example in edit.came)
         if edit.entered not in (None, START):
             labels.append(str(edit.entered))
@@ -528,9 +528,10 @@ class TrainingSession:
         features: Sequence[str] | None = None,
     ) -> Automaton:
         if not any(e.state == START for e in examples):
+            first = "take over first, and " if self.testing else ""
             raise TrainingError(
                 f'"{self.curriculum.name}" cannot be {done}: no example leaves {START}; '
-                "command the behavior that it should begin with"
+                f"{first}command the behavior that it should begin with"
             )
         chosen = self.curriculum.features if features is None else map(Use.parse, features)
         uses = tuple(chosen)
