@@ -106,7 +106,7 @@ def test_an_interrupted_demo_leaves_no_process(home, tmp_path, number, code):
         time.sleep(0.05)
     command.send_signal(number)
     _, told = command.communicate(timeout=30)
-    assert command.returncode == code
+    assert command.returncode == code, told
     assert "Traceback" not in told
     assert processes() == []
     assert list(temporary.iterdir()) == []

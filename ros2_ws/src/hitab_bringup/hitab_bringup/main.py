@@ -144,8 +144,11 @@ def make_app() -> typer.Typer:
 def main() -> None:
     """Run the command; on SIGTERM, clean up as on Ctrl-C."""
     interruptions.handle_interruptions()
-    with noise_left_out():
-        make_app()()
+    try:
+        with noise_left_out():
+            make_app()()
+    finally:
+        interruptions.forget_handled()
 
 
 if __name__ == "__main__":

@@ -30,6 +30,16 @@ def handle_interruptions() -> None:
     signal.signal(signal.SIGTERM, _interrupt)
 
 
+def forget_handled() -> None:
+    """Have this process end with its exit status, whatever Ctrl-C interrupted before.
+
+    Python remembers a KeyboardInterrupt that left a string which was being executed, and ends by
+    SIGINT then, even if it was handled. Each definition of a dataclass executes strings, and many
+    are defined while a command begins. What is executed next resets that.
+    """
+    exec("")
+
+
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
     """Defer the first of these signals to the end; do nothing outside the main thread."""

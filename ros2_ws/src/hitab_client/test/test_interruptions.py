@@ -71,3 +71,18 @@ def test_a_process_that_was_started_to_ignore_ctrl_c_does_so():
     code = BEGIN + "signal.raise_signal(signal.SIGINT)\nprint('goes on')"
     done = run(code, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
     assert (done.returncode, done.stdout) == (0, "goes on\n"), done.stderr
+
+
+def test_ctrl_c_that_was_handled_ends_with_the_status_also_while_a_class_is_defined(tmp_path):
+    """Without `forget_handled` Python 3.11 ends by the signal, with return code -2."""
+    (tmp_path / "command.py").write_text(
+        "import sys\n"
+        "from hitab_client.interruptions import forget_handled\n"
+        "try:\n"
+        "    exec('raise KeyboardInterrupt')\n"
+        "except KeyboardInterrupt:\n"
+        "    forget_handled()\n"
+        "    sys.exit(130)\n"
+    )
+    run = [sys.executable, "-m", "command"]
+    assert subprocess.run(run, cwd=tmp_path, check=False).returncode == 130
