@@ -74,6 +74,9 @@ def lesson_file(folder, steps: str) -> str:
 def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path, number, code):
     keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
     keepers.agents.discard("keeper_1")
+    keepers.agents.perform("keeper_2", "")
+    agents = keepers.agents
+    assert keepers.link.spin_until(lambda: not agents.statuses["keeper_2"].behavior, 30)
     mate = "  - {perform: GoFast, agents: [keeper_2]}\n"
     long = lesson_file(tmp_path, f"{mate}  - wait: 600\n")
     command = subprocess.Popen(
@@ -82,7 +85,6 @@ def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path,
         stderr=subprocess.PIPE,
         text=True,
     )
-    agents = keepers.agents
     assert keepers.link.spin_until(lambda: agents.statuses["keeper_2"].behavior == "GoFast", 30)
     taught = keepers.link.spin_until(lambda: agents.statuses["keeper_1"].examples == 2, 30)
     command.send_signal(number)
