@@ -67,7 +67,7 @@ def cut(page: Any, selector: str) -> bool:
 
 
 def swarm(mode: str = "performing", **more: Any) -> Known:
-    """Return what is known of a thousand, of whom many are silent, and some were not heard."""
+    """Return what is known of a thousand agents: many are silent, and some were not heard."""
     statuses = {
         name: AgentStatus(
             agent=name, mode=mode, behavior="GotoObject", active_path=["ServoBall", "TurnToBall"]

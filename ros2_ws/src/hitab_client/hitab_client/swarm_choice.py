@@ -142,7 +142,7 @@ def whose(identities: Iterable[str]) -> Iterator[str]:
     Args:
         identities: in the statuses of nodes that have answered.
     """
-    # What is left of a swarm of the registry was told of before anybody was looked for.
+    # What is left of a registered swarm was reported before the search for others began.
     own = {record.identity for _, record in registered_swarms()}
     for identity in sorted(set(identities) - own):
         if not is_by_hand(identity):

@@ -142,10 +142,9 @@ class Fields:
             meant: the names of fields that people call otherwise, by what they call them.
         """
         for key in self._value:
-            if key not in self._asked and key in meant:
-                self.complain(f"`{key}:` is not known here; write `{meant[key]}:`", key)
-            elif key not in self._asked:
-                self.complain(f"`{key}:` is not known here {has(self._asked, key)}", key)
+            if key not in self._asked:
+                way = f"; write `{meant[key]}:`" if key in meant else f" {has(self._asked, key)}"
+                self.complain(f"`{key}:` is not known here{way}", key)
 
     def _typed(self, key: str, default: Any, types: Any, what: str) -> Any:
         value = self.raw(key, default)

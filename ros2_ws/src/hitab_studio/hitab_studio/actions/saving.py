@@ -71,10 +71,12 @@ async def save(session: Session, data: Data) -> None:
     values = data["values"]
     bound = _bindings(values)
     training = session.dialog.get("training")
+    # Without a name it is saved under the one that training began with.
+    name = str(values.get("name", "")).strip() or (training.name if training else "")
     answer = await session.ask_agent(
         lambda swarm, agent: swarm.agents.save(
             agent,
-            name=str(values.get("name", "")).strip(),
+            name=name,
             bind_from=list(bound),
             bind_to=list(bound.values()),
             description=str(values.get("description", "")).strip(),
@@ -84,9 +86,8 @@ async def save(session: Session, data: Data) -> None:
     left_out = "; what nothing uses was left out" if answer.trimmed else ""
     session.dialog = {}
     session.tab = "library"
-    # Without a name it was saved under the one that training began with.
-    session.behavior = str(values.get("name", "")).strip() or (training.name if training else "")
-    session.shared.link.want(session.agent, session.behavior)
+    session.behavior = name
+    session.shared.link.want(session.agent, name)
     session.tell(f"{answer.message}{left_out}")
 
 
