@@ -310,7 +310,7 @@ def squad_rules(wait: float) -> Automaton:
 
 
 COURIER_SECONDS = 120.0
-AT_BOX, AT_HOME = 1.3, 2.0  # m from the centres
+AT_BOX, AT_HOME = 1.3, 2.0  # m from the centers
 LOOK_CYCLES = 4  # how often it is looked where robots are
 
 

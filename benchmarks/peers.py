@@ -93,7 +93,7 @@ OPTIONS: Mapping[str, tuple[Options, ...]] = {
 
 TITLES: Mapping[str, str] = {
     "flat": "one flat automaton",
-    "nearest": "nearest neighbours",
+    "nearest": "nearest neighbors",
     "tree": "scikit-learn's decision tree",
     "mlp": "multi-layer perceptron",
 }

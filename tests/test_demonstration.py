@@ -74,7 +74,7 @@ def test_a_one_shot_behavior_and_the_running_one_record_no_default_example(begun
     assert begun.agents.command(ONE, "Done").examples == 5
 
 
-def test_examples_can_be_taken_back_deleted_and_relabelled(begun):
+def test_examples_can_be_taken_back_deleted_and_relabeled(begun):
     put(begun, 8.0)
     begun.agents.command(ONE, "GoFast")
     begun.agents.command(ONE, "Stop")

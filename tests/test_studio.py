@@ -55,8 +55,8 @@ def test_a_person_trains_approach_ball_by_clicking_alone_and_the_keepers_play_it
     person.click(f"example-{number}")
     person.page.select_option('[data-test="relabel"]', "GoSlow")
     person.sees("effect", "GoSlow")
-    relabelled = {e.number: e for e in swarm.agents.list_examples(ONE).examples}[number]
-    assert relabelled.next_state == "GoSlow"
+    relabeled = {e.number: e for e in swarm.agents.list_examples(ONE).examples}[number]
+    assert relabeled.next_state == "GoSlow"
 
     person.click("save")
     person.sees("preview", "ApproachBall")

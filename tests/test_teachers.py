@@ -421,7 +421,7 @@ def test_the_benchmark_prints_and_writes_its_figures(tmp_path):
     assert person["held"] <= min(60, person["given"])
     assert person["objections"]
     assert person["peers"].keys() == OPTIONS.keys()
-    assert "as asked, nearest neighbours" in result.output
+    assert "as asked, nearest neighbors" in result.output
 
 
 def test_other_learners_get_the_commands_as_commands_of_basic_behaviors(pupil):

@@ -31,7 +31,7 @@ from hitab_robots import (
 HULL = 0.2  # m: radius of the robot
 TOUCH = 0.05  # m: what is nearer to the hull than this is being touched
 
-# Wide enough for the hull at half a metre.
+# Wide enough for the hull at half a meter.
 AHEAD = Sector("ahead", width=math.radians(30.0))
 
 ROBOT = Robot(

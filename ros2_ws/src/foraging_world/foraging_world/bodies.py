@@ -40,7 +40,7 @@ class Bodies:
     Args:
         parameters: counts, sizes.
         box_radius: of each box, m.
-        obstacles: centres, shape (obstacles, 2), m.
+        obstacles: centers, shape (obstacles, 2), m.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class Bodies:
             pymunk.Segment(static, corners[i - 1], corners[i], WALL) for i in range(4)
         ]
         shapes += [
-            pymunk.Circle(static, p.obstacle_radius, centre) for centre in obstacles.tolist()
+            pymunk.Circle(static, p.obstacle_radius, center) for center in obstacles.tolist()
         ]
         for shape in shapes:
             shape.filter = pymunk.ShapeFilter(categories=OBSTACLE, mask=FORAGER | RING)

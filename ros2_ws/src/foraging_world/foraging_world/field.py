@@ -28,14 +28,14 @@ class Field:
         xy, velocity: of the robots, m and m/s; shape (foragers, 2).
         heading: rad.
         held: index of the box that each holds, or `NOTHING`.
-        grip: where each holds it, relative to the box's centre, m.
+        grip: where each holds it, relative to the box's center, m.
         waited: how long the box that each holds has not moved, s.
         rested: how long ago each has let go of a box by itself, s.
         box_xy, box_velocity: m and m/s; shape (boxes, 2).
         present: whether a box is on the field.
         box_radius, large: fixed; small boxes come first.
         hands: how many robots hold each box.
-        obstacles: centres, m; fixed in an episode.
+        obstacles: centers, m; fixed in an episode.
         collected: boxes brought home in the episode: small ones, large ones.
     """
 

@@ -65,7 +65,7 @@ def box_place(
 
     Args:
         radius: of the box, m.
-        taken, radii: centres and radii of what the box and its pullers must not touch.
+        taken, radii: centers and radii of what the box and its pullers must not touch.
     """
     ring = radius + p.ring_width
     return _free_place(

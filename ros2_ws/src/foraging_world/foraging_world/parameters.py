@@ -18,15 +18,15 @@ class ForagingParameters(Parameters):
         squad_size: consecutive robots that share a radio channel, on which each reports its
             position and the box it holds: 1 to 5, 6 to 10 and so on.
         company_squads: consecutive squads that share a second channel.
-        width, height: of the field, which is centred on the origin, m.
-        home_radius: of the home, a disc in the middle, m. A box is home when its centre is.
+        width, height: of the field, which is centered on the origin, m.
+        home_radius: of the home, a disc in the middle, m. A box is home when its center is.
         obstacles: number of round obstacles.
         small_boxes, large_boxes: number of boxes on the field.
         small_pullers, large_pullers: how many robots must pull before a box moves.
         renew: whether a box that has come home is put elsewhere on the field again, so that
             their number is constant; otherwise the episode ends when all are home.
         duration: of an episode, s.
-        sight: range at which boxes are seen, m, from the robot's centre to the box's edge.
+        sight: range at which boxes are seen, m, from the robot's center to the box's edge.
         obstacle_sight: range at which obstacles and walls are seen, m, edge to edge.
         reach: range at which a box can be gripped, m, edge to edge.
         speed, turn_rate: maximum of a robot, m/s and rad/s.

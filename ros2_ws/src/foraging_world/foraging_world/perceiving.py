@@ -103,8 +103,8 @@ def _put_boxes(field: Field, senses: Floats, put) -> None:
             groups[which] * len(boxes) + held[which],
             minlength=(int(groups[-1]) + 1) * len(boxes),
         ).reshape(-1, len(boxes))
-        favourite = counts.argmax(axis=1)
-        chosen = favourite[groups]
+        favorite = counts.argmax(axis=1)
+        chosen = favorite[groups]
         known = counts.max(axis=1)[groups] > 0
         to = boxes[chosen] - xy
         gap = np.hypot(to[:, 0], to[:, 1]) - (field.box_radius[chosen] + p.forager_radius)

@@ -14,7 +14,7 @@ index                 value
 10 and so on          places: distance, m, direction relative to the body, rad, box number
 ====================  =====================================================================
 
-The places are, in this order: home (its centre), the closest box, the closest small one, the
+The places are, in this order: home (its center), the closest box, the closest small one, the
 closest large one, the closest one that other robots hold, the box that most of the own squad hold,
 the large box that most of the own company hold, the middle of the own squad, and the closest
 obstacle or wall. Distances to boxes, obstacles and walls are from edge to edge and never negative.

@@ -11,6 +11,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
+from hitab_bringup.supervisor_log import in_plain_words
 from hitab_client import RunFolder
 from hitab_client.dds_profile import is_noise
 
@@ -23,13 +24,6 @@ LEVELS = ("debug", "info", "warn", "error", "fatal")
 
 _OF_ROS = re.compile(r"\[(\w+)\] \[(\d+\.\d+)\] \[([^\]]*)\]: (.*)")
 _OF_SUPERVISOR = re.compile(r"(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d),(\d{3}) (\w+) (.*)")
-_SUPERVISORS_NAMES = {"CRIT": "FATAL", "ERRO": "ERROR", "DEBG": "DEBUG", "TRAC": "DEBUG"}
-_OF_NO_CONCERN = re.compile(
-    # About a supervisor that others can reach; nobody else can open the folder of its socket.
-    r"Server 'unix_http_server' running without|Supervisor is running as root\."
-)
-_ORDINARY = re.compile(r"received SIGTERM|stopped: \S+ \(exit status 0\)")
-"""What the supervisor warns of at each `hitab down`."""
 _FAILURE = re.compile(r"(Traceback|error:|Fatal Python error)")
 """Begins what a process prints past its logger when it fails."""
 
@@ -121,9 +115,9 @@ class LogFile:
             text = text if whose == self.process else f"{whose}: {text}"
         elif match := _OF_SUPERVISOR.match(line):
             moment, milliseconds, level, text = match.groups()
-            if _OF_NO_CONCERN.match(text):
+            if (shown := in_plain_words(level, text)) is None:
                 return None
-            level = "INFO" if _ORDINARY.match(text) else _SUPERVISORS_NAMES.get(level, level)
+            level, text = shown
             seconds = datetime.strptime(moment, "%Y-%m-%d %H:%M:%S").timestamp()
             self._seconds = seconds + int(milliseconds) / 1000
         else:

@@ -36,7 +36,9 @@ def run(tmp_path, monkeypatch):
         ros(2, "b.agent", "second")
         + "2026-05-01 12:00:02.5 [RTPS_TRANSPORT_SHM Error] Failed init_port\n"
     )
-    (folder.path / "supervisord.log").write_text("2026-05-01 12:00:03,250 INFO spawned: 'a'\n")
+    (folder.path / "supervisord.log").write_text(
+        "2026-05-01 12:00:03,250 INFO spawned: 'a' with pid 5\n"
+    )
     return folder
 
 
@@ -51,7 +53,7 @@ def test_all_logs_are_merged_with_names(run):
         "a | 2026-05-01 12:00:01.000 INFO  first",
         "a | Traceback:",
         "host_1 | 2026-05-01 12:00:02.000 INFO  b: second",
-        "supervisor | 2026-05-01 12:00:03.250 INFO  spawned: 'a'",
+        "supervisor | 2026-05-01 12:00:03.250 INFO  started a, process 5",
         "a | 2026-05-01 12:00:04.000 ERROR fourth",
     ]
     assert result.stderr == f"from {run.path}/logs\n"
@@ -61,7 +63,7 @@ def test_one_log_is_shown_without_names_and_an_agents_is_its_hosts(run):
     assert hitab("logs", "c").stdout == "2026-05-01 12:00:02.000 INFO  b: second\n"
     assert hitab("logs", "a", "-n", "1").stdout == "2026-05-01 12:00:04.000 ERROR fourth\n"
     assert f"from {run.path}/logs/a.log" in hitab("logs", "a").stderr
-    assert "spawned" in hitab("logs", "supervisor").stdout
+    assert "started a" in hitab("logs", "supervisor").stdout
 
 
 def test_a_name_that_never_ran_is_refused_with_those_that_did(run):
@@ -83,7 +85,7 @@ def test_without_any_run_the_error_names_the_way_out(tmp_path, monkeypatch):
     monkeypatch.setenv("HITAB_HOME", str(tmp_path))
     result = hitab("logs")
     assert result.exit_code == 1
-    assert "start one with `hitab up keepaway`" in result.stderr
+    assert "start one, such as `hitab up keepaway`" in result.stderr
 
 
 def test_following_shows_what_is_added_until_the_swarm_is_down(run, monkeypatch):
@@ -157,15 +159,20 @@ def test_what_the_supervisor_says_at_every_start_and_end_is_no_alarm(run):
     (run.path / "supervisord.log").write_text(
         f"{at} CRIT Supervisor is running as root.  Privileges were not dropped\n"
         f"{at} CRIT Server 'unix_http_server' running without any HTTP authentication checking\n"
+        f"{at} INFO RPC interface 'supervisor' initialized\n"
+        f"{at} INFO success: a entered RUNNING state, process has stayed up for > than 3 seconds\n"
         f"{at} WARN received SIGTERM indicating exit request\n"
         f"{at} WARN stopped: a (exit status 0)\n"
         f"{at} WARN exited: a (terminated by SIGKILL; not expected)\n"
+        f"{at} INFO gave up: a entered FATAL state, too many start retries too quickly\n"
         f"{at} CRIT could not write pidfile\n"
     )
     assert hitab("logs", "supervisor").stdout.splitlines() == [
-        "2026-05-01 12:00:05.000 INFO  received SIGTERM indicating exit request",
-        "2026-05-01 12:00:05.000 INFO  stopped: a (exit status 0)",
-        "2026-05-01 12:00:05.000 WARN  exited: a (terminated by SIGKILL; not expected)",
+        "2026-05-01 12:00:05.000 INFO  a keeps running",
+        "2026-05-01 12:00:05.000 INFO  ends the swarm",
+        "2026-05-01 12:00:05.000 INFO  a has ended (exit status 0)",
+        "2026-05-01 12:00:05.000 WARN  a has ended unexpectedly (terminated by SIGKILL)",
+        "2026-05-01 12:00:05.000 ERROR does not start a again: it ended each time",
         "2026-05-01 12:00:05.000 FATAL could not write pidfile",
     ]
-    assert hitab("logs", "supervisor", "--level", "warn").stdout.count("\n") == 2
+    assert hitab("logs", "supervisor", "--level", "warn").stdout.count("\n") == 3

@@ -14,7 +14,7 @@ from hitab_client.identity import BY_HAND, new_identity, other_swarm
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_ros import qos
 
-ERROR = "error: no swarm answers in ROS domain {}; start one with `hitab up keepaway`"
+ERROR = "error: no swarm answers in ROS domain {}; start one, such as `hitab up keepaway`"
 CALLS = {
     "demonstrate keeper_1 Stop",
     "perform keeper_1 Stop",

@@ -215,7 +215,7 @@ def look_elsewhere(link: RosLink) -> None:
     if not link.spin_until(lambda: any(reported_on(link)), LOOK_SECONDS):
         number = link.node.context.get_domain_id()
         raise SwarmError(
-            f"no swarm answers in ROS domain {number}; start one with `hitab up keepaway`"
+            f"no swarm answers in ROS domain {number}; start one, such as `hitab up keepaway`"
         )
 
 

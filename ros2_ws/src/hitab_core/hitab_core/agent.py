@@ -423,8 +423,8 @@ class Agent:
         session = self._session()
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
             raise TrainingError(
-                f"{self.name} is not in training mode but {self.mode}; go to training mode "
-                f"before commanding (`hitab train {self.name}`)"
+                f"{self.name} is {self.mode}, not in training mode; `hitab train {self.name}` "
+                f'goes on with "{self.training}", and then it takes commands'
             )
         if self.mode is Mode.TESTING:
             raise TrainingError(f"{session.is_tested} (`hitab train {self.name}`)")

@@ -126,7 +126,8 @@ def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
     with pytest.raises(TrainingError, match="training mode"):
         agent.command(Use("Left"))
     agent.perform(Use("Right"))
-    with pytest.raises(TrainingError, match="ann is not in training mode but performing"):
+    refused = "ann is performing, not in training mode; `hitab train ann`"
+    with pytest.raises(TrainingError, match=refused):
         agent.command(Use("Left"))
     assert len(agent.session.examples) == 4
 

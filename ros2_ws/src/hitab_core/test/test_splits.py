@@ -72,7 +72,7 @@ def test_a_threshold_below_an_example_and_above_a_default_one_is_just_below_the_
 
 
 @given(finite, finite, flags, flags)
-def test_a_threshold_tells_its_neighbours_apart_however_near_or_far_they_are(
+def test_a_threshold_tells_its_neighbors_apart_however_near_or_far_they_are(
     a, b, below_is_default, above_is_default
 ):
     assume(a != b)
@@ -126,7 +126,7 @@ def test_a_default_example_reaches_past_the_opposite_place_as_far_as_on_the_othe
 
 
 @given(places, places, flags, flags, st.floats(0, 360) | st.just(math.inf))
-def test_an_end_of_an_arc_is_behind_one_neighbour_and_not_behind_the_next(
+def test_an_end_of_an_arc_is_behind_one_neighbor_and_not_behind_the_next(
     before, after, before_is_default, after_is_default, kept
 ):
     assume(before != after)
@@ -188,7 +188,7 @@ def test_only_the_nearest_values_say_whether_a_boundary_is_beside_an_example():
     assert split.test == Threshold(3.5)
 
 
-def test_the_two_ends_of_an_arc_are_placed_each_by_its_own_neighbours():
+def test_the_two_ends_of_an_arc_are_placed_each_by_its_own_neighbors():
     split = split_toroidal(
         examples([180, 350, 0, 90], [0, 1, 1, 0], [False, False, False, True]), 360
     )

@@ -152,7 +152,7 @@ def test_a_command_that_changed_nothing_restarts_nothing_when_undone(trained: Tr
     assert trained.do(1.0) == "Left"
 
 
-def test_undoing_a_deletion_or_relabelling_leaves_the_state(trained: Trained) -> None:
+def test_undoing_a_deletion_or_relabeling_leaves_the_state(trained: Trained) -> None:
     trained.command("Left")
     trained.session.relabel([1], Use("Right"))
     trained.session.delete([2])

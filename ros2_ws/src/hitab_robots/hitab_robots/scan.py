@@ -42,7 +42,7 @@ CENTER = Mount()
 class Scan(Sensor):
     """A `sensor_msgs/LaserScan`: for each sector the ``range`` and ``bearing`` of what is nearest.
 
-    Both are as seen from the robot's centre, wherever the scanner sits and whichever way it faces.
+    Both are as seen from the robot's center, wherever the scanner sits and whichever way it faces.
     The range is ``max_range`` if nothing is within range there, and the bearing is then NaN. Both
     are NaN if it is not known: no ray of the scanner is in the sector, or fewer than half of these
     measured anything.

@@ -118,7 +118,7 @@ def drive_to(
 
 
 def _distance(body: RobotBody, point: Point) -> float:
-    """Return how far away a point is from the robot's centre, m."""
+    """Return how far away a point is from the robot's center, m."""
     x, y, _ = body.place
     return math.hypot(point[0] - x, point[1] - y)
 
@@ -189,7 +189,7 @@ def nearest_bearing(name: str, sector: str, *, required: bool = False) -> Featur
 
 
 def distance_to(name: str = "DistanceTo", *, required: bool = True) -> Feature:
-    """Return the distance from the robot's centre to a target, m."""
+    """Return the distance from the robot's center to a target, m."""
     return Feature(
         name,
         _distance,
@@ -246,7 +246,7 @@ def facing(
 
 
 def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> Feature:
-    """Return whether the robot's centre is near a target.
+    """Return whether the robot's center is near a target.
 
     A command on a `distance_to` that comes when the robot has stopped at its target holds up to
     that distance only, which it may not reach again; this feature is yes or no.

@@ -35,7 +35,7 @@ class Entity:
     Attributes:
         name: unique in its world, such as ``keeper_1`` or ``ball``.
         kind: such as ``keeper``, ``taker``, ``ball``.
-        x, y: centre, m.
+        x, y: center, m.
         heading: rad, counter-clockwise from x.
         vx, vy: velocity, m/s.
         radius: m.
@@ -139,7 +139,7 @@ class World(Protocol):
         agents: names of the agents, in a fixed order.
         cycle_seconds: simulated duration of a cycle, s.
         looks: how viewers draw each kind of entity; viewers choose for kinds without one.
-        size: width and height of the field, m; it is centred on the origin.
+        size: width and height of the field, m; it is centered on the origin.
         seed: of the run.
         episode: number of the present episode, from 0.
         cycle: cycles since the world was created; never goes back, except in `restore`.

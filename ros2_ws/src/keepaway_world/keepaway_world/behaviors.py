@@ -19,7 +19,7 @@ FAST, MEDIUM, SLOW = 100.0, 90.0, 75.0
 
 AT_REST = 0.1  # m/cycle: a ball that looks slower than this is left alone
 
-BALL_RESTS = 0.02  # m/cycle: a ball as slow as this rolls on for a third of a metre
+BALL_RESTS = 0.02  # m/cycle: a ball as slow as this rolls on for a third of a meter
 
 OPEN_STEP = 3.0  # m: how far ahead GetOpen looks down its potential field
 OPEN_ARRIVED = 0.5  # m: a place closer than this is not worth going to
@@ -44,7 +44,7 @@ def go_slow(body: KeeperBody) -> None:
 def stop(body: KeeperBody) -> None:
     """Come to rest, and stop a rolling ball within kicking range.
 
-    A keeper that does not dash comes to rest within a metre. The paper does not say what its Stop
+    A keeper that does not dash comes to rest within a meter. The paper does not say what its Stop
     does to the ball. But where agents cannot collide with the ball, it rolls past every receiver
     that does not stop it with a kick, and no pass could ever be completed.
     """
@@ -120,7 +120,7 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
 
 
 def get_open(body: KeeperBody) -> None:
-    """Move away from the team mates, never out of the circle around the box's centre.
+    """Move away from the team mates, never out of the circle around the box's center.
 
     This is a simple potential field: each team mate repels with a force of 1/distance. The keeper
     goes a step along the sum of the forces, or to the nearest point on the circle (10 m in the
@@ -138,10 +138,10 @@ def get_open(body: KeeperBody) -> None:
         return
     aim_x, aim_y = x + OPEN_STEP * fx / force, y + OPEN_STEP * fy / force
     radius = open_radius(body)
-    from_centre = math.hypot(aim_x, aim_y)
-    if from_centre > radius:
-        aim_x *= radius / from_centre
-        aim_y *= radius / from_centre
+    from_center = math.hypot(aim_x, aim_y)
+    if from_center > radius:
+        aim_x *= radius / from_center
+        aim_y *= radius / from_center
     dx, dy = aim_x - x, aim_y - y
     if math.hypot(dx, dy) < OPEN_ARRIVED:
         return
@@ -164,7 +164,7 @@ def go_by(body: KeeperBody, dx: float, dy: float) -> None:
 
 
 def open_radius(body: KeeperBody) -> float:
-    """Return GetOpen's largest distance from the centre: all of the body within half the box."""
+    """Return GetOpen's largest distance from the center: all of the body within half the box."""
     half = min(body.values[percept.WIDTH], body.values[percept.HEIGHT]) / 2.0
     return half - body.parameters.player_radius
 
@@ -184,6 +184,6 @@ BEHAVIORS = (
     BasicBehavior(
         "GetOpen",
         get_open,
-        description="move away from team mates, within 10 m of the centre",
+        description="move away from team mates, within 10 m of the center",
     ),
 )

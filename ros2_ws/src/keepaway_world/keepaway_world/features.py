@@ -13,7 +13,7 @@ NAN = float("nan")
 
 
 def distance_to(body: KeeperBody, place: int) -> float:
-    """Return the distance between the centres, m; NaN if there is no such player."""
+    """Return the distance between the centers, m; NaN if there is no such player."""
     return NAN if place == NOBODY else body.values[place]
 
 

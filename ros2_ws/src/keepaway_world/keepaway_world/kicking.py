@@ -21,7 +21,7 @@ def off_place(p: KeepawayParameters, distance: float, direction: float) -> float
 
     Args:
         p: the mechanics.
-        distance: between the centres, m.
+        distance: between the centers, m.
         direction: of the ball relative to the body, rad on [-pi, pi].
     """
     away = max(distance - p.contact, 0.0) / p.kickable_margin

@@ -38,7 +38,7 @@ class KeepawayParameters(Parameters):
 
     Attributes:
         keepers, takers: number of players in each team.
-        width, height: of the box, which is centred on the origin, m.
+        width, height: of the box, which is centered on the origin, m.
         taker_speed: factor on the power of the takers' dashes (the paper: a quarter), known to
             them.
         taker_policy: "intercept": go where the ball can first be reached, seeing all exactly; or
@@ -112,12 +112,12 @@ class KeepawayParameters(Parameters):
 
     @property
     def contact(self) -> float:
-        """Distance between the centres of a player and the ball when they touch, m."""
+        """Distance between the centers of a player and the ball when they touch, m."""
         return self.player_radius + self.ball_radius
 
     @property
     def kickable(self) -> float:
-        """Largest distance between the centres at which a player can kick the ball, m."""
+        """Largest distance between the centers at which a player can kick the ball, m."""
         return self.contact + self.kickable_margin
 
 

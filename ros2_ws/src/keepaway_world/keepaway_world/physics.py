@@ -4,7 +4,7 @@ One cycle runs in the simulator's order: commands, acceleration, velocity, noise
 collisions. pymunk integrates the positions and finds overlapping bodies. These follow rcssserver's
 rule (they are moved apart, and their velocities multiplied by -0.1) instead of pymunk's impulses.
 
-Inside the world speeds are in metres per cycle of 0.1 s, accelerations in metres per cycle²,
+Inside the world speeds are in meters per cycle of 0.1 s, accelerations in meters per cycle²,
 x points right, y up, angles are counter-clockwise radians.
 """
 
@@ -32,7 +32,7 @@ class Mover:
 
     Attributes:
         name, kind: of the body; kind is "ball", "keeper" or "taker".
-        x, y: centre, m.  heading: of the body, rad; a ball has none.
+        x, y: center, m.  heading: of the body, rad; a ball has none.
         vx, vy: velocity after decay, m/cycle.
         ax, ay: acceleration from this cycle's commands, m/cycle².
     """

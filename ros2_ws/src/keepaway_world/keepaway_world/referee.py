@@ -58,7 +58,7 @@ class Referee:
     def judge(self, physics: Physics) -> str | None:
         """Check the state after a cycle; return `OUT`, `TAKEN` or None.
 
-        The ball is out when its centre reaches an edge. Possession increases in each cycle in
+        The ball is out when its center reaches an edge. Possession increases in each cycle in
         which a taker can kick, returns to 0 if a keeper but no taker can, and stays if no player
         can. The ball is taken on the check after possession has reached the limit.
         """
@@ -140,7 +140,7 @@ def drop_ball(physics: Physics) -> None:
 def set_up(physics: Physics, random: Random) -> None:
     """Put all players and the ball in their initial positions, at rest.
 
-    The keepers stand in three corners, in a random rotation; any beyond three near the centre.
+    The keepers stand in three corners, in a random rotation; any beyond three near the center.
     The takers stand in the fourth corner, the ball 4 m inside the first.
     """
     p = physics.parameters

@@ -29,7 +29,7 @@ from keepaway_world.takers import TakerTeam
 SNAPSHOT_VERSION = 2
 
 FARTHEST = 1000.0
-"""Largest distance from the centre of the field, m, at which something can be placed."""
+"""Largest distance from the center of the field, m, at which something can be placed."""
 
 
 LOOKS: Mapping[str, Look] = {
@@ -301,7 +301,7 @@ def _check(placement: Placement, mover: Mover) -> None:
         if abs(getattr(placement, field)) > FARTHEST:
             raise WorldError(
                 f"{placement.name}: {field} {getattr(placement, field):g} m is beyond "
-                f"{FARTHEST:g} m; give it a place near the field, whose centre is (0, 0)"
+                f"{FARTHEST:g} m; give it a place near the field, whose center is (0, 0)"
             )
     vx = _or(placement.vx, mover.vx * CYCLES_PER_SECOND)
     vy = _or(placement.vy, mover.vy * CYCLES_PER_SECOND)

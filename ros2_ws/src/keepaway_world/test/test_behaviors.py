@@ -243,7 +243,7 @@ def test_a_yell_is_heard_by_its_receiver_in_the_next_cycle_alone(quiet, put, act
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_getting_open_keeps_away_from_team_mates_and_within_10_m_of_the_centre(seed):
+def test_getting_open_keeps_away_from_team_mates_and_within_10_m_of_the_center(seed):
     world = KeepawayWorld(variant("paper", takers=0), seed=seed)
     world.place([Placement("ball", 0.0, 0.0)])
     players = {name: PolicyPlayer(KeeperBody(name), behaviors.get_open) for name in world.agents}
@@ -252,9 +252,9 @@ def test_getting_open_keeps_away_from_team_mates_and_within_10_m_of_the_centre(s
         cycle(world, players)
         keepers = [e for e in world.entities() if e.kind == "keeper"]
         for keeper in keepers:
-            centre = math.hypot(keeper.x, keeper.y)
-            assert centre < 10.0 or keeper.name not in inside
-            if centre < 9.8:
+            center = math.hypot(keeper.x, keeper.y)
+            assert center < 10.0 or keeper.name not in inside
+            if center < 9.8:
                 inside.add(keeper.name)
     assert inside == set(world.agents)
     apart = [math.hypot(a.x - b.x, a.y - b.y) for a in keepers for b in keepers if a is not b]

@@ -24,7 +24,7 @@ def far_apart(physics):
         physics.put(player, 50.0, 50.0 + 5.0 * number)
 
 
-def test_a_dash_at_full_power_reaches_one_metre_per_cycle():
+def test_a_dash_at_full_power_reaches_one_meter_per_cycle():
     physics = make(**QUIET)
     far_apart(physics)
     player = physics.keepers[0]

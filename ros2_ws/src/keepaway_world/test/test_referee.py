@@ -21,7 +21,7 @@ def game():
     return physics, Referee(PARAMETERS)
 
 
-def test_the_ball_is_out_when_its_centre_reaches_an_edge(game):
+def test_the_ball_is_out_when_its_center_reaches_an_edge(game):
     physics, referee = game
     for x, y in ((10.0, 0.0), (-10.0, 0.0), (0.0, 10.0), (0.0, -10.0), (12.0, 12.0)):
         physics.put(physics.ball, x, y)
@@ -115,7 +115,7 @@ def test_an_episode_begins_with_keepers_in_three_corners_and_takers_in_the_fourt
     assert seen == {0, 1, 2}
 
 
-def test_keepers_beyond_the_third_begin_near_the_centre():
+def test_keepers_beyond_the_third_begin_near_the_center():
     physics = Physics(variant("paper", keepers=5, takers=3), Random(2))
     set_up(physics, Random(9))
     central = [k for k in physics.keepers if math.hypot(k.x, k.y) < 1.5]

@@ -76,8 +76,11 @@ def _findings() -> Iterator[Finding]:
 
 
 def _show(finding: Finding) -> None:
-    line = console.line(f"{finding.level:8}", STYLES[finding.level])
-    line.append_text(console.line(f"{finding.about:14} {finding.text}", "default"))
-    console.out().print(line, soft_wrap=True)
+    shown = console.table(("", "", ""), ())
+    shown.show_header, shown.padding = False, (0, 1, 0, 0)
+    shown.columns[0].width, shown.columns[1].width = 7, 14
+    level = console.line(finding.level, STYLES[finding.level])
+    shown.add_row(level, console.line(finding.about), console.line(finding.text))
     if finding.way_out:
-        console.out().print(console.line(f"{'':23}{finding.way_out}"), soft_wrap=True)
+        shown.add_row("", "", console.line(finding.way_out))
+    console.out().print(shown)

@@ -107,7 +107,7 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
     ended = [path.parent for path in state_home().glob("*/logs") if path.is_dir()]
     if not ended:
         raise SwarmError(
-            f"no swarm has run under {state_home()}; start one with `hitab up keepaway`"
+            f"no swarm has run under {state_home()}; start one, such as `hitab up keepaway`"
         )
     newest = max(ended, key=lambda path: (path / "logs").stat().st_mtime)
     console.note(f"{newest.name} is down; these are the logs of its last run")

@@ -182,7 +182,7 @@ def start_testing(
 
 
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:
-    """Undo the last command, deletion or relabelling.
+    """Undo the last command, deletion or relabeling.
 
     Undoing a command makes the agent perform again what it performed before.
 

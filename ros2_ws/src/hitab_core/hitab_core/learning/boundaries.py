@@ -1,4 +1,4 @@
-"""Where a boundary between two neighbouring examples is placed, on a line and on a circle.
+"""Where a boundary between two neighboring examples is placed, on a line and on a circle.
 
 It lies half-way between them, with one exception. Between a default example and a demonstrated one
 it lies immediately beside the demonstrated one, at the next representable number on the default's
@@ -15,7 +15,7 @@ demonstrated.
 
 Several examples may share a value: a value is default here if all its examples are. So a boundary
 is placed beside a value only if some example there is not default and every example at the
-neighbouring value is.
+neighboring value is.
 """
 
 from __future__ import annotations

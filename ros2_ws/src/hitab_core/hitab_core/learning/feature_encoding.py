@@ -16,7 +16,7 @@ class FeatureEncoding:
     """Encodes feature values for a classifier that accepts only plain numbers.
 
     A continuous feature is standardized by the mean and standard deviation of the examples, since
-    many classifiers measure distances, in which metres must not outweigh radians. A toroidal one
+    many classifiers measure distances, in which meters must not outweigh radians. A toroidal one
     becomes the cosine and sine of its angle, so that zero is not special. A categorical one is
     one-hot encoded; a boolean one stays 0 or 1. What is missing (NaN) stays so, in all columns.
     """

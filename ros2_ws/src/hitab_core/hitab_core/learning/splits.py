@@ -182,7 +182,7 @@ def _noting_shared(examples: Examples, split: Split, beside: Sequence[Sequence[b
     Args:
         examples: that are split.
         split: of them.
-        beside: for each boundary, whether its neighbour on the side of the first branch, and that
+        beside: for each boundary, whether its neighbor on the side of the first branch, and that
             on the side of the second one, are default ones.
     """
     for first, second in beside:
@@ -197,7 +197,7 @@ def split_toroidal(
 ) -> Split | None:
     """Return the best split by an arc, if any.
 
-    An end of an arc lies between two values that are neighbours on the circle; the inside is the
+    An end of an arc lies between two values that are neighbors on the circle; the inside is the
     side without the node's first example. All pairs of ends are compared, so the time grows with
     the square of the number of ends. Ends within a run of one class are skipped where they cannot
     gain most (Fayyad and Irani, 1992; their argument holds for each end by itself).

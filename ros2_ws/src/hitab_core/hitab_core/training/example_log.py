@@ -181,7 +181,7 @@ class ExampleLog:
         kept = [e for e in self._examples if e.number not in wanted]
         return self._edit(kept, f"deleted {these(wanted)}")
 
-    def relabelling(self, numbers: Iterable[int], next_state: str) -> Edit:
+    def relabeling(self, numbers: Iterable[int], next_state: str) -> Edit:
         """Prepare to change the next state of examples; a default example becomes an ordinary one.
 
         Raises:
@@ -225,7 +225,7 @@ class ExampleLog:
         return Edit(words or "nothing", gone, came)
 
     def undoing(self) -> Edit:
-        """Prepare to undo the last addition, deletion or relabelling.
+        """Prepare to undo the last addition, deletion or relabeling.
 
         Raises:
             TrainingError: if there is nothing to undo.

@@ -33,5 +33,5 @@ def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
                 ExampleKind(record["kind"]),
             )
         case "relabel":
-            return log.relabelling(record["numbers"], record["next_state"])
+            return log.relabeling(record["numbers"], record["next_state"])
     return None

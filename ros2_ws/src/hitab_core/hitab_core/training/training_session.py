@@ -359,7 +359,7 @@ class TrainingSession:
         return question
 
     def undo(self) -> None:
-        """Undo the last command, deletion or relabelling.
+        """Undo the last command, deletion or relabeling.
 
         Undoing a command returns the agent to the state before it.
 

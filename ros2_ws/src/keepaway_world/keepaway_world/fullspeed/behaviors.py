@@ -23,9 +23,9 @@ EDGE = 0.4  # m from the edge of the box: the ball is met before
 AT_PLACE = 0.8  # m: near enough to stand there
 AT_BALL = 0.3  # m: likewise on the ball's way
 FAR_OFF = math.radians(15.0)  # a keeper that is off by more turns
-FAR_OFF_NEAR = math.radians(35.0)  # likewise for the last metre
+FAR_OFF_NEAR = math.radians(35.0)  # likewise for the last meter
 STEP_BACK = 2.0  # m: a place behind the keeper and as near as this is reached backwards
-HELD = 0.6  # m: largest distance of a stopped ball from the keeper's centre
+HELD = 0.6  # m: largest distance of a stopped ball from the keeper's center
 
 
 def meet_ball(body: FullSpeedBody) -> None:

@@ -23,7 +23,7 @@ THERE = 0.5  # m: a place closer than this is not worth going to
 
 STILL = 0.05  # m/cycle²: a kick weaker than this is not worth its noise
 
-SHIELD = 0.6  # m: distance of a shielded ball from the keeper's centre
+SHIELD = 0.6  # m: distance of a shielded ball from the keeper's center
 SHIELD_FROM = 6.0  # m: a taker farther away is no danger, and the ball is only stopped
 
 RINGS = (0.35, 0.6, 0.8)  # of half the box: radii of OfferPass's rings of points
@@ -86,7 +86,7 @@ def kick(body: PredictiveBody, ax: float, ay: float) -> None:
 def offer_pass(body: PredictiveBody) -> None:
     """Go to where a pass from the ball would be safe, away from all others.
 
-    The target is a point on one of three rings around the centre: it should have a clear lane from
+    The target is a point on one of three rings around the center: it should have a clear lane from
     the ball's future position, be far from takers and team mates, and be close to the keeper.
     """
     x, y = body.position

@@ -14,7 +14,7 @@ from keepaway_world.reference.view import Seen, View
 HOLD = 0
 SAFE = 5.0  # m: safe if no taker is nearer
 HOLD_SCORE = 90.0
-PER_METRE = 4.0  # degrees per metre of distance from the nearest taker
+PER_METER = 4.0  # degrees per meter of distance from the nearest taker
 
 Policy = Callable[[View, Random], int]
 """Returns `HOLD` or i > 0 for a pass to the i-th closest team mate."""
@@ -39,7 +39,7 @@ def hand(view: View, random: Random) -> int:
             continue
         open_by = min(math.hypot(t.x - mate.x, t.y - mate.y) for t in view.takers)
         angle = min(_angle(passer, mate, taker) for taker in view.takers)
-        score = PER_METRE * open_by + math.degrees(angle)
+        score = PER_METER * open_by + math.degrees(angle)
         if score > most:
             best, most = number, score
     return best

@@ -25,7 +25,7 @@ def open_point(
     others: Sequence[complex],
     opponents: Sequence[complex],
 ) -> complex:
-    """Return the least congested grid point that a pass can reach, or the centre.
+    """Return the least congested grid point that a pass can reach, or the center.
 
     Args:
         size: of the box, m.

@@ -1,6 +1,6 @@
 """A keeper that goes to where the ball is, not to where it will be.
 
-Modelled on a keeper recorded on the real simulator, simple enough to derive its rules from the
+Modeled on a keeper recorded on the real simulator, simple enough to derive its rules from the
 recording: `ServoKeeper` repeats 623 of its 629 commands. So where its results differ from those on
 the real simulator, the worlds differ.
 """

@@ -106,7 +106,7 @@ def draw_film(
 
     Args:
         filmed: what happened.
-        width, height: of the field, m, which is centred on the origin.
+        width, height: of the field, m, which is centered on the origin.
         path: of the film; the suffix selects the format.
         advance: called with the number of pictures drawn.
         pixels: width of the pictures.

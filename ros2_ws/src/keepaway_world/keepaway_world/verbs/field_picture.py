@@ -28,7 +28,7 @@ def draw_field(
 
     Args:
         moments: everything in the world, one entry per moment.
-        width, height: of the field, m, which is centred on the origin.
+        width, height: of the field, m, which is centered on the origin.
         path: of the picture; the suffix selects the format.
         title: of the picture.
     """
@@ -53,7 +53,7 @@ def draw_moment(
     Args:
         axes: to draw on.
         moment: everything in the world.
-        width, height: of the field, m, which is centred on the origin.
+        width, height: of the field, m, which is centered on the origin.
         paths: by the name of a thing, the moments whose path is drawn.
     """
     margin = 0.08 * width
@@ -72,7 +72,7 @@ def draw_moment(
 
 
 def _rectangle(left: float, low: float, **style: Any) -> Any:
-    """Return one that is centred on the origin."""
+    """Return one that is centered on the origin."""
     from matplotlib.patches import Rectangle
 
     return Rectangle((left, low), -2.0 * left, -2.0 * low, **style)
