@@ -20,6 +20,7 @@ from statistics import mean, stdev
 from typing import Annotated, Any
 
 import typer
+from finished_runs import FinishedRuns, Resume
 from scipy.stats import t as student_t
 
 from foraging_world.domain import DOMAIN
@@ -165,16 +166,28 @@ def summary(results: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def play_all(
-    fields: Sequence[str], seeds: Sequence[int], seconds: float, processes: int
+    fields: Sequence[str],
+    seeds: Sequence[int],
+    seconds: float,
+    processes: int,
+    finished: FinishedRuns,
 ) -> dict[str, Any]:
-    """Play all runs; return the results."""
-    plan = [(field, swarm, seed) for field in fields for swarm in SWARMS for seed in seeds]
-    played: dict[tuple[str, str, int], dict[str, float]] = {}
+    """Play all runs but those that have finished; return the results."""
+    plan = {
+        f"{field}, {swarm}, seed {seed}": (field, swarm, seed)
+        for field in fields
+        for swarm in SWARMS
+        for seed in seeds
+    }
+    missing = {name: run for name, run in plan.items() if name not in finished.figures}
     with ProcessPoolExecutor(processes) as pool:
-        for run, measures in zip(plan, pool.map(partial(measure, seconds), plan), strict=True):
-            played[run] = measures
-            print(f"\r{len(played)} of {len(plan)} runs", end="", file=sys.stderr, flush=True)
+        playing = pool.map(partial(measure, seconds), missing.values())
+        for count, (name, measures) in enumerate(zip(missing, playing, strict=True), 1):
+            finished.add(name, measures)
+            done = len(plan) - len(missing) + count
+            print(f"\r{done} of {len(plan)} runs", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
+    played = {run: finished.figures[name] for name, run in plan.items()}
     return {
         "seeds": list(seeds),
         "seconds": seconds,
@@ -200,6 +213,7 @@ def main(
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
     read: Annotated[str, typer.Option(help="Play nothing; read this JSON file.")] = "",
     plot: Annotated[str, typer.Option(help="File for a plot, PNG or SVG.")] = "",
+    resume: Resume = "",
 ) -> None:
     """Compare foragers without commanders, with one level and with two."""
     fields = fields or list(FIELDS)
@@ -209,7 +223,9 @@ def main(
     if read:
         results = json_module.loads(Path(read).read_text(encoding="utf-8"))
     else:
-        results = play_all(fields, range(first_seed, first_seed + runs), seconds, processes)
+        finished = FinishedRuns(resume, {"seconds": seconds})
+        seeds = range(first_seed, first_seed + runs)
+        results = play_all(fields, seeds, seconds, processes, finished)
     figures = summary(results)
     report(figures)
     if json:

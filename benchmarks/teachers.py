@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import json as js
 import time
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
@@ -29,10 +28,11 @@ from typing import Annotated, Any
 
 import typer
 from agreement import decisions, objections
+from finished_runs import FinishedRuns, Resume
 from habits import Habits
 from intentions import INTENTIONS, Intention
-from peers import OPTIONS, TITLES
 from peers_of_people import TASK, teams_of_peers
+from people_tables import diagnosis, peers_rows, row
 from pupils import InProcessPupil
 from simulated_people import Person
 from tasks import TRIED_SEED, Team
@@ -58,9 +58,6 @@ HOPELESS = (20, 0.4)
 
 TRIES = 10
 """Episodes in which the settings of a peer are tried."""
-
-OBJECTION = 0.1
-"""A kind of decision counts as learned otherwise if more than this part of it was not intended."""
 
 AIDS = (
     "reaction",
@@ -232,17 +229,20 @@ def _no_team(failure: str, pupil: InProcessPupil | TopicPupil) -> dict[str, Any]
 
 
 def measure(
-    people: Sequence[int], setting: Setting, jobs: int, title: str
+    people: Sequence[int], setting: Setting, jobs: int, title: str, finished: FinishedRuns
 ) -> list[dict[str, Any]]:
-    """Measure some people; Ctrl-C returns those that are done."""
-    done: list[dict[str, Any]] = []
+    """Measure some people, but those that have finished; Ctrl-C returns those that are done."""
+    names = {number: f"{title}, person {number}" for number in people}
+    done = [finished.figures[name] for name in names.values() if name in finished.figures]
+    people = [number for number in people if names[number] not in finished.figures]
     began = time.monotonic()
 
     def note(figures: dict[str, Any]) -> None:
+        finished.add(names[figures["person"]], figures)
         done.append(figures)
         good = sum(f["success"] for f in done)
         print(
-            f"\r  {title}: {len(done)}/{len(people)} people, {good} succeeded, "
+            f"\r  {title}: {len(done)}/{len(names)} people, {good} succeeded, "
             f"{time.monotonic() - began:.0f} s   ",
             end="",
             flush=True,
@@ -262,40 +262,6 @@ def measure(
         print("\n  interrupted; these are the figures so far", end="")
     print()
     return sorted(done, key=lambda f: f["person"])
-
-
-def interval(good: int, of: int) -> tuple[float, float]:
-    """Return the 95 % confidence interval of a fraction that was counted.
-
-    Reference: E. B. Wilson, Probable inference, Journal of the American Statistical Association
-    22, 1927.
-    """
-    z = 1.96
-    middle = (good + z * z / 2) / (of + z * z)
-    half = z * (good * (of - good) / of + z * z / 4) ** 0.5 / (of + z * z)
-    return max(0.0, middle - half), min(1.0, middle + half)
-
-
-def row(title: str, people: Sequence[Mapping[str, Any]]) -> str:
-    """Return one line of a table."""
-    if not people:
-        return f"{title:48} nobody"
-    counts: Counter[str] = Counter()
-    for p in people:
-        counts.update(p.get("counts", {}))
-    ratio = [p["hold_s"] / p["own_s"] for p in people]
-    spread = stdev(ratio) / len(ratio) ** 0.5 if len(ratio) > 1 else 0.0
-    good = sum(p["success"] for p in people)
-    low, high = interval(good, len(people))
-    return (
-        f"{title:48} {good:3}/{len(people):<3} ({low:.0%} to {high:.0%})  "
-        f"hold {fmean(p['hold_s'] for p in people):5.1f} s  "
-        f"own {fmean(p['own_s'] for p in people):5.1f} s  "
-        f"of own {fmean(ratio):.2f} ± {spread:.2f}  "
-        f"examples {fmean(p['held'] for p in people):4.1f} "
-        f"of {fmean(p['given'] for p in people):4.1f}  "
-        f"commands {counts['commands'] / len(people):4.1f}"
-    )
 
 
 CAUSES: Mapping[str, Callable[[Habits], Habits]] = {
@@ -319,31 +285,6 @@ def span(text: str) -> tuple[float, float]:
     if not 0.0 <= span[0] <= span[1] <= 2.0:
         raise typer.BadParameter(f"{text}: give two times from 0 to 2 s, the shorter one first")
     return span
-
-
-def peers_rows(title: str, people: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return lines on what other learners have made of the same commands."""
-    nothing = {"hold_s": 0.0, "success": False}
-    return [
-        row(
-            f"{title}, {TITLES[name]}",
-            [{**p, **p.get("peers", {}).get(name, nothing)} for p in people],
-        )
-        for name in OPTIONS
-    ]
-
-
-def diagnosis(people: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return lines on the decisions that were learned otherwise than intended, the worst first."""
-    failed: Counter[str] = Counter()
-    good: Counter[str] = Counter()
-    for figures in people:
-        kinds = [k for k, share in figures.get("objections", {}).items() if share > OBJECTION]
-        (good if figures["success"] else failed).update(kinds)
-    lines = [f"    {'decision learned otherwise':44} failed  succeeded"]
-    for kind in sorted(failed + good, key=lambda kind: -(failed + good)[kind])[:16]:
-        lines.append(f"    {kind:44} {failed[kind]:6} {good[kind]:10}")
-    return lines
 
 
 def settings(habits: Habits, causes: bool, only: Sequence[str]) -> dict[str, Habits]:
@@ -399,6 +340,7 @@ def main(
     seed: Annotated[int, typer.Option(help="Seed of people and games.")] = 2026,
     jobs: Annotated[int, typer.Option(help="Processes.", min=1)] = 1,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+    resume: Resume = "",
 ) -> None:
     """Have simulated people train keepers, and measure how many succeed."""
     off = {*(without or ())}
@@ -411,14 +353,17 @@ def main(
     setting = Setting(
         habits, aids, episodes, seed, budget, diagnose, own_episodes, peers, over_topics
     )
+    given = {**asdict(setting), "aids": sorted(setting.aids)}
+    finished = FinishedRuns(resume, given)
     measured: dict[str, list[dict[str, Any]]] = {}
     asked = settings(habits, causes, only or ())
     for title, case in cases(setting, asked, each_aid).items():
-        found = measure(range(first, first + people), case, jobs, title)
+        found = measure(range(first, first + people), case, jobs, title, finished)
         measured[title] = found
         if json:
-            content = {**asdict(setting), "aids": sorted(setting.aids), "people": measured}
-            Path(json).write_text(js.dumps(content, indent=1) + "\n", encoding="utf-8")
+            Path(json).write_text(
+                js.dumps({**given, "people": measured}, indent=1) + "\n", encoding="utf-8"
+            )
         if len(found) < people:
             break  # interrupted
     for title, found in measured.items():

@@ -168,26 +168,43 @@ class Person:
         self.page.remove_listener("console", self._hear)
         self.page.remove_listener("pageerror", self._hear_error)
 
+    @contextlib.contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Tell what the page shows instead, if what is expected does not come."""
+        from playwright.sync_api import TimeoutError as Late
+
+        try:
+            yield
+        except Late as late:
+            shown = self.page.inner_text("body", timeout=5_000)
+            complaints = "\n".join(self.complaints)
+            raise AssertionError(f"{late}\nthe page shows:\n{shown}\n{complaints}") from None
+
     def click(self, name: str) -> None:
         """Click what has this name."""
-        self.page.click(f'[data-test="{name}"]')
+        with self._telling():
+            self.page.click(f'[data-test="{name}"]')
 
     def type(self, name: str, text: str) -> None:
         """Type into what has this name."""
-        self.page.fill(f'[data-test="{name}"]', text)
+        with self._telling():
+            self.page.fill(f'[data-test="{name}"]', text)
 
     def tick(self, name: str) -> None:
         """Tick a box."""
-        self.page.check(f'[data-test="{name}"]', force=True)
+        with self._telling():
+            self.page.check(f'[data-test="{name}"]', force=True)
 
     def sees(self, name: str, text: str = "") -> Any:
         """Wait for something to be shown, and for a text in it."""
         suffix = f":has-text('{text}')" if text else ""
-        return self.page.wait_for_selector(f'[data-test="{name}"]{suffix}')
+        with self._telling():
+            return self.page.wait_for_selector(f'[data-test="{name}"]{suffix}')
 
     def does_not_see(self, name: str) -> None:
         """Wait for something not to be shown any more."""
-        self.page.wait_for_selector(f'[data-test="{name}"]', state="detached")
+        with self._telling():
+            self.page.wait_for_selector(f'[data-test="{name}"]', state="detached")
 
     def text(self, name: str) -> str:
         """Return what stands there."""

@@ -25,6 +25,7 @@ from habits import Diary, Habits
 from intentions import INTENTIONS, KICKABLE, OFF, Intention, Plan
 from peers import OPTIONS
 from peers_of_people import commands_of
+from people_tables import interval
 from practice import approaching
 from pupils import InProcessPupil
 from second_thoughts import SecondThoughts, as_seen
@@ -424,6 +425,34 @@ def test_the_benchmark_prints_and_writes_its_figures(tmp_path):
     assert "as asked, nearest neighbors" in result.output
 
 
+def test_an_interrupted_benchmark_goes_on_with_what_it_has_finished(tmp_path, monkeypatch):
+    app = typer.Typer()
+    app.command()(teachers.main)
+    kept = tmp_path / "kept.jsonl"
+    arguments = ["--episodes", "2", "--own-episodes", "2", "--resume", str(kept), "--people"]
+    whole = CliRunner().invoke(app, [*arguments, "2"])
+    assert whole.exit_code == 0, whole.output
+    lines = kept.read_text().splitlines(keepends=True)
+    kept.write_text("".join(lines[:2]) + lines[2][:9])  # killed while it wrote
+
+    trained: list[int] = []
+    train_and_play = teachers.train_and_play
+
+    def watched(number, setting):
+        trained.append(number)
+        return train_and_play(number, setting)
+
+    monkeypatch.setattr(teachers, "train_and_play", watched)
+    again = CliRunner().invoke(app, [*arguments, "2"])
+    assert trained == [1]
+    assert again.output.splitlines()[-1] == whole.output.splitlines()[-1]
+    assert kept.read_text() == "".join(lines)
+
+    other = CliRunner().invoke(app, [*arguments, "2", "--seed", "5"])
+    assert other.exit_code == 2
+    assert "name another file" in " ".join(other.output.split())
+
+
 def test_other_learners_get_the_commands_as_commands_of_basic_behaviors(pupil):
     trained(NOTHING, pupil)
     learned = dict(pupil.repertoire.automata)
@@ -465,9 +494,9 @@ def test_each_aid_is_switched_off_by_itself():
 
 
 def test_the_interval_of_a_count_is_wilsons():
-    assert teachers.interval(13, 20) == pytest.approx((0.433, 0.819), abs=5e-4)
-    assert teachers.interval(0, 10) == pytest.approx((0.0, 0.278), abs=5e-4)
-    assert teachers.interval(10, 10) == pytest.approx((0.722, 1.0), abs=5e-4)
+    assert interval(13, 20) == pytest.approx((0.433, 0.819), abs=5e-4)
+    assert interval(0, 10) == pytest.approx((0.0, 0.278), abs=5e-4)
+    assert interval(10, 10) == pytest.approx((0.722, 1.0), abs=5e-4)
 
 
 @pytest.mark.parametrize(("sides", "state"), [(True, "TurnToBall"), (False, "Stop")])
