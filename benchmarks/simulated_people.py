@@ -35,6 +35,8 @@ MENDING = 6
 MENDED = 47 / 60
 """The part of the budget that may be spent by then: the rest is for the top-level plan."""
 
+ROUNDS = 3
+"""How often a person goes back from the games to what goes wrong in them."""
 
 AGAIN = 3
 """How often a person shows what to begin with before giving up."""
@@ -101,22 +103,32 @@ class Person:
         if team is None:
             return self._ended(pupil, top)
 
+        # The first time, some of what is left of the budget is kept for the games themselves.
+        for kept in (MENDING, *[0] * (ROUNDS - 1)):
+            self._mend(pupil, courses, team, self.budget - (0 if team.content else kept))
+            if not team.content:
+                pupil.perform(top.name)
+                pupil.begin(top, resume=True)
+                self._bootstrap(team, top)
+            if team.content or team.exhausted:
+                break
+        return self.diary
+
+    def _mend(self, pupil: Pupil, courses: Sequence[Course], team: Course, allowance: int) -> None:
+        """Go back to what is not good yet, as far as the budget allows.
+
+        First to what went wrong in games, then to what lost a command.
+        """
+
         def urgency(course: Course) -> tuple[int, bool]:
             return -team.troubles[course.plan.name], not course.memory.lost
 
-        # What is left of the budget goes to what is not good yet, first to what goes wrong in
-        # games, then to what lost a command; some is kept for the games themselves.
         for course in sorted(courses, key=urgency):
             name = course.plan.name
-            course.allowance = self.budget - (0 if team.content else MENDING)
+            course.allowance = allowance
             content = name in self.diary.content and team.troubles[name] < NOTICED
             if not content and not course.exhausted:
                 self._resume(pupil, course)
-        if not team.content:
-            pupil.perform(top.name)
-            pupil.begin(top, resume=True)
-            self._bootstrap(team, top)
-        return self.diary
 
     def _resume(self, pupil: Pupil, course: Course) -> None:
         """Go on with the training of a plan."""
@@ -160,7 +172,7 @@ class Person:
             if not course.hand_out(plan):
                 return False
         course.troubles.clear()
-        course.practise(playing, guided=0, content=2, trials=12)
+        course.practise(playing, guided=0, content=4, trials=16)
         return course.save()
 
 

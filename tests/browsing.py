@@ -237,7 +237,8 @@ class Person:
         self.page.wait_for_function("window.studioField?.now")
 
     def drags(self, name: str, x: float, y: float) -> None:
-        """Drag a thing to a place of the field."""
+        """Drag a thing to a place of the field, once no dialog covers it any more."""
+        self.page.wait_for_selector("[data-modal]", state="detached")
         mouse = self.page.mouse
         mouse.move(*self.on_screen(*self.place_of(name)))
         mouse.down()
