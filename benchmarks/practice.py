@@ -171,7 +171,7 @@ def having_the_ball(random: Random, turn: int) -> Scene:
 
 
 def being_open(random: Random, turn: int) -> Scene:
-    """Give the ball to a team mate, with a taker near it."""
+    """Give the ball to a teammate, with a taker near it."""
     return Scene(
         (
             _at("keeper_1", 8.0 + random.uniform(-1, 1), 8.0 + random.uniform(-1, 1), math.pi),

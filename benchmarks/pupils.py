@@ -115,10 +115,10 @@ class Pupil(Protocol):
         """Answer a question; "": dismiss it."""
 
     def save(self, *, keep_unused: bool = False) -> None:
-        """Save what was trained and give it to the team mates."""
+        """Save what was trained and give it to the teammates."""
 
     def perform(self, behavior: str) -> None:
-        """Have the team mates perform a behavior; "": nothing."""
+        """Have the teammates perform a behavior; "": nothing."""
 
 
 def learner(*, sides: bool = True, ahead: bool = True) -> str:
@@ -273,14 +273,14 @@ class InProcessPupil:
         return session
 
     def save(self, *, keep_unused: bool = False) -> None:
-        """Save what was trained and give it to the team mates."""
+        """Save what was trained and give it to the teammates."""
         self._held_before[self._plan] = len(self._session.examples)
         self._pupil.save(keep_unused=keep_unused)
         for mate in self._mates:
             mate.reload()
 
     def perform(self, behavior: str) -> None:
-        """Have the team mates perform a behavior; "": nothing."""
+        """Have the teammates perform a behavior; "": nothing."""
         for mate in self._mates:
             mate.perform(Use.parse(behavior) if behavior else None)
 

@@ -166,7 +166,7 @@ class Person:
         return course if self._bootstrap(course, plan) else None
 
     def _bootstrap(self, course: Course, plan: Plan) -> bool:
-        """Train the top-level plan among team mates who perform it; see `_train_team`."""
+        """Train the top-level plan among teammates who perform it; see `_train_team`."""
         for stage in (having_the_ball, being_open):
             course.practise(stage, guided=1, content=1, trials=4)
             if not course.hand_out(plan):

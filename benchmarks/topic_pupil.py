@@ -208,13 +208,13 @@ class TopicPupil:
     # -- the team ---------------------------------------------------------------------------
 
     def save(self, *, keep_unused: bool = False) -> None:
-        """Save what was trained and give it to the team mates."""
+        """Save what was trained and give it to the teammates."""
         self._agents.save(PUPIL, keep_unused=keep_unused)
         told = self._agents.distribute(PUPIL, self._plan)
         if missed := [*told.refused.values(), *told.silent]:
             raise SwarmError(f"not all have it: {some(missed)}")
 
     def perform(self, behavior: str) -> None:
-        """Have the team mates perform a behavior; "": nothing."""
+        """Have the teammates perform a behavior; "": nothing."""
         for mate in MATES:
             self._agents.perform(mate, behavior)

@@ -185,7 +185,7 @@ class SwarmClient(AgentPresence):
         return self.ask(agent, SetMode, names.SET_MODE, mode=mode, restart=restart)
 
     def discard(self, agent: str) -> Any:
-        """Give up an agent's training with its unsaved examples; the agent is idle then."""
+        """Give up an agent's training with its unsaved examples; the agent is idle afterwards."""
         return self.ask(agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True)
 
     def edit_examples(

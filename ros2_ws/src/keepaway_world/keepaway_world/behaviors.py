@@ -66,10 +66,10 @@ def turn_to_ball(body: KeeperBody) -> None:
 
 
 def most_open_keeper(body: KeeperBody) -> int:
-    """Return the place of the team mate to pass to.
+    """Return the place of the teammate to pass to.
 
     It is the one with the largest angle, seen from the passer, to the closest taker; on a tie, the
-    lowest number. Without takers, it is the closest team mate.
+    lowest number. Without takers, it is the closest teammate.
     """
     taker = body.closest_taker()
     if taker == NOBODY:
@@ -83,7 +83,7 @@ def most_open_keeper(body: KeeperBody) -> int:
 
 
 def pass_ball(body: KeeperBody) -> None:
-    """Kick the ball once to the most open team mate and yell its number.
+    """Kick the ball once to the most open teammate and yell its number.
 
     The ball should arrive at 1.2 m/cycle. The kick accounts for the ball's motion and its place
     beside the player. If one kick is too weak, the ball leaves in the right direction as fast as
@@ -93,9 +93,9 @@ def pass_ball(body: KeeperBody) -> None:
 
 
 def pass_to(body: KeeperBody, receiver: int) -> None:
-    """Kick the ball once to the team mate at a place, as in `pass_ball`.
+    """Kick the ball once to the teammate at a place, as in `pass_ball`.
 
-    Does nothing if the ball is not kickable or there is no such team mate.
+    Does nothing if the ball is not kickable or there is no such teammate.
     """
     if not body.ball_is_kickable or receiver == NOBODY:
         return
@@ -120,9 +120,9 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
 
 
 def get_open(body: KeeperBody) -> None:
-    """Move away from the team mates, never out of the circle around the box's center.
+    """Move away from the teammates, never out of the circle around the box's center.
 
-    This is a simple potential field: each team mate repels with a force of 1/distance. The keeper
+    This is a simple potential field: each teammate repels with a force of 1/distance. The keeper
     goes a step along the sum of the forces, or to the nearest point on the circle (10 m in the
     paper's box). It turns if that place is not ahead, otherwise it dashes to come to rest there.
     """
@@ -179,11 +179,11 @@ BEHAVIORS = (
         "Pass",
         pass_ball,
         one_shot=True,
-        description="kick the ball to the most open team mate and yell to it",
+        description="kick the ball to the most open teammate and yell to it",
     ),
     BasicBehavior(
         "GetOpen",
         get_open,
-        description="move away from team mates, within 10 m of the center",
+        description="move away from teammates, within 10 m of the center",
     ),
 )

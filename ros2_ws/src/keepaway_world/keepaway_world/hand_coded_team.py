@@ -48,7 +48,7 @@ def begin_keepaway(closer: float) -> str:
     """Return what to do first: whoever is closest takes the ball.
 
     Args:
-        closer: 1 if a team mate is closer to the ball, else 0.
+        closer: 1 if a teammate is closer to the ball, else 0.
     """
     return "GetOpen" if closer else "ControlBall"
 

@@ -1,7 +1,7 @@
 """The takers: they go where they can first reach the ball, and hold it once they have it.
 
 Modeled on the UT Austin keepaway players (Stone et al.) on the real simulator: the taker closest
-to the ball stops it and holds it if it can kick; the others wait if a team mate has it; otherwise
+to the ball stops it and holds it if it can kick; the others wait if a teammate has it; otherwise
 each intercepts. Takers see everything exactly. Speeds are in m/cycle.
 """
 

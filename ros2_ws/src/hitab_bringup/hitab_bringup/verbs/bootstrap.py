@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from hitab_client.bootstrapping import Bootstrapping, Configuration, Generation, Generations
 
 app = typer.Typer(
-    help="Train a team by bootstrapping: one agent trains among mates that perform the same.",
+    help="Train a team by bootstrapping: one agent trains among teammates that perform the same.",
 )
 
 To = Annotated[
     list[str] | None,
-    typer.Option("--to", help="A team mate; repeat. Default: all others of the agent's domain."),
+    typer.Option("--to", help="A teammate; repeat. Default: all others of the agent's domain."),
 ]
 Episodes = Annotated[int, typer.Option(help="Episodes to play for the score; 0: no score.", min=0)]
 Seed = Annotated[int, typer.Option(help="Of these episodes.", min=0)]
@@ -83,9 +83,9 @@ def next_(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Make the next generation of what an agent is trained, and train on among mates with it.
+    """Make the next generation of what an agent is trained, and train on among teammates with it.
 
-    It is saved, given to the team mates, who perform it from Start, and evaluated. The training
+    It is saved, given to the teammates, who perform it from Start, and evaluated. The training
     goes on with the examples so far. Without --snapshot, --place or --wait it goes on as after
     the last generation.
 

@@ -242,6 +242,6 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
 
 
 def _with_description(name: str, kinds: list[str], description: str) -> str:
-    """Return a line such as ``Pass  one-shot: kick the ball to a team mate``."""
+    """Return a line such as ``Pass  one-shot: kick the ball to a teammate``."""
     said = ": ".join(filter(None, (", ".join(kinds), description)))
     return f"{name}  {said}" if said else name

@@ -262,7 +262,7 @@ def discard(
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Give up a training and its unsaved examples; the agent is idle then.
+    """Give up a training and its unsaved examples; the agent is idle afterwards.
 
     On a terminal it asks first if that is more than a few commands. What was saved before stays.
     The examples are kept in the folder of the agent's journals, beside those of earlier trainings.

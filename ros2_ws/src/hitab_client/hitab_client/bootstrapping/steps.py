@@ -1,6 +1,6 @@
 """Behavior bootstrapping, a generation at a time.
 
-If the right behavior depends on the team mates, these have to act while one is trained. So what is
+If the right behavior depends on the teammates, these have to act while one is trained. So what is
 being trained is saved and given to the team, which performs it, and the training goes on among
 them. Each such stage is a generation: it is kept with its score, and one can go back to it.
 """
@@ -48,7 +48,7 @@ class Bootstrapping:
         swarm: the agents.
         world: theirs; None: they have none.
         run_folder: that keeps the generations.
-        patience: how long to wait for the next answer of a team mate, s.
+        patience: how long to wait for the next answer of a teammate, s.
         say: called with each thing that is done.
         progress: called while it goes on.
 
@@ -88,12 +88,12 @@ class Bootstrapping:
     ) -> Generation:
         """Make the next generation of what an agent is being trained, and train on.
 
-        It is saved and kept, given to the team mates, who perform it, and evaluated. Then the
+        It is saved and kept, given to the teammates, who perform it, and evaluated. Then the
         training goes on with the same examples, in the configuration that is named.
 
         Args:
             agent: that is trained.
-            to: its team mates; by default all others of its domain.
+            to: its teammates; by default all others of its domain.
             note: to keep.
             evaluation: how to evaluate it.
             configuration: in which the training goes on; None: that of the last generation.
@@ -155,7 +155,7 @@ class Bootstrapping:
             agent: that is trained.
             behavior: that is trained.
             number: of the generation.
-            to: the team mates; by default all others of the agent's domain.
+            to: the teammates; by default all others of the agent's domain.
             discard: give up examples that are in no generation.
             evaluation: how to evaluate it, if it has no score yet.
             configuration: in which the training goes on; None: that of the generation.
@@ -264,7 +264,7 @@ class Bootstrapping:
     def _give(
         self, known: Generations, number: int, mates: Sequence[str], evaluation: Evaluation
     ) -> Generations:
-        """Give a generation to the team mates, have all perform it, and evaluate it."""
+        """Give a generation to the teammates, have all perform it, and evaluate it."""
         made = known.get(number)
         agent, behavior = known.agent, known.behavior
         rest = f"`hitab bootstrap back {agent} {behavior} {number}` does the rest"

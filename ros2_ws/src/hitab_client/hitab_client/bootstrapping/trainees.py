@@ -1,4 +1,4 @@
-"""The agent that is trained, and its team mates: what must hold before a generation is made."""
+"""The agent that is trained, and its teammates: what must hold before a generation is made."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
 
 
 def mates_of(swarm: SwarmClient, agent: str, to: Sequence[str]) -> list[str]:
-    """Return the team mates, once all are there and free."""
+    """Return the teammates, once all are there and free."""
     there = swarm.await_agents()
     for mate in to or swarm.expected:
         swarm.await_agent(mate)

@@ -98,7 +98,7 @@ def stop_ball(body: FullSpeedBody) -> None:
 
 
 def swift_pass_to(body: FullSpeedBody, mate: int) -> None:
-    """Kick the ball to a team mate as fast as its lane needs, and yell its number.
+    """Kick the ball to a teammate as fast as its lane needs, and yell its number.
 
     Does nothing if the ball is not kickable or there is no such mate.
     """

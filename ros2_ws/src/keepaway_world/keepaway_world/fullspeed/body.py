@@ -106,7 +106,7 @@ class FullSpeedBody(PredictiveBody):
         return min((math.dist(ball, self.place_of(t)) for t in self.takers), default=math.inf)
 
     def lane(self, mate: int) -> Lane:
-        """Return the best pass to a team mate; `NO_LANE` if the ball is not kickable."""
+        """Return the best pass to a teammate; `NO_LANE` if the ball is not kickable."""
         if mate not in self._lanes:
             self._lanes[mate] = self._best_pass(mate) if self.ball_is_kickable else NO_LANE
         return self._lanes[mate]

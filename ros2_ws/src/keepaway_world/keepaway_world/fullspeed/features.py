@@ -32,7 +32,7 @@ def lane_slack(body: FullSpeedBody, mate: int) -> float:
 
 
 def clearest_keeper(body: FullSpeedBody) -> int:
-    """Return the place of the team mate whose lane has the most slack."""
+    """Return the place of the teammate whose lane has the most slack."""
     return max(body.others, key=lambda mate: body.lane(mate).slack, default=NOBODY)
 
 
@@ -59,5 +59,5 @@ FEATURES = (
 )
 
 TARGETS = (
-    Target("clearest_keeper", clearest_keeper, "the team mate whose lane has the most slack"),
+    Target("clearest_keeper", clearest_keeper, "the teammate whose lane has the most slack"),
 )

@@ -29,7 +29,7 @@ SHIELD_FROM = 6.0  # m: a taker farther away is no danger, and the ball is only 
 RINGS = (0.35, 0.6, 0.8)  # of half the box: radii of OfferPass's rings of points
 SPOKES = 12  # points in each
 LANE_ENOUGH = 4.0  # m: a lane with this clearance is as good as any
-APART = 9.0  # m: a larger distance from team mates and takers is no better
+APART = 9.0  # m: a larger distance from teammates and takers is no better
 
 
 def go_to(body: PredictiveBody, place: Point) -> None:
@@ -87,7 +87,7 @@ def offer_pass(body: PredictiveBody) -> None:
     """Go to where a pass from the ball would be safe, away from all others.
 
     The target is a point on one of three rings around the center: it should have a clear lane from
-    the ball's future position, be far from takers and team mates, and be close to the keeper.
+    the ball's future position, be far from takers and teammates, and be close to the keeper.
     """
     x, y = body.position
     mates = [body.place_of(place) for place in body.others]

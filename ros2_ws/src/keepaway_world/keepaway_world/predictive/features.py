@@ -22,9 +22,9 @@ def a_teammate_is_faster_to_ball(body: PredictiveBody) -> float:
 
 
 def lane_clearance(body: PredictiveBody, place: int) -> float:
-    """Return the distance of the nearest taker from the line between ball and team mate, m.
+    """Return the distance of the nearest taker from the line between ball and teammate, m.
 
-    It is NaN if there is no such team mate and the box's diagonal if there are no takers.
+    It is NaN if there is no such teammate and the box's diagonal if there are no takers.
     """
     if place == NOBODY:
         return NAN

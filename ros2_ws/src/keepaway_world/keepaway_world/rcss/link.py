@@ -48,7 +48,7 @@ class Client:
         told: whether it has received any.
         thinking: whether the server waits for its ``(done)``.
         time: of the cycle, in the server's count.
-        heard: from its team mates.
+        heard: from its teammates.
         sighting: interprets what it sees; None if that is not used.
     """
 

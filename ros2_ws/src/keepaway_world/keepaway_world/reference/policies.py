@@ -17,7 +17,7 @@ HOLD_SCORE = 90.0
 PER_METER = 4.0  # degrees per meter of distance from the nearest taker
 
 Policy = Callable[[View, Random], int]
-"""Returns `HOLD` or i > 0 for a pass to the i-th closest team mate."""
+"""Returns `HOLD` or i > 0 for a pass to the i-th closest teammate."""
 
 
 def by_distance(players: Sequence[Seen], origin: Seen) -> list[Seen]:
@@ -53,7 +53,7 @@ def _angle(at: Seen, one: Seen, other: Seen) -> float:
 
 
 def rand(view: View, random: Random) -> int:
-    """Hold, or pass to any team mate, with equal chance."""
+    """Hold, or pass to any teammate, with equal chance."""
     return random.randrange(len(view.keepers))
 
 

@@ -23,14 +23,14 @@ PRESSED = 5.0  # m: it passes if a taker is nearer
 TURN_WHEN_OFF = math.radians(10.0)
 AT_REST = 0.1  # m/cycle below which it leaves the ball alone
 STOPPING_RATE = 0.02  # m/cycle² per unit of power, its assumption when it stops the ball
-CALLED = 15  # cycles for which it goes to the ball after a team mate's call
+CALLED = 15  # cycles for which it goes to the ball after a teammate's call
 
 
 class ServoKeeper:
     """Decides for one keeper; remembers that it was called.
 
     Args:
-        number: its own, which team mates call out.
+        number: its own, which teammates call out.
     """
 
     def __init__(self, number: int) -> None:
@@ -42,7 +42,7 @@ class ServoKeeper:
         self._called = 0
 
     def decide(self, view: View, heard: Sequence[str]) -> tuple[Order | None, str]:
-        """Return the command of a cycle, if any, and what it calls to a team mate."""
+        """Return the command of a cycle, if any, and what it calls to a teammate."""
         me, ball = view.me, view.ball
         if self._call in heard:
             self._called = CALLED + 1
@@ -74,7 +74,7 @@ def _apart(one: Seen, other: Seen) -> float:
 
 
 def _openness(view: View, mate: Seen) -> float:
-    """Return the smallest angle at the passer between a team mate and a taker."""
+    """Return the smallest angle at the passer between a teammate and a taker."""
 
     def direction(player: Seen) -> float:
         return math.atan2(player.y - view.me.y, player.x - view.me.x)
@@ -83,7 +83,7 @@ def _openness(view: View, mate: Seen) -> float:
 
 
 def _pass(view: View, receiver: Seen) -> Order:
-    """Return the kick after which the ball arrives at a team mate at 1.2 m/cycle."""
+    """Return the kick after which the ball arrives at a teammate at 1.2 m/cycle."""
     p, me, ball = view.parameters, view.me, view.ball
     way = complex(receiver.x - ball.x, receiver.y - ball.y)
     speed = PASS_ARRIVAL_SPEED + abs(way) * (1.0 - p.ball_decay)
