@@ -219,7 +219,7 @@ def main(
     fields = fields or list(FIELDS)
     unknown = sorted({*fields} - {*FIELDS})
     if unknown:
-        raise typer.BadParameter(f"no field {', '.join(unknown)} (has: {', '.join(FIELDS)})")
+        raise typer.BadParameter(f"no field {', '.join(unknown)} (known: {', '.join(FIELDS)})")
     if read:
         results = json_module.loads(Path(read).read_text(encoding="utf-8"))
     else:

@@ -233,7 +233,7 @@ def main(
     known = {made.name: made for made in TASKS}
     unknown = sorted({*(tasks or ())} - {*known})
     if unknown:
-        raise typer.BadParameter(f"no task {', '.join(unknown)} (has: {', '.join(known)})")
+        raise typer.BadParameter(f"no task {', '.join(unknown)} (known: {', '.join(known)})")
     if seed == TRIED_SEED:
         raise typer.BadParameter(f"seed {seed} is that of tried episodes; take another one")
     figures: dict[str, Any] = {"seed": seed, "tasks": {}}

@@ -145,7 +145,7 @@ def _numbers(text: str, option: str) -> list[float]:
 def _one_of(text: str, known: Sequence[str], option: str) -> None:
     if text not in known:
         there = ", ".join(known)
-        raise typer.BadParameter(f'there is no "{text}" (has: {there})', param_hint=option)
+        raise typer.BadParameter(f'there is no "{text}" (known: {there})', param_hint=option)
 
 
 def _game(text: str, side: float, sight: str, takers: str) -> KeepawayParameters:

@@ -60,7 +60,7 @@ def main(
 ) -> None:
     """Play episodes and print hold time, passes and how they ended; Ctrl-C prints those so far."""
     if sight not in SIGHTS:
-        raise typer.BadParameter(f'there is no "{sight}" (has: {", ".join(SIGHTS)})')
+        raise typer.BadParameter(f'there is no "{sight}" (known: {", ".join(SIGHTS)})')
     counts = size_of(game)
     full = sight == FULL
     settings, figures = settings_from_dict(

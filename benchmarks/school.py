@@ -207,7 +207,7 @@ class School:
     def _until(self, step: Until, lesson: Lesson) -> None:
         if not self._await(step.condition, step.within, self._agent(step)):
             told = step.condition.describe(self._view())
-            raise LessonError(f"{told} did not come within {step.within:g} s")
+            raise LessonError(f"waited {step.within:g} s in vain until {told}")
 
     def _never(self, step: Never, lesson: Lesson) -> None:
         if self._await(step.condition, step.within, self._agent(step)):

@@ -290,7 +290,7 @@ def span(text: str) -> tuple[float, float]:
 def settings(habits: Habits, causes: bool, only: Sequence[str]) -> dict[str, Habits]:
     """Return the habits to measure, by title."""
     if unknown := sorted({*only} - {*CAUSES}):
-        raise typer.BadParameter(f'there is no cause "{unknown[0]}" (has: {", ".join(CAUSES)})')
+        raise typer.BadParameter(f'there is no cause "{unknown[0]}" (known: {", ".join(CAUSES)})')
     if not causes and not only:
         return {"as asked": habits}
     return {title: make(habits) for title, make in CAUSES.items() if not only or title in only}
@@ -345,7 +345,7 @@ def main(
     """Have simulated people train keepers, and measure how many succeed."""
     off = {*(without or ())}
     if unknown := sorted(off - {*AIDS}):
-        raise typer.BadParameter(f'there is no aid "{unknown[0]}" (has: {", ".join(AIDS)})')
+        raise typer.BadParameter(f'there is no aid "{unknown[0]}" (known: {", ".join(AIDS)})')
     habits = Habits(reaction=span(reaction), waver=waver, inattention=inattention, wrong=wrong)
     aids = frozenset(AIDS) - off
     if over_topics and (off or each_aid):

@@ -20,7 +20,7 @@ def training(keepers):
 
 
 COMMANDS = [
-    (("GoFats", []), 'unknown behavior "GoFats" (has: GetOpen, GoFast'),
+    (("GoFats", []), 'unknown behavior "GoFats" (known: GetOpen, GoFast'),
     (("GoFast", ["ball"]), 'behavior "GoFast" takes no targets, not 1; write GoFast'),
     (("Start", []), "Start cannot be commanded"),
     (("Near", []), "recursive automaton"),
@@ -124,7 +124,7 @@ def test_a_command_sent_again_is_not_obeyed_twice_though_others_commanded_since(
 
 def test_wrong_edits_are_refused(training):
     for arguments, expected in (
-        (("delete", [99]), r"no example number 99 \(has: 1, 2\)"),
+        (("delete", [99]), r"no example number 99 \(known: 1, 2\)"),
         (("relabel", [1], "GoFats"), 'unknown behavior "GoFats"'),
         (("erase", [1]), 'unknown action "erase"'),
     ):
@@ -135,7 +135,9 @@ def test_wrong_edits_are_refused(training):
 def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
     agents = training.agents
     (tmp_path / "Bad.hfa.yaml").write_text("format: 99\nname: Bad\n")
-    with pytest.raises(SwarmError, match=r"Bad\.hfa\.yaml, cannot be used: line 1: has format 99"):
+    with pytest.raises(
+        SwarmError, match=r"Bad\.hfa\.yaml, cannot be used: line 1: has format version 99"
+    ):
         agents.load_library("keeper_2", str(tmp_path))
     for folder in ("nowhere", "~nobody/library", str(tmp_path / "Bad.hfa.yaml")):
         with pytest.raises(SwarmError, match="is not a folder"):
@@ -185,7 +187,11 @@ def test_a_world_keeps_a_bounded_number_of_snapshots(training):
 
 CALLS = [
     (("demonstrate", AGENT, "GoFats"), 'unknown behavior "GoFats"', 'Did you mean "GoFast"?'),
-    (("demonstrate", "keeper_9", "Stop"), 'no agent "keeper_9" answers (has: keeper_1', "Did you"),
+    (
+        ("demonstrate", "keeper_9", "Stop"),
+        'no agent "keeper_9" answers (known: keeper_1',
+        "Did you",
+    ),
     (("train", AGENT, "A", "-f", "DistanceTo(bal)", "--discard"), 'target "bal"', '"ball"?'),
     (("perform", "keeper_2", "Stop", "ball"), "takes no targets, not 1", ""),
     (("world", "place", "bal", "x=1"), "the world refuses", '"bal"'),

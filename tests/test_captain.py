@@ -80,9 +80,11 @@ def test_a_person_orders_by_the_command_line_and_sees_who_obeys(team, view, hita
     assert "captain performs Captain and orders" in back.stdout
     refused = hitab("order", "captain", "Attack")
     assert refused.returncode == 1
-    assert 'unknown behavior "Attack" (has: Captain, Freeze, Keepaway, Regroup)' in refused.stderr
+    assert (
+        'unknown behavior "Attack" (known: Captain, Freeze, Keepaway, Regroup)' in refused.stderr
+    )
     refused = hitab("order", "keeper_1", "Freeze")
-    assert "keeper_1 is not a commander (has: captain)" in refused.stderr
+    assert "keeper_1 is not a commander (known: captain)" in refused.stderr
     checked = hitab("library", "check", "--agent", "captain")
     assert checked.returncode == 0, checked.stderr
 

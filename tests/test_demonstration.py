@@ -275,7 +275,9 @@ def test_beginning_another_training_says_what_it_discards(begun, hitab):
 
 
 def test_a_training_is_discarded_on_going_idle_only(begun):
-    with pytest.raises(SwarmError, match='only on going idle; set mode "idle", not "testing"'):
+    with pytest.raises(
+        SwarmError, match='by an agent that goes idle; set mode "idle", not "testing"'
+    ):
         begun.agents.ask(ONE, SetMode, "set_mode", mode="testing", discard=True)
 
 

@@ -315,7 +315,7 @@ def test_a_gamepad_trains_a_robot_and_drives_it_while_its_switch_is_held(desk, g
     for number in range(500):  # a storm from a broken contact
         gamepad.hold(LB, *([A] if number % 2 else []))
         gamepad.tell()
-    gamepad.until(lambda: gamepad.says("an axis of the joystick is no number"))
+    gamepad.until(lambda: gamepad.says("an axis of the joystick is not a number"))
     assert desk.moves()
     gamepad.press_until(lambda: desk.switch.engaged, RB)
 

@@ -123,5 +123,5 @@ def test_a_figure_of_the_game_that_cannot_be_is_told(hitab, taught, pace):
 def test_a_behavior_that_is_not_in_the_library_is_told(hitab, taught):
     done = hitab("keepaway", "evaluate", "-l", str(taught.library), "--behavior", "Keepawya")
     assert done.returncode == 1
-    assert 'has no behavior "Keepawya" (has: ApproachBall' in done.stderr
+    assert 'has no behavior "Keepawya" (known: ApproachBall' in done.stderr
     assert 'Did you mean "Keepaway"?' in done.stderr

@@ -148,7 +148,11 @@ def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):
 @pytest.mark.parametrize(
     ("steps", "line", "expected"),
     [
-        ("  - until: {said: keeper_1}\n    within: 0.5\n", 8, "has yelled did not come within"),
+        (
+            "  - until: {said: keeper_1}\n    within: 0.5\n",
+            8,
+            "waited 0.5 s in vain until keeper_1 has said",
+        ),
         ("  - check: {speed: keeper_1, above: 1}\n    within: 0.5\n", 8, "teach more examples"),
         ("  - never: {seconds: 0.2}\n", 8, "but should not"),
         ("  - command: Dance\n", 8, 'step `command`: keeper_1: unknown behavior "Dance"'),

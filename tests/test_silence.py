@@ -129,5 +129,5 @@ def test_an_agent_that_runs_but_does_not_answer_is_silent_for_as_long_as_it_was_
 def test_a_name_that_the_swarm_does_not_have_is_answered_with_its_names(swarm, hitab):
     done = hitab("vocabulary", "kepper_2")
     assert done.returncode == 1
-    assert 'no agent "kepper_2" answers (has: keeper_1, keeper_2, keeper_3. Did' in done.stderr
+    assert 'no agent "kepper_2" answers (known: keeper_1, keeper_2, keeper_3. Did' in done.stderr
     assert "SWARM.yaml" not in done.stderr

@@ -205,7 +205,7 @@ class ForagingWorld:
             raise WorldError(
                 f"{name} cannot be moved; move foragers or boxes"
                 if fixed
-                else f'nothing is called "{name}" (has: forager_1 to {self.agents[-1]}'
+                else f'nothing is called "{name}" (known: forager_1 to {self.agents[-1]}'
                 f"{''.join(f', {box}' for box in self._boxes)})"
                 f"{did_you_mean(name, [*self.agents, *self._boxes])}"
             )

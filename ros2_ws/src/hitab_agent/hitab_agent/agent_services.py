@@ -145,8 +145,8 @@ class AgentServices:
     def _discard(self, mode: str) -> str:
         if mode != Mode.IDLE:
             raise TrainingError(
-                f'a training can be discarded only on going idle; set mode "{Mode.IDLE}", '
-                f'not "{mode}"'
+                f"a training can be discarded only by an agent that goes idle; set mode "
+                f'"{Mode.IDLE}", not "{mode}"'
             )
         training = self._agent.training
         empty = f'"{training}", which had no examples' if training else "the interrupted training"

@@ -100,9 +100,9 @@ class OfflineAgent:
             found = self._node.agent.library_digest
             if found != known.digest:
                 raise LibraryError(
-                    f"what {name} knew when the recording began has another digest here "
-                    f"({found[:12]}… instead of {known.digest[:12]}…); use the version of HiTAB "
-                    f'and of domain "{domain}" that recorded it'
+                    f"the behaviors that {name} had when the recording began read differently here "
+                    f"(digest {found[:12]}… instead of {known.digest[:12]}…); use the version of "
+                    f'HiTAB and of domain "{domain}" that recorded it'
                 )
             self._node.join()
         except BaseException:

@@ -140,9 +140,9 @@ class Retracer:
         now = self._offline.status()
         if was.library_digest != now.library_digest:
             raise self._difference(
-                f"{was.agent} knew what has the digest {was.library_digest[:12]}…",
-                f"it knows what has {now.library_digest[:12]}…; behaviors that another agent "
-                "sent, or files changed by hand, cannot be taken from a recording",
+                f"the library of {was.agent} had the digest {was.library_digest[:12]}…",
+                f"it is {now.library_digest[:12]}…; behaviors that another agent sent, and files "
+                "that were changed by hand, are not in a recording",
             )
         if was.mode not in IN_TRAINING and now.mode not in IN_TRAINING:
             return

@@ -378,7 +378,7 @@ def test_a_goal_that_cannot_be_made_raises_failed_and_names_the_field(make):
     one, server = make(kind=domain(goal={"behavior": lambda body, place: 3.0}))
     one.agent.perform(Use("Walk"))
     one.ticks_until("Cry")
-    assert 'the field "behavior" must be a text, not 3.0' in one.faults
+    assert 'the field "behavior" must be text, not 3.0' in one.faults
     one.agent.domain.behaviors["GoTo"].goal["behavior"] = lambda body, place: body.nowhere
     one.agent.perform(Use("Walk"))
     one.ticks_until("Cry")
@@ -414,7 +414,7 @@ def test_agents_of_a_host_whose_behaviors_are_actions_decide_one_by_one(tmp_path
         ({"action_type": "no_such_msgs/action/Go"}, "install the package no_such_msgs"),
         ({"action_type": "hitab_msgs/action/Preform"}, 'Did you mean "Perform"'),
         ({"goal": {"behaviour": "x"}}, 'Did you mean "behavior"'),
-        ({"goal": {"behavior": 1}}, '"behavior" must be a text'),
+        ({"goal": {"behavior": 1}}, '"behavior" must be text'),
         ({"goal": {"behavior.name": "x"}}, "is not a message with fields"),
         ({"goal": {"targets": "home"}}, "must be a list"),
         ({"action": ""}, "it has no action"),

@@ -34,7 +34,7 @@ def told(*arguments: str) -> str:
         ("logs -n x", """'-n': it must be a whole number of at least 0, not "x\""""),
         ("world pace realtime --factor x", "'--factor': it must be a number of at least 0"),
         ("logs --levle warn", "No such option: --levle. Did you mean --level?"),
-        ("down --quickly", "No such option: --quickly (has: --all, --run-dir, --swarm)"),
+        ("down --quickly", "No such option: --quickly (known: --all, --run-dir, --swarm)"),
         ("logs --level loud", '--level: "loud" is not one of debug, info, warn, error, fatal'),
         ("step", "No such command 'step'. Did you mean `hitab world step`?"),
         ("world place keeper_1", 'where to put "keeper_1"? Write keeper_1 x=1 y=2 heading=90'),

@@ -129,7 +129,7 @@ def test_a_run_folder_tells_each_host_whom_to_run_and_each_library_its_kind(tmp_
         (
             "  a: {kind: Squad, commands: [scuot]}\n",
             12,
-            'there is no agent or commander "scuot" (has: scout',
+            'there is no agent or commander "scuot" (known: scout',
         ),
         ("  a: {kind: Squad, commands: [scuot]}\n", 12, 'Did you mean "scout"?'),
         ("  a: {kind: Sqad, commands: scout}\n", 12, 'there is no kind "Sqad" under `kinds:`'),
@@ -163,7 +163,7 @@ def test_an_order_must_mean_something_for_every_role_and_be_known_to_all(tmp_pat
     with pytest.raises(DescriptionError) as error:
         parse_swarm(text, tmp_path / "team.yaml")
     assert str(error.value).startswith(f"{tmp_path}/team.yaml:7: the order ")
-    assert 'gives "a" the unknown behavior "GoFsat" (has: ' in str(error.value)
+    assert 'gives "a" the unknown behavior "GoFsat" (known: ' in str(error.value)
 
 
 def test_what_is_wrong_with_a_kind_is_told_where_it_stands():

@@ -59,7 +59,7 @@ def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, ca
     monkeypatch.setenv("ROS_DOMAIN_ID", "abc")
     assert doctor() == 1
     told = capfd.readouterr().out
-    assert "error   ROS domain     ROS_DOMAIN_ID=abc is no number from 0 to 232" in told
+    assert "error   ROS domain     ROS_DOMAIN_ID=abc is not a number from 0 to 232" in told
     assert "unset ROS_DOMAIN_ID, or choose a number up to 101" in told
 
 
@@ -69,7 +69,7 @@ def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, ca
         (None, "ok", "not chosen: each swarm gets a free one"),
         ("7", "ok", "7: all commands mean swarms in this domain"),
         ("150", "warning", "150: its ports may be in use"),
-        ("233", "error", "is no number from 0 to 232"),
+        ("233", "error", "is not a number from 0 to 232"),
     ],
 )
 def test_the_domain_is_explained(said, level, text, monkeypatch):

@@ -121,7 +121,7 @@ def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_sam
     library_of(up.path / "libraries" / "keeper_2").remove("Keepaway")
     text = refused("library", "show", "ApproachBall", "--deep")
     assert "the libraries of swarm keepaway_trained differ" in text
-    assert "--agent (has: keeper_1, keeper_2, keeper_3)" in text
+    assert "--agent (known: keeper_1, keeper_2, keeper_3)" in text
     assert "Keepaway" not in done("library", "list", "--agent", "keeper_2")
     assert 'Did you mean "keeper_2"?' in refused("library", "list", "--agent", "keper_2")
 
@@ -272,7 +272,7 @@ def test_a_file_that_is_no_export_is_called_so(lib: Path, tmp_path: Path) -> Non
 def test_restoring_without_a_version_names_those_that_there_are(lib: Path) -> None:
     library_of(lib).remove("GotoBall", anyway=True)
     text = refused("library", "restore", "GotoBall", "-l", "lib")
-    assert 'say which version of "GotoBall" to restore (has: 1' in text
+    assert 'say which version of "GotoBall" to restore (known: 1' in text
     assert 'no version of "GotoBal" was kept' in refused(
         "library", "restore", "GotoBal", "-l", "lib"
     )

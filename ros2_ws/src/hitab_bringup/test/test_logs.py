@@ -69,7 +69,7 @@ def test_one_log_is_shown_without_names_and_an_agents_is_its_hosts(run):
 def test_a_name_that_never_ran_is_refused_with_those_that_did(run):
     result = hitab("logs", "d")
     assert result.exit_code == 1
-    assert 'nothing called "d" ran here (has: a, b, c, host_1, supervisor)' in result.stderr
+    assert 'nothing called "d" ran here (known: a, b, c, host_1, supervisor)' in result.stderr
 
 
 def test_the_last_run_is_shown_after_it_has_ended(run, monkeypatch):

@@ -189,7 +189,7 @@ def test_what_is_not_finite_reaches_a_node_as_a_number():
         (f'{AGENTS}processes: {{x: {{command: "sh \'a"}}}}\n', "`command:` No closing quotation"),
         (
             f"{AGENTS}processes: {{x: {{module: json, for: c}}}}\n",
-            '3: `for:` there is no line "c" under `agents:` (has: a, b)',
+            '3: `for:` there is no line "c" under `agents:` (known: a, b)',
         ),
         (
             f"{AGENTS}processes: {{a: {{module: json}}}}\n",

@@ -56,7 +56,7 @@ def test_what_is_no_hand_written_automaton_cannot_be_taken_out():
     text = "domain: keepaway_handcoded\nwithout: [GotoBal]\nagents:\n  a: {}\n  b: {}\n"
     assert complaint(text) == (
         '/somewhere/team.yaml:2: `without:` domain "keepaway_handcoded" cannot be without '
-        '"GotoBal", which is unknown; only hand-written automata can be taken out (has: '
+        '"GotoBal", which is unknown; only hand-written automata can be taken out (known: '
         'ControlBall, GotoBall, Keepaway. Did you mean "GotoBall"?)'
     )
     for_one = "domain: keepaway_handcoded\nagents:\n  a: {without: [Pass]}\n"
@@ -112,7 +112,7 @@ def test_an_agent_twice_is_refused_with_both_places():
 def test_an_unknown_domain_is_told_once_and_with_what_was_meant():
     told = complaint("domain: keepawya\nagents: {a: {}, b: {}}\n")
     assert told.count("\n") == 0
-    assert told.startswith('/somewhere/team.yaml:1: no domain "keepawya" is installed (has: ')
+    assert told.startswith('/somewhere/team.yaml:1: no domain "keepawya" is installed (known: ')
     assert 'Did you mean "keepaway"?); install the package' in told
 
 
@@ -124,7 +124,7 @@ def test_an_unknown_behavior_is_told_where_it_stands(tmp_path):
         "agents:\n  a: {behavior: Dance}\n  b: {behavior: Danse}\n"
     )
     told = complaint(text, tmp_path / "team.yaml")
-    assert told.startswith(f'{tmp_path}/team.yaml:5: unknown behavior "Danse" (has: Dance, ')
+    assert told.startswith(f'{tmp_path}/team.yaml:5: unknown behavior "Danse" (known: Dance, ')
     assert told.endswith('Did you mean "Dance"?)')
 
 
@@ -147,7 +147,7 @@ def test_a_missing_library_is_told_with_the_way_out():
         ("domain: keepaway\nworld: {kind: chess}\nagents: {a: {}}\n", 'unknown world "chess"'),
         (
             "domain: keepaway\nworld: {kind: keepaway, pace: fast}\nagents: {a: {}}\n",
-            "2: `pace: fast` is not known (has: lockstep, realtime)",
+            "2: `pace: fast` is not known (known: lockstep, realtime)",
         ),
         (
             "domain: keepaway\nworld: {kind: keepaway, parameters: {a: [1]}}\nagents: {a: {}}\n",

@@ -27,7 +27,7 @@ JsonPath = Annotated[
     typer.Option(
         "--json",
         metavar="PATH",
-        help="Write the figures as JSON; - for stdout.",
+        help="Write the output as JSON to this file; - for stdout.",
         show_default=False,
     ),
 ]

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import state_home
+from hitab_core.errors import newer_format
 from hitab_core.library.durable_files import file_errors, write_durably
 
 if TYPE_CHECKING:
@@ -49,10 +50,7 @@ def kept() -> Mapping[str, float]:
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
         if content["format"] > FORMAT:
-            raise SwarmError(
-                f"{path} has format {content['format']}, but this HiTAB reads up to {FORMAT}; "
-                "update HiTAB"
-            )
+            raise SwarmError(f"{path} {newer_format(content['format'], FORMAT)}")
         found = {str(name): float(s) for name, s in content["seconds"].items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, yaml.YAMLError) as error:
         raise SwarmError(

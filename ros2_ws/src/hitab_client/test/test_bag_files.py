@@ -157,10 +157,10 @@ def test_what_is_no_recording_is_refused_and_what_would_be_one_is_named(tmp_path
         )
     for text in (b"SQLite format 3\0", b"", b"#ROSBAG V2.0\n"):
         (tmp_path / "other.db3").write_bytes(text)
-        assert "other.db3 is no recording in MCAP" in refusal(tmp_path / "other.db3")
+        assert "other.db3 is not an MCAP recording" in refusal(tmp_path / "other.db3")
     assert "there is no such recording" in refusal(tmp_path / "absent.mcap")
     (tmp_path / "empty").mkdir()
-    assert "has no file of a bag (*.mcap)" in refusal(tmp_path / "empty")
+    assert "contains no file of a bag (*.mcap)" in refusal(tmp_path / "empty")
 
 
 def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:
@@ -174,9 +174,9 @@ def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:
 
 def test_a_recording_of_other_topics_names_what_is_missing(tmp_path: Path) -> None:
     write(tmp_path / "a.mcap", {"/one/status": msg.AgentStatus(agent="one")})
-    assert "has no session of an agent to train from" in refusal(tmp_path / "a.mcap")
+    assert "no agent can be trained from a.mcap" in refusal(tmp_path / "a.mcap")
     write(tmp_path / "b.mcap", session())
-    assert 'no session of an agent "two" (has: /one' in refusal(tmp_path / "b.mcap", "two")
+    assert 'no session of an agent "two" (known: /one' in refusal(tmp_path / "b.mcap", "two")
     without = session()
     del without["/one/status"]
     write(tmp_path / "c.mcap", without)

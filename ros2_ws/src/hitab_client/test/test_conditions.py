@@ -95,7 +95,7 @@ def test_a_condition_is_told_with_what_was_seen():
 def test_a_thing_that_is_not_there_is_told_with_what_was_meant():
     with pytest.raises(LessonError, match=r'no "bal" in the world .*Did you mean "ball"'):
         VIEW.distance("keeper_1", "bal")
-    with pytest.raises(LessonError, match=r'no "robot" here \(has: ball, keeper, taker\)'):
+    with pytest.raises(LessonError, match=r'no "robot" here \(known: ball, keeper, taker\)'):
         VIEW.distance("keeper_1", "closest robot")
 
 

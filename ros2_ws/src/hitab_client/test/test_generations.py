@@ -60,7 +60,10 @@ def test_what_is_kept_is_read_again(known, tmp_path):
     assert read == kept
     assert [g.number for g in read.all] == [1, 2, 3, 4]
     assert read.all[0].restart.things["keeper_1"]["heading"] == pytest.approx(3.14159, abs=1e-4)
-    assert read.all[0].restart.condition.describe() == "keeper_2 has yelled and keeper_1 in GoFast"
+    assert (
+        read.all[0].restart.condition.describe()
+        == "keeper_2 has said something and keeper_1 in GoFast"
+    )
     assert behaviors_in(known.folder) == ["Keepaway"]
 
 
@@ -73,7 +76,7 @@ def test_nothing_is_read_where_nothing_was_kept(known):
 def test_a_generation_that_is_not_there_is_named_with_those_that_are(known):
     few = known.with_(made(1)).with_(made(2))
     with pytest.raises(
-        SwarmError, match=r"Keepaway of keeper_1 has no generation 3 \(has: 1, 2\)"
+        SwarmError, match=r"Keepaway of keeper_1 has no generation 3 \(known: 1, 2\)"
     ):
         few.get(3)
 

@@ -46,7 +46,7 @@ def test_shipped_mappings_give_a_button_to_all_that_a_person_needs(name):
 @pytest.mark.parametrize(
     ("old", "new", "wrong"),
     [
-        ("hold: B", "hold: D", r"my.yaml:3: `D` is not among the buttons \(has: A, B, C, Up\)"),
+        ("hold: B", "hold: D", r"my.yaml:3: `D` is not among the buttons \(known: A, B, C, Up\)"),
         ("hold: B", "", "`hold:` is missing here"),
         ("hold: B", "hold: A", "my.yaml:4: `A` is used twice: for hold and for a behavior"),
         ("C: 2", "C: 0", "my.yaml:2: `C:` is the same button as A"),
@@ -60,7 +60,7 @@ def test_shipped_mappings_give_a_button_to_all_that_a_person_needs(name):
         (", above: 0.5", "", "needs either `above:` or `below:`"),
         ("-0.3", "0", "my.yaml:6: `speed: 0` must be a number other than 0"),
         ("-0.3", ".inf", "`speed: inf` must be a number other than 0"),
-        ("ahead:", "forward:", "`forward:` is not known here .has: ahead, left, turn"),
+        ("ahead:", "forward:", "`forward:` is not known here .known: ahead, left, turn"),
         ("driving:", "deadzone: 1\ndriving:", "`deadzone: 1` must be from 0 to 0.9"),
         ("driving:", "timeout: .nan\ndriving:", "`timeout: nan` must be from 0.05 to 2"),
         ("driving:", "format: 9\ndriving:", "has format version 9"),
@@ -74,5 +74,5 @@ def test_what_is_wrong_is_named_with_its_line(old, new, wrong):
 
 
 def test_a_mapping_that_is_not_there_names_those_that_are():
-    with pytest.raises(DescriptionError, match=r"none is shipped \(has: gamepad, xbox"):
+    with pytest.raises(DescriptionError, match=r"none is shipped \(known: gamepad, xbox"):
         read_mapping("xbx")

@@ -141,7 +141,7 @@ def test_an_order_that_cannot_be_obeyed_waits_and_tells_why(team):
     team.ant("a", "chief")
     team.perform("chief", "Sing")
     team.until(lambda: team.statuses["a"].order_waits)
-    assert 'cannot obey the order "Sing": unknown behavior "Sing" (has: Follow, Home' in (
+    assert 'cannot obey the order "Sing": unknown behavior "Sing" (known: Follow, Home' in (
         team.statuses["a"].last_error
     )
     team.perform("chief", "Retreat")

@@ -238,8 +238,8 @@ class LearningAgent:
     def _sense(self, percept: Sequence[float], heard: Sequence[str]) -> None:
         if self._size is not None and len(percept) != self._size:
             raise FeatureValueError(
-                f"this percept has {len(percept)} value(s), the first one had {self._size}; "
-                "pass the same values in each step"
+                f"this percept has {quantity(len(percept), 'value')}, the first one had "
+                f"{self._size}; pass the same values in each step"
             )
         self._cycle += 1
         self.agent.sense(percept, heard, self._cycle, self._cycle * self._period)

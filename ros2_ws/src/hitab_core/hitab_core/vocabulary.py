@@ -25,10 +25,10 @@ def did_you_mean(wrong: str, names: Iterable[object]) -> str:
 
 
 def has(names: Iterable[object], *wrong: object) -> str:
-    """Return ``(has: a, b, c. Did you mean "a"?)``, the tail of an error about unknown names.
+    """Return ``(known: a, b, c. Did you mean "a"?)``, the tail of an error about unknown names.
 
     Of more than `LISTED` names it lists those closest to the wrong one, the closest first, and
-    counts the others: ``(has: a, b, ... and 990 more)``. Of none: ``(there are none)``.
+    counts the others: ``(known: a, b, ... and 990 more)``. Of none: ``(there are none)``.
     """
     known = sorted({str(name) for name in names}, key=natural)
     if not known:
@@ -38,7 +38,7 @@ def has(names: Iterable[object], *wrong: object) -> str:
     if more > 0:
         known = _closest(str(wrong[0]), known) if wrong else known[:LISTED]
     rest = f", ... and {more} more" if more > 0 else ""
-    return f"(has: {', '.join(known)}{rest}{hint and '.'}{hint})"
+    return f"(known: {', '.join(known)}{rest}{hint and '.'}{hint})"
 
 
 def _closest(wrong: str, names: Iterable[str]) -> list[str]:
@@ -62,7 +62,7 @@ def unknown(what: str, name: str, names: Iterable[object], where: str = "") -> s
 
     Examples:
         >>> print(unknown("behavior", "gofst", ["Stop", "GoFast"]))
-        unknown behavior "gofst" (has: GoFast, Stop. Did you mean "GoFast"?)
+        unknown behavior "gofst" (known: GoFast, Stop. Did you mean "GoFast"?)
     """
     return f'unknown {what} "{name}"{where} {has(names, name)}'
 

@@ -237,7 +237,7 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
     ("old", "new", "at", "complaint"),
     [
         ("next_state: Approach,", "next_state: Aproach,", "next_state: Aproach",
-         'goes to "Aproach", which is not a listed state (has: Approach, Done, GoTo(goal), Kick'),
+         'goes to "Aproach", which is not a listed state (known: Approach, Done, GoTo(goal)'),
         ("{number: 1, state: Start,", "{number: 1, state: Begin,", "Begin",
          'example 1 is of state "Begin", which is not listed'),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1]", "0.1,  10.0, 1]",
@@ -250,11 +250,11 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
         ("{number: 3,", "{number: 1,", "{number: 1, state: Approach, ",
          "example number 1 is already used at line"),
         ("- GoTo(goal)", "- GoTo(moon)", "- GoTo(moon)",
-         'unknown target "moon" in state "GoTo(moon)" (has: ball, goal)'),
+         'unknown target "moon" in state "GoTo(moon)" (known: ball, goal)'),
         ("- GoTo(goal)", "- Kick", "  - Kick\n\nfeatures", 'has "Kick" twice'),
         ("- Done", "- Start", "- Start", "Start is implicit; remove it"),
         ("DirectionTo(goal), kind", "Direction(goal), kind", "Direction(goal)",
-         'unknown feature "Direction" (has: BallIsKickable, DirectionTo, DistanceTo, Done'),
+         'unknown feature "Direction" (known: BallIsKickable, DirectionTo, DistanceTo, Done'),
         ("period: 360.0", "period: 400.0", "period: 400",
          '"period" of feature "DirectionTo(goal)" is 400.0 here but 360.0 in the domain'),
         ("unit: m}", "unit: cm}", "unit: cm", '"unit" of feature "DistanceTo(ball)" is cm here'),
@@ -295,7 +295,7 @@ def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
 def test_a_file_of_a_newer_hitab_is_refused(text: str, robot: Domain) -> None:
     complaints = complaints_of(edited(text, "format: 2", "format: 3"), robot)
     assert len(complaints) == 1
-    assert "has format 3, but this HiTAB reads formats up to 2; update HiTAB" in complaints[0]
+    assert "has format version 3, but this HiTAB reads up to 2; update HiTAB" in complaints[0]
 
 
 def test_a_file_of_an_older_hitab_is_brought_up_to_date(

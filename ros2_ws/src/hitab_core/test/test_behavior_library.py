@@ -188,7 +188,7 @@ def test_earlier_versions_are_kept_and_can_be_restored(
     third = again(library).file("Approach")
     assert third.automaton.examples == approach.examples
     assert (third.provenance.version, third.provenance.note) == (3, "version 1 restored")
-    with pytest.raises(LibraryError, match=r'no version 7 of "Approach" \(has: 1, 2, 3\)'):
+    with pytest.raises(LibraryError, match=r'no version 7 of "Approach" \(known: 1, 2, 3\)'):
         library.restore("Approach", 7)
 
 
@@ -223,7 +223,9 @@ def test_a_behavior_that_others_use_cannot_be_removed(library: BehaviorLibrary) 
     assert library.versions("Control") == [1]
     library.restore("Control", 1)
     assert again(library).names() == ["Approach", "Control"]
-    with pytest.raises(LibraryError, match=r'has no behavior "Dance" \(has: Approach, Control\)'):
+    with pytest.raises(
+        LibraryError, match=r'has no behavior "Dance" \(known: Approach, Control\)'
+    ):
         library.remove("Dance")
 
 
@@ -237,7 +239,7 @@ def test_a_missing_behavior_is_named_with_the_line_of_the_state(
     line = library.file("Control").state_lines[0]
     assert str(refused.value).splitlines() == [
         f'Control.hfa.yaml:{line}: state "Approach" uses behavior "Approach", which is neither in '
-        'the library (has: Control, Keepaway) nor a behavior of domain "small_robot" (has: '
+        'the library (known: Control, Keepaway) nor a behavior of domain "small_robot" (known: '
         "GoFast, GoSlow, GoTo, Kick, Patrol, Stop); put Approach.hfa.yaml into the folder, or "
         "take the state out",
         'Keepaway.hfa.yaml:10: state "Control" uses behavior "Control", which cannot be used; '
@@ -272,7 +274,7 @@ def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_u
     with pytest.raises(LibraryError) as refused:
         other.load()
     assert "Approach.hfa.yaml:" in str(refused.value)
-    assert "Control.hfa.yaml:3: has format 9" in str(refused.value)
+    assert "Control.hfa.yaml:3: has format version 9" in str(refused.value)
     assert list(other.load(strict=False)) == ["Wait"]
     assert sorted(other.problems) == ["Approach", "Control", "Keepaway"]
     assert other.digest == other.digest != library.digest

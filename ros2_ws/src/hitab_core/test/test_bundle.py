@@ -87,7 +87,7 @@ def test_what_comes_with_the_domain_is_not_sent(
 def test_what_is_not_there_or_not_saved_cannot_be_sent(
     library: BehaviorLibrary, repertoire: Repertoire, teach: Teach
 ) -> None:
-    with pytest.raises(LibraryError, match='cannot be sent: unknown behavior "Dance"'):
+    with pytest.raises(LibraryError, match='"Dance" cannot be sent: unknown behavior "Dance"'):
         make_bundle(library, repertoire, "Dance")
     repertoire.add(teach("New", [], [("Start", [], "Keepaway")]))
     with pytest.raises(LibraryError, match=r'"New" has no file .*; save it first'):

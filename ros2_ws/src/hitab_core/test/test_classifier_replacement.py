@@ -86,12 +86,14 @@ def test_any_other_text_is_refused_and_never_run(text, capsys):
     ],
 )
 def test_only_what_scikit_learn_lists_as_a_classifier_is_made(name):
-    with pytest.raises(VocabularyError, match=rf'"{name}" is not a classifier.*has: .*Classifier'):
+    with pytest.raises(
+        VocabularyError, match=rf'"{name}" is not a classifier.*known: .*Classifier'
+    ):
         learn_transition(name, [METERS], *TWO)
 
 
 def test_unknown_keywords_and_missing_arguments_are_refused_by_name():
-    with pytest.raises(VocabularyError, match=r'no parameter "neighbors" \(has: .*n_neighbors'):
+    with pytest.raises(VocabularyError, match=r'no parameter "neighbors" \(known: .*n_neighbors'):
         learn_transition(NEAREST.replace("n_n", "n"), [METERS], *TWO)
     with pytest.raises(VocabularyError, match=r"cannot be made: .*estimator"):
         learn_transition("sklearn.multiclass.OneVsRestClassifier", [METERS], *TWO)
@@ -254,5 +256,5 @@ def test_missing_values_and_unknown_states_are_refused_by_name():
     function = learn_transition(NEAREST, [METERS], *TWO)
     with pytest.raises(FeatureValueError, match="feature 0"):
         function.compile([0], STATES)([math.nan], no_reading, None)
-    with pytest.raises(VocabularyError, match=r'"GoFast".*\(has: Stop\)'):
+    with pytest.raises(VocabularyError, match=r'"GoFast".*\(known: Stop\)'):
         function.compile([0], {"Stop": 1})

@@ -110,7 +110,7 @@ def test_whether_ties_prefer_a_boolean_feature_can_be_said_in_words():
         (
             "tree(depth=3)",
             VocabularyError,
-            r'no parameter "depth" \(has: all_around, boolean_first',
+            r'no parameter "depth" \(known: all_around, boolean_first',
         ),
         ("tree(scales=None)", VocabularyError, 'no parameter "scales"'),
         ("forest", VocabularyError, '"forest" is not a classifier'),

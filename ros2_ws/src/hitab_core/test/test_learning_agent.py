@@ -109,12 +109,12 @@ def test_a_feature_may_be_declared_in_full():
     ("wrong", "error", "words"),
     [
         (lambda a: a.step([1.0], command="Lft"), VocabularyError, 'Did you mean "Left"?)'),
-        (lambda a: a.step([1.0, 2.0]), FeatureValueError, "has 2 value(s), the first one had 1"),
+        (lambda a: a.step([1.0, 2.0]), FeatureValueError, "has 2 values, the first one had 1"),
         (lambda a: a.learn(), TrainingError, "command the behavior"),
         (lambda a: a.step([1.0]), TrainingError, 'step(percept, command="Left")'),
         (lambda a: a.decide([1.0]), TrainingError, "call learn() after commanding"),
         (lambda a: a.train("Other", ["Positon"]), VocabularyError, "Position"),
-        (lambda a: a.perform("Shutle"), VocabularyError, "(has: Left, Right)"),
+        (lambda a: a.perform("Shutle"), VocabularyError, "(known: Left, Right)"),
         (lambda a: a.save(), TrainingError, "command the behavior"),
     ],
 )

@@ -586,8 +586,8 @@ def test_a_parameter_is_passed_down_through_any_number_of_levels():
         ("GoTo", r"takes 1 target, not 0; write, for example, GoTo\(\w+\)"),
         ("GoTo(x, y)", r"takes 1 target, not 2; write, for example, GoTo\(x\)"),
         ("A(x)", r"takes no targets, not 1; write A"),
-        ("GoTo(z)", r'unknown target "z".*has: x, y'),
-        ("Fly", r'unknown behavior "Fly" \(has: A, B, C, GoTo, Once\)'),
+        ("GoTo(z)", r'unknown target "z".*known: x, y'),
+        ("Fly", r'unknown behavior "Fly" \(known: A, B, C, GoTo, Once\)'),
         ("Start", "cannot be commanded"),
     ],
 )

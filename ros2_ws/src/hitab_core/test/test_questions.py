@@ -86,7 +86,7 @@ def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Drive
 def test_an_answer_is_given_once_and_to_a_question_that_is_open(cart: Driven) -> None:
     twice(cart)
     (question, *_) = cart.session.questions()
-    with pytest.raises(TrainingError, match=r'has no choice "Wait" \(has: Left, Stop\)'):
+    with pytest.raises(TrainingError, match=r'has no choice "Wait" \(known: Left, Stop\)'):
         cart.session.answer(question.number, "Wait")
     cart.session.answer(question.number)
     with pytest.raises(TrainingError, match=f"question {question.number} is no longer open"):

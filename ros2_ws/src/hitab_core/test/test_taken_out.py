@@ -146,7 +146,7 @@ def test_only_hand_written_automata_can_be_taken_out(name: str, is_what: str) ->
         WHOLE.without([name])
     assert str(refused.value).startswith(
         f'domain "team" cannot be without "{name}", which is {is_what}; only hand-written '
-        "automata can be taken out (has: Match, Play, Servo"
+        "automata can be taken out (known: Match, Play, Servo"
     )
 
 

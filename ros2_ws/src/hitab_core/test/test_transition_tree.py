@@ -507,9 +507,9 @@ def test_a_feature_of_the_automaton_that_the_tree_does_not_use_is_not_among_thos
 
 def test_a_state_that_the_automaton_does_not_have_is_refused_by_name():
     tree = TransitionTree().fit([[1], [2]], ["Stop", "GoFast"])
-    with pytest.raises(VocabularyError, match=r'"GoFast".*\(has: Stop\)'):
+    with pytest.raises(VocabularyError, match=r'"GoFast".*\(known: Stop\)'):
         tree.compile([0], {"Stop": 0})
-    with pytest.raises(VocabularyError, match=r'"GoFast".*\(has: Stop\)'):
+    with pytest.raises(VocabularyError, match=r'"GoFast".*\(known: Stop\)'):
         tree.decide_batch([[1]], [0.5], {"Stop": 0})
 
 

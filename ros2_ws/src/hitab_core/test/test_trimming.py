@@ -185,7 +185,7 @@ def test_one_place_alone_can_be_rebound(repertoire: Repertoire, teach: Teach) ->
 @pytest.mark.parametrize(
     ("bindings", "complaint"),
     [
-        ({"bal": "A"}, r'"bal" is not in automaton "Both" \(has: '),
+        ({"bal": "A"}, r'"bal" is not in automaton "Both" \(known: '),
         ({"ball": "not a name"}, '"not a name" cannot be a target or parameter'),
         ({"ball": "goal"}, r'states "GoTo\(ball\)" and "GoTo\(goal\)" would both become'),
     ],
@@ -206,5 +206,5 @@ def test_what_is_unbound_is_refused_by_name(repertoire: Repertoire, approach: Au
         trim(unbound, repertoire)
     assert str(refused.value) == (
         '"X" in "DistanceTo(X)" of automaton "Approach" is unbound; bind it to a target, or make '
-        "it a parameter (has: ball, goal)"
+        "it a parameter (known: ball, goal)"
     )

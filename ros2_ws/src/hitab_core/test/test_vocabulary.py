@@ -11,28 +11,28 @@ def test_an_unknown_name_is_told_with_the_known_ones_and_what_was_meant() -> Non
     with pytest.raises(VocabularyError) as refused:
         check_known("behavior", "gofats", ["Stop", "GoFast"], ' in "X"')
     assert str(refused.value) == (
-        'unknown behavior "gofats" in "X" (has: GoFast, Stop. Did you mean "GoFast"?)'
+        'unknown behavior "gofats" in "X" (known: GoFast, Stop. Did you mean "GoFast"?)'
     )
     check_known("behavior", "Stop", ["Stop"])
 
 
 def test_nothing_is_guessed_where_no_name_is_close() -> None:
-    assert has(["Stop", "GoFast"], "Turn") == has(["Stop", "GoFast"]) == "(has: GoFast, Stop)"
+    assert has(["Stop", "GoFast"], "Turn") == has(["Stop", "GoFast"]) == "(known: GoFast, Stop)"
     assert has([], "Turn") == "(there are none)"
 
 
 def test_of_a_thousand_names_ten_are_listed_the_closest_first() -> None:
     thousand = [f"forager_{number}" for number in range(1, 1001)]
     told = has(thousand, "forager_10001")
-    assert told.startswith("(has: forager_1000, forager_")
+    assert told.startswith("(known: forager_1000, forager_")
     assert told.endswith(', ... and 990 more. Did you mean "forager_1000"?)')
     assert told.count("forager_") == 11
-    assert has(thousand).startswith("(has: forager_1, forager_2, forager_3,")
+    assert has(thousand).startswith("(known: forager_1, forager_2, forager_3,")
     assert has(thousand).endswith(", forager_10, ... and 990 more)")
 
 
 def test_names_are_listed_in_the_order_of_their_numbers() -> None:
-    assert has(["b", "a_10", "a_2", "10", "9"]) == "(has: 9, 10, a_2, a_10, b)"
+    assert has(["b", "a_10", "a_2", "10", "9"]) == "(known: 9, 10, a_2, a_10, b)"
 
 
 def test_a_wrong_number_of_targets_shows_a_use_that_is_right() -> None:

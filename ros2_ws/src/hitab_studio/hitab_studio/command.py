@@ -19,7 +19,10 @@ def register(app: typer.Typer) -> None:
 def studio(
     swarm: Annotated[
         str | None,
-        typer.Argument(help="Which swarm, if several are up.", envvar="HITAB_SWARM"),
+        typer.Argument(
+            help="The swarm, if several are up: its name, identity or run folder.",
+            envvar="HITAB_SWARM",
+        ),
     ] = None,
     chosen: SwarmName = None,
     port: Annotated[int, typer.Option(help="Where to serve the page.", min=1, max=65535)] = 8080,

@@ -120,5 +120,5 @@ def new_token(host: str, given: str = "") -> str:
         SwarmError: if the given one is not valid in an address.
     """
     if given and re.fullmatch(r"[A-Za-z0-9_-]{8,}", given) is None:
-        raise SwarmError("a token must have at least 8 letters, digits, - and _")
+        raise SwarmError("a token needs at least 8 characters, each a letter, a digit, - or _")
     return given or ("" if is_loopback(host) else secrets.token_urlsafe(18))

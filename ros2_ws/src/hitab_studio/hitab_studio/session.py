@@ -35,6 +35,7 @@ T = TypeVar("T")
 
 TABS = ("teach", "learned", "examples", "library", "swarm", "record")
 NOTHING = Watched()
+CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
 REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
 
 
@@ -293,7 +294,7 @@ class Session:
         """
         agent = self.agent
         if not agent:
-            raise SwarmError("Choose an agent first, in the list or in the field.")
+            raise SwarmError(CHOOSE_FIRST)
         if absent := absence(self.shared.store.known, agent):
             raise SwarmError(f"{agent} {absent}.")
         if why := self.shared.generations.why_busy:
@@ -337,6 +338,13 @@ class Session:
         """Send a message to the field."""
         self.outgoing.append(json.dumps(message))
         self.news.set()
+
+
+def nothing_in_training(session: Session) -> str:
+    """Return why what concerns a training cannot be done without one."""
+    if not session.agent:
+        return CHOOSE_FIRST
+    return f"{session.agent} is not training anything: begin a training."
 
 
 def parameters_of(behavior: str) -> tuple[str, ...]:

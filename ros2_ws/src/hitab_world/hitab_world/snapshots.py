@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
+from hitab_core import some
 from hitab_world.parameters import Parameters
 from hitab_world.world import World, WorldError
 
@@ -94,10 +95,7 @@ def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) ->
                     if key == "version"
                     else "restore it in a world like the one it was taken from"
                 )
-                raise WorldError(
-                    f"the snapshot's {key} is {snapshot.get(key)}, this world's is {mine}; "
-                    f"{way_out}"
-                )
+                raise WorldError(f"{_difference(key, snapshot.get(key), mine)}; {way_out}")
         yield Moment.of(snapshot)
     except WorldError:
         raise
@@ -152,6 +150,15 @@ def finite(value: Any) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{value} is not finite")
     return value
+
+
+def _difference(key: str, there: Any, here: Any) -> str:
+    """Return what differs between a snapshot and the world where it should be restored."""
+    if not isinstance(there, Mapping) or not isinstance(here, Mapping):
+        return f"the snapshot's {key} is {there}, this world's is {here}"
+    names = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
+    told = [f"{name}: {there.get(name)} there, {here.get(name)} here" for name in names]
+    return f"the snapshot was taken with other {key} ({some(told)})"
 
 
 def _origin(world: WorldOfFigures, version: int) -> dict[str, Any]:

@@ -170,9 +170,9 @@ class WorldNode(GuardedNode):
         self.course.disturbed = False
         self._send_percepts(look=True)
         self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
+        if self.course.disturbed or spinning.stopped:
+            return  # nobody is late: there was no time to answer
         self.attendance.give_up_on_late()
-        if self.course.disturbed:
-            return
         self._topics.publish_state()
         self._topics.publish_status()
 

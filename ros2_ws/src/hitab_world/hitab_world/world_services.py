@@ -97,7 +97,7 @@ class WorldServices:
     def _need_agents(self) -> None:
         agents = self._course.world.agents
         self._look()
-        if len(self._course.attendance.missing) == len(agents):
+        if not self._course.attendance.present:
             raise HitabError(f"no agent has joined the world; start any of {', '.join(agents)}")
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
@@ -129,13 +129,16 @@ class WorldServices:
         kept = keeper.named
         name = request.name
         if request.action != actions.LIST and not name:
-            raise HitabError("a snapshot needs a name")
+            raise HitabError("a snapshot needs a name, as in `hitab world snapshot save corner`")
         if request.action in (actions.RESTORE, actions.DELETE) and name not in kept:
             raise HitabError(f'no snapshot "{name}" {has(kept, name)}')
         match request.action:
             case actions.SAVE:
                 if name not in kept and len(kept) >= SNAPSHOTS_MAX:
-                    raise HitabError(f"there are {len(kept)} snapshots; delete one of them first")
+                    raise HitabError(
+                        f"there are {len(kept)} snapshots; delete one of them first, with "
+                        "`hitab world snapshot delete NAME`"
+                    )
                 keeper.save(name, self._course.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:

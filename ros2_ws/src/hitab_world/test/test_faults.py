@@ -65,9 +65,11 @@ class Running:
     Attributes:
         waiting: agents that wait for a dead commander in the first round after one in which they
             only look, as `RoundGate` has them do.
+        slow: whether the agents need longer for their answers than anything else here takes.
     """
 
     def __init__(self, spinning: Spinner) -> None:
+        self.slow = False
         self.waiting: set[str] = set()
         self.looked: set[str] = set()
         self.world = Broken()
@@ -93,6 +95,8 @@ class Running:
         self.peer.create_subscription(msg.WorldStatus, f"/{names.STATUS}", self._hear, qos.LATCHED)
 
     def _answer(self, agent: str, percept: msg.Percept) -> None:
+        if self.slow:
+            return
         if percept.look:
             self.looked |= self.waiting
         elif agent in self.looked:
@@ -130,9 +134,12 @@ class Running:
         self.until(client.service_is_ready)
         return client.call_async(request)
 
-    def resume(self) -> None:
-        request = srv.Control.Request(action="resume")
-        self.until(self.call(srv.Control, names.CONTROL, request).done)
+    def control(self, action: str, **fields: Any) -> srv.Control.Response:
+        """Control the world and return its answer."""
+        request = srv.Control.Request(action=action, **fields)
+        answer = self.call(srv.Control, names.CONTROL, request)
+        self.until(answer.done)
+        return answer.result()
 
 
 @pytest.fixture
@@ -151,10 +158,10 @@ def test_a_world_whose_step_fails_pauses_and_says_why_until_a_step_succeeds(runn
     running.until(lambda: running.status.mode == "paused")
     running.until(lambda: any("ZeroDivisionError" in f for f in running.status.faults))
     assert "the physics" in running.status.last_error
-    running.resume()  # which does not help yet
+    running.control("resume")  # which does not help yet
     running.until(lambda: running.status.mode == "paused" and running.status.faults)
     running.world.broken.clear()
-    running.resume()
+    running.control("resume")
     running.plays()
     running.until(lambda: not running.status.faults)
 
@@ -198,6 +205,16 @@ def test_a_run_that_begins_in_another_one_is_marked_if_a_commander_is_dead(runni
     running.until(lambda: running.status.missed_deadlines == 1)
     running.plays()
     assert (running.status.seed, running.status.reproducible) == (3, False)
+
+
+def test_a_request_that_comes_before_the_agents_have_answered_makes_nobody_late(running):
+    running.plays()
+    running.slow = True
+    for _ in range(3):  # each shows the world once more, and interrupts that
+        assert running.control("pause").success
+        assert running.control("pace", pace="lockstep").success
+    assert running.node.attendance.missing == []
+    assert running.control("step", cycles=1).success
 
 
 def test_the_diagnosis_tells_missed_deadlines_and_what_stops_the_world(running):

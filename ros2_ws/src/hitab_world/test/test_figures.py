@@ -62,7 +62,7 @@ def test_several_dataclasses_give_the_figures_of_one_world(node_given):
     ("figure", "told"),
     [
         ("width:=-1.0", "width is -1.0; it must be above 0"),
-        ("widht:=3.0", r'this world has no parameter "widht" \(has: frozen, leaves, width. Did'),
+        ("widht:=3.0", r'this world has no parameter "widht" \(known: frozen, leaves, width. Did'),
         (
             "width:=wide",
             "width has the wrong type; give a value such as -p parameters.width:=5.0",

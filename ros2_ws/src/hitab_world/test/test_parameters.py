@@ -73,7 +73,7 @@ def test_figures_come_back_from_their_dictionary(figures):
         ({"weather": 3}, "weather is 3; it must be one of: sun, rain"),
         ({"name": 3}, "name is 3; it must be text"),
         ({"frozen": 1}, "frozen is 1; it must be true or false"),
-        ({"depth": 1.0}, 'there is no puddle parameter "depth" (has: damping, ducks, frogs, '),
+        ({"depth": 1.0}, 'there is no puddle parameter "depth" (known: damping, ducks, frogs, '),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(figures, message):

@@ -56,7 +56,10 @@ def test_a_header_brings_back_when_it_was_taken(kept):
             {"version": 2},
             "the snapshot's version is 2, this world's is 1; another version of HiTAB took it",
         ),
-        ({"parameters": {"width": 6.0}}, "the snapshot's parameters is {'width': 6.0}"),
+        (
+            {"parameters": {"width": 6.0}},
+            "the snapshot was taken with other parameters (width: 6.0 there",
+        ),
         ({"cycle": 3.5}, "damaged: TypeError 3.5 is not a whole number"),
         ({"episode": True}, "damaged: TypeError True is not a whole number"),
         ({"ended": None}, "damaged: TypeError None is not text"),

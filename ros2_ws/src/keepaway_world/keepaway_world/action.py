@@ -45,7 +45,7 @@ def parse(values: Sequence[float]) -> Command:
     length = _LENGTHS.get(kind)
     if length is None:
         known = ", ".join(f"{number:g} {name}" for number, name in _NAMES.items())
-        raise ActionError(f"unknown kind of action {kind} (has: {known})")
+        raise ActionError(f"unknown kind of action {kind} (known: {known})")
     if len(values) < length:
         raise ActionError(
             f"a {_NAMES[kind]} has {length} values, not {len(values)}: {list(values)}"

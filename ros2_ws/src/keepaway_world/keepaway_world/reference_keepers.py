@@ -155,5 +155,5 @@ def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, Player]
         return {name: ServoPlayer(world, name) for name in world.agents}
     if policy not in POLICIES:
         there = ", ".join(sorted((*POLICIES, SERVO)))
-        raise ValueError(f'there is no reference policy "{policy}" (has: {there})')
+        raise ValueError(f'there is no reference policy "{policy}" (known: {there})')
     return {name: ReferencePlayer(world, name, POLICIES[policy]) for name in world.agents}

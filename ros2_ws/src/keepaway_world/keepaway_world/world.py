@@ -107,7 +107,7 @@ class KeepawayWorld:
         """
         keeper = self._keepers.get(agent)
         if keeper is None:
-            raise WorldError(f'no keeper "{agent}" (has: {", ".join(self.agents)})')
+            raise WorldError(f'no keeper "{agent}" (known: {", ".join(self.agents)})')
         return perceive(self._physics, keeper), list(self._heard.get(agent, ()))
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
@@ -161,7 +161,7 @@ class KeepawayWorld:
                     said[name] = say
         for name in actions:
             if name not in self._keepers:
-                refused[name] = f'no keeper "{name}" (has: {", ".join(self.agents)})'
+                refused[name] = f'no keeper "{name}" (known: {", ".join(self.agents)})'
         return said, refused
 
     def _perform_takers(self, commands: Iterable[tuple[str, float, float]]) -> None:

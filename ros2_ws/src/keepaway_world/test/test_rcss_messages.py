@@ -62,7 +62,7 @@ def test_server_parameters_are_known_by_name(received):
     assert server.number("synch_mode", 0) == 1
     assert server.number("keepaway_length", 0) == 20
     assert server.number("no such setting", 7) == 7
-    with pytest.raises(ProtocolError, match="no number"):
+    with pytest.raises(ProtocolError, match="not a number"):
         server.number("team_l_start", 0)
 
 
@@ -133,7 +133,7 @@ def test_what_is_seen_has_a_name_in_parts(received):
         ("(fullstate 1 (pmode play_on) ((b) 1 2 3 nan))", "not finite"),
         ("(fullstate 1 (pmode play_on) ((b) 1 2 3))", "is missing"),
         ("(see 1 ((b)))", "is missing"),
-        ("(hear 1 north our 3 x)", "no number"),
+        ("(hear 1 north our 3 x)", "not a number"),
     ],
 )
 def test_what_the_server_cannot_have_said_is_refused_with_the_reason(text, why):

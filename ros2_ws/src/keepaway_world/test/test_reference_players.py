@@ -265,6 +265,6 @@ def test_in_one_of_three_cycles_a_player_reckons_where_the_ball_is():
 
 def test_an_unknown_policy_is_refused_with_those_that_there_are():
     with pytest.raises(
-        ValueError, match=r'no reference policy "best" \(has: hand, hold, rand, servo\)'
+        ValueError, match=r'no reference policy "best" \(known: hand, hold, rand, servo\)'
     ):
         reference_players(KeepawayWorld(UT), "best")

@@ -127,7 +127,7 @@ def _converted(slot: Any, value: Any, place: str) -> Any:
     """
     if isinstance(slot, AbstractString | AbstractWString):
         if not isinstance(value, str):
-            raise FieldError(f'"{place}" must be a text, not {value!r}')
+            raise FieldError(f'"{place}" must be text, not {value!r}')
         return value
     if isinstance(slot, AbstractSequence | Array):
         return _list(slot, value, place)

@@ -106,7 +106,7 @@ class OfferedAction:
         if agent.mode in (Mode.TRAINING, Mode.TESTING):
             raise TrainingError(
                 f'{agent.name} is {agent.mode} "{agent.training}"; save that first '
-                f"(`hitab save {agent.name}`), or have it rest (`hitab perform {agent.name}`)"
+                f"(`hitab save {agent.name}`), or make it idle (`hitab perform {agent.name}`)"
             )
 
     def _cancel(self, handle: Any) -> CancelResponse:

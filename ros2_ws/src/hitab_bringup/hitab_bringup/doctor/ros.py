@@ -93,7 +93,7 @@ def domain() -> Iterator[Finding]:
     if number is None or number >= DOMAINS:
         yield error(
             "ROS domain",
-            f"ROS_DOMAIN_ID={said} is no number from 0 to {DOMAINS - 1}",
+            f"ROS_DOMAIN_ID={said} is not a number from 0 to {DOMAINS - 1}",
             "unset ROS_DOMAIN_ID, or choose a number up to 101",
         )
     elif number >= COMMON:

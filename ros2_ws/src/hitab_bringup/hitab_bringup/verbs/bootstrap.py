@@ -18,21 +18,24 @@ if TYPE_CHECKING:
     from hitab_client.bootstrapping import Bootstrapping, Configuration, Generation, Generations
 
 app = typer.Typer(
-    help="Train a team by bootstrapping: one agent trains among teammates that perform the same.",
+    help="Train a team step by step: one agent learns among teammates that perform what it has "
+    "learned so far. Use it if the right behavior depends on what the others do.",
 )
 
 To = Annotated[
     list[str] | None,
-    typer.Option("--to", help="A teammate; repeat. Default: all others of the agent's domain."),
+    typer.Option(
+        "--to", help="A teammate. Repeatable. Default: all others of the agent's domain."
+    ),
 ]
 Episodes = Annotated[int, typer.Option(help="Episodes to play for the score; 0: no score.", min=0)]
-Seed = Annotated[int, typer.Option(help="Of these episodes.", min=0)]
+Seed = Annotated[int, typer.Option(help="Seed of these episodes.", min=0)]
 SnapshotName = Annotated[
     str,
     typer.Option(
         "--snapshot",
         metavar="NAME",
-        help="Then restore this snapshot, and train on from there.",
+        help="Restore this snapshot afterwards, and train on from there.",
         show_default=False,
     ),
 ]
@@ -41,7 +44,7 @@ PlaceFile = Annotated[
     typer.Option(
         "--place",
         metavar="FILE",
-        help="Then place things as this file says, and train on from there.",
+        help="Place things as this file says afterwards, and train on from there.",
         show_default=False,
     ),
 ]
@@ -50,7 +53,7 @@ WaitFor = Annotated[
     typer.Option(
         "--wait",
         metavar="CONDITION",
-        help='Then let the agent act until this holds, such as "{said: keeper_2}".',
+        help='Let the agent act afterwards until this holds, such as "{said: keeper_2}".',
         show_default=False,
     ),
 ]
@@ -60,7 +63,7 @@ Within = Annotated[
 ]
 AsItIs = Annotated[bool, typer.Option("--as-it-is", help="Train on in the world as it is.")]
 By = Annotated[str, typer.Option(help="The figure that counts, such as passes.")]
-Least = Annotated[bool, typer.Option("--least", help="The least is the best.")]
+Least = Annotated[bool, typer.Option("--least", help="Lower is better.")]
 
 
 def register(main: typer.Typer) -> None:
@@ -83,11 +86,11 @@ def next_(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Make the next generation of what an agent is trained, and train on among teammates with it.
+    """Make the next generation: save the behavior in training, and train on among the teammates.
 
-    It is saved, given to the teammates, who perform it from Start, and evaluated. The training
-    goes on with the examples so far. Without --snapshot, --place or --wait it goes on as after
-    the last generation.
+    The teammates get it and perform it from Start, and it is evaluated. The training goes on with
+    the examples so far. Without --snapshot, --place or --wait it goes on as after the last
+    generation.
 
     Examples:
 
@@ -239,7 +242,9 @@ def _configuration(
 
     named = any((snapshot, place, wait))
     if as_it_is and named:
-        raise typer.BadParameter("--as-it-is leaves nothing to place or to wait for")
+        raise typer.BadParameter(
+            "--as-it-is cannot be combined with --snapshot, --place or --wait"
+        )
     if snapshot and place:
         raise typer.BadParameter("give --snapshot or --place, not both")
     if within is not None and not within > 0.0:

@@ -65,8 +65,8 @@ def demonstrate(
 
     if not behavior:
         raise typer.BadParameter(
-            f'"{agent}" is one of two names: give the agent and the behavior, as in '
-            "`hitab demonstrate keeper_1 GoFast`"
+            "name the agent and the behavior, as in `hitab demonstrate keeper_1 GoFast`; only "
+            f'"{agent}" was given'
         )
     use = Use.parse(behavior)
     if ago is None:
@@ -146,7 +146,7 @@ def distribute(
     targets: Targets = None,
     to: Annotated[
         list[str] | None,
-        typer.Option("--to", help="A receiver; may be repeated. Default: all other agents."),
+        typer.Option("--to", help="A receiver. Repeatable. Default: all other agents."),
     ] = None,
     start: Annotated[
         bool, typer.Option("--start", help="Make the receivers perform it, from Start.")
@@ -195,7 +195,10 @@ def distribute(
     if not report.complete:
         there = len(report.accepted)
         total = there + len(report.refused) + len(report.silent)
-        raise HitabError(f'only {there} of {total} receivers have "{behavior}" now')
+        raise HitabError(
+            f'only {there} of {total} receivers have "{behavior}" now; mend what is said of '
+            "the others, and distribute it again"
+        )
 
 
 def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) -> None:

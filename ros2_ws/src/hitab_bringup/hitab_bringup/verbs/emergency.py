@@ -30,19 +30,18 @@ Reason = Annotated[str, typer.Option("--reason", help="Why, for those who read t
 
 def register(app: typer.Typer) -> None:
     """Add these verbs to the command."""
-    app.command(rich_help_panel="Perform")(stop)
-    app.command(rich_help_panel="Perform")(go)
+    # Names that somebody gives in the belief that they choose robots are refused with a reason.
+    names = {"allow_extra_args": True}
+    app.command(rich_help_panel="Perform", context_settings=names)(stop)
+    app.command(rich_help_panel="Perform", context_settings=names)(go)
 
 
-Robots = Annotated[list[str] | None, typer.Argument(hidden=True)]
-"""Names that somebody gave in the belief that they choose robots."""
-
-
-def stop(robots: Robots = None, reason: Reason = "") -> None:
+def stop(context: typer.Context, reason: Reason = "") -> None:
     """Stop all robots at once, of all swarms: an emergency stop.
 
-    Each robot stands still, whatever its agent does, until `hitab go`. It is obeyed by the relays
-    between agents and robots, also if an agent has died; worlds that are simulated go on.
+    Each robot stands still, whatever its agent does, until `hitab go`. The relays between agents
+    and robots obey it even if an agent has died; simulated worlds go on. It takes no names:
+    `hitab perform ROBOT` stops one robot.
 
     Examples:
 
@@ -50,15 +49,21 @@ def stop(robots: Robots = None, reason: Reason = "") -> None:
 
       hitab stop --reason "a dog on the field"
     """
-    if robots:
+    if context.args:
         raise typer.BadParameter(
             "`hitab stop` takes no names: it stops all robots; "
-            f"`hitab perform {robots[0]}` stops one of them"
+            f"`hitab perform {context.args[0]}` stops one of them"
         )
-    _tell("stopped", True, reason)
+    _tell(
+        "stopped",
+        "stop",
+        reason,
+        "use the robot's own switch",
+        "assume that some still move, and use their own switches",
+    )
 
 
-def go(robots: Robots = None, reason: Reason = "") -> None:
+def go(context: typer.Context, reason: Reason = "") -> None:
     """Release all robots after `hitab stop`.
 
     Agents that went on performing drive on at once.
@@ -67,17 +72,29 @@ def go(robots: Robots = None, reason: Reason = "") -> None:
 
       hitab go
     """
-    if robots:
+    if context.args:
         raise typer.BadParameter("`hitab go` takes no names: it releases all robots")
-    _tell("released", False, reason)
+    _tell("released", "go", reason, "none was released", "some may still stand")
 
 
-def _tell(done: str, engaged: bool, reason: str) -> None:
+def _tell(done: str, verb: str, reason: str, unheard: str, unsure: str) -> None:
+    """Stop or release all robots.
+
+    Args:
+        done: what has been done to them then.
+        verb: that does it.
+        reason: that the user gives.
+        unheard: what follows if no robot hears it.
+        unsure: what follows if not all robots confirm it.
+
+    Raises:
+        SwarmError: in these cases.
+    """
     from hitab_client import RosLink, SwarmError
     from hitab_core import quantity, some
     from hitab_ros import EmergencySwitch
 
-    by = getpass.getuser()
+    by, engaged = getpass.getuser(), verb == "stop"
     with ExitStack() as stack:
         ends = []
         numbers = _domains()
@@ -96,14 +113,14 @@ def _tell(done: str, engaged: bool, reason: str) -> None:
     if not others:
         where = " or ".join(map(str, numbers))
         raise SwarmError(
-            f"nobody heard it: no robot's relay runs in ROS domain {where}; use the robot's own "
-            "switch, and check ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with "
-            "`hitab doctor`; `hitab world pause` halts a simulated world"
+            f"nobody heard it: no robot's relay runs in ROS domain {where}; {unheard}; check "
+            "ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with `hitab doctor`, and repeat "
+            f"`hitab {verb}`; for a simulated world, use `hitab world pause` and `resume`"
         )
     if late:
         raise SwarmError(
-            f"not everybody has confirmed within {DELIVER_S:g} s; use the robots' own switches, "
-            "and try again"
+            f"not every robot has confirmed within {DELIVER_S:g} s (found: {some(robots)}); "
+            f"{unsure}; then repeat `hitab {verb}`"
         )
     heard = some(robots) if robots else f"no robot, but {quantity(others, 'other node')} heard it"
     console.say(f"{done}: {heard}")

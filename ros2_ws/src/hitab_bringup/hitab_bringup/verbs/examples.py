@@ -129,7 +129,12 @@ Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hi
 
 @examples_app.command("delete")
 def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
-    """Delete examples. Example: hitab examples delete keeper_1 3 4."""
+    """Delete examples; `hitab undo` brings them back.
+
+    Example:
+
+      hitab examples delete keeper_1 3 4
+    """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
     console.say(answer.message)
@@ -142,7 +147,12 @@ def examples_relabel(
     to: Annotated[str, typer.Option("--to", help="The correct next state.")],
     swarm: SwarmName = None,
 ) -> None:
-    """Change where examples lead. Example: hitab examples relabel keeper_1 5 --to GoSlow."""
+    """Change which state examples go to; `hitab undo` takes that back.
+
+    Example:
+
+      hitab examples relabel keeper_1 5 --to GoSlow
+    """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
     console.say(answer.message)
@@ -158,9 +168,11 @@ def examples_retime(
     ],
     swarm: SwarmName = None,
 ) -> None:
-    """Have commands been due earlier: the agent knows what it perceived then.
+    """Correct commands that came late: date them back to what the agent perceived earlier.
 
-    Example: hitab examples retime keeper_1 5 --ago 0.4
+    Example:
+
+      hitab examples retime keeper_1 5 --ago 0.4
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "retime", numbers, ago=ago)

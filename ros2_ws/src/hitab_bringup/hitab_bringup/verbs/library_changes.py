@@ -49,7 +49,7 @@ def restore(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Make an earlier version of a behavior the newest one, also if it was deleted or damaged.
+    """Make an earlier version of a behavior the newest one, even if it was deleted or damaged.
 
     Example:
 

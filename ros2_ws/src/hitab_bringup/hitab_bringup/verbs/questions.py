@@ -105,11 +105,19 @@ def caution(
         ),
     ] = "",
     support: Annotated[
-        float, typer.Option(help="Unsure with fewer examples in the leaf that decides.")
+        float,
+        typer.Option(
+            help="Unsure of a decision that rests on fewer examples than this. Default: any.",
+            show_default=False,
+        ),
     ] = 0.0,
     distance: Annotated[
         float,
-        typer.Option(help="Unsure farther from any example, in spreads of the examples."),
+        typer.Option(
+            help="Unsure farther than this from every example; 1 is about as far as the examples "
+            "are apart. Default: any.",
+            show_default=False,
+        ),
     ] = 0.0,
     swarm: SwarmName = None,
 ) -> None:
@@ -132,7 +140,10 @@ def caution(
     from hitab_core import caution_in_words
 
     if not when_unsure and (support or distance):
-        raise typer.BadParameter("say what it does then, such as `hitab caution AGENT halt`")
+        raise typer.BadParameter(
+            "--support and --distance need halt or hand_back, as in "
+            f"`hitab caution {agent} halt --distance 3`"
+        )
     with connection(swarm) as swarm_up:
         if when_unsure:
             done = swarm_up.agents.set_caution(

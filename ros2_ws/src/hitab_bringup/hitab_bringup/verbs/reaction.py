@@ -22,9 +22,11 @@ def reaction(
     measure: Annotated[
         bool, typer.Option("--measure", help="Measure it: a game of ten seconds.")
     ] = False,
-    forget: Annotated[bool, typer.Option("--forget", help="Correct commands no more.")] = False,
+    forget: Annotated[
+        bool, typer.Option("--forget", help="Forget it; commands then count when they are given.")
+    ] = False,
     demonstrator: Annotated[
-        str, typer.Option(help="Whose; default: the user's.", show_default=False)
+        str, typer.Option(help="The person whose time it is. Default: you.", show_default=False)
     ] = "",
 ) -> None:
     """Show, set or measure your reaction time; commands are then recorded as if they came in time.

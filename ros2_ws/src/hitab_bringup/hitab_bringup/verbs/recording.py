@@ -54,7 +54,7 @@ def record(
             "--topics",
             "-t",
             metavar="TOPIC",
-            help="Also record this topic, such as /robot_1/scan; may be repeated.",
+            help="Also record this topic, such as /robot_1/scan. Repeatable.",
             show_default=False,
         ),
     ] = None,
@@ -77,7 +77,7 @@ def record(
     ] = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Record what a swarm does and takes in as a bag (MCAP), until Ctrl-C.
+    """Record to a bag (MCAP) what a swarm perceives and does, until Ctrl-C.
 
     The studio, Foxglove and `ros2 bag play` show it again; `hitab library from-recording` trains
     from it.

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 Features = Annotated[
     list[str],
-    typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat.'),
+    typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)". Repeatable.'),
 ]
 ShowOnly = Annotated[
     bool, typer.Option("--show", help="Only show what would be learned; change nothing.")

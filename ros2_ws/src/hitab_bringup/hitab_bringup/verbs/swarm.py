@@ -128,12 +128,14 @@ def down(
         str | None,
         typer.Argument(
             metavar="swarm",
-            help="The swarm, if several are up.",
+            help="The swarm, if several are up: its name, identity or run folder.",
             autocompletion=completion.swarms,
         ),
     ] = None,
     swarm: SwarmName = None,
-    run_dir: RunDir = None,
+    run_dir: Annotated[
+        Path | None, typer.Option("--run-dir", help="Its run folder, instead of its name.")
+    ] = None,
     every: Annotated[
         bool, typer.Option("--all", help="Stop all swarms that were started from here.")
     ] = False,
@@ -157,7 +159,9 @@ def down(
     from hitab_client.swarm_choice import to_take_down, told_of_other_homes
 
     if every and (name or swarm or run_dir):
-        raise typer.BadParameter("it stops all swarms; name none", param_hint="--all")
+        raise typer.BadParameter(
+            "it stops every swarm; leave out the name, --swarm and --run-dir", param_hint="--all"
+        )
     found: list[tuple[RunFolder, RunRecord | None]]
     if every:
         found = list(registered_swarms())

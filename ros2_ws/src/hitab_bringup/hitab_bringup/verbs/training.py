@@ -38,18 +38,22 @@ def train(
     agent: AgentName,
     automaton: Annotated[
         str | None,
-        typer.Argument(help="What to train; without it, take over from what is tested."),
+        typer.Argument(
+            metavar="behavior", help="What to train; without it, take control back from a test."
+        ),
     ] = None,
     feature: Annotated[
         list[str] | None,
         typer.Option(
-            "--feature", "-f", help='A feature, such as "DistanceTo(ball)"; repeat. Default: none.'
+            "--feature",
+            "-f",
+            help='A feature, such as "DistanceTo(ball)". Repeatable. Default: none.',
         ),
     ] = None,
     state: Annotated[
         list[str] | None,
         typer.Option(
-            "--state", "-s", help="A behavior that may be commanded; repeat. Default: any."
+            "--state", "-s", help="A behavior that may be commanded. Repeatable. Default: any."
         ),
     ] = None,
     parameter: Annotated[
@@ -58,7 +62,7 @@ def train(
             "--parameter",
             "-p",
             metavar="A=ball",
-            help="A parameter and its target during the training; repeat.",
+            help="A parameter and its target during the training. Repeatable.",
         ),
     ] = None,
     resume: Annotated[
@@ -68,14 +72,18 @@ def train(
         str, typer.Option("--from", help="Resume from the examples of another saved behavior.")
     ] = "",
     classifier: Annotated[
-        str, typer.Option(help="A scikit-learn classifier in place of the tree.")
+        str,
+        typer.Option(
+            metavar="CLASSIFIER",
+            help="Instead of the tree, one of scikit-learn: sklearn.MODULE.CLASS(KEYWORD=VALUE).",
+        ),
     ] = "",
     discard: Annotated[
         bool, typer.Option("--discard", help="First discard the unsaved training, if any.")
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Begin training an automaton; without one, take over from what was learned.
+    """Begin training a behavior; without a name, take control back from what is tested.
 
     First choose the features that the decisions may use: only those that you name are used, and
     `hitab vocabulary AGENT` lists them. They can be exchanged later. Then command behaviors with
@@ -214,7 +222,7 @@ def save(
     ] = "",
     bind: Annotated[
         list[str] | None,
-        typer.Option(metavar="ball=A", help="Replace a target or parameter; repeat."),
+        typer.Option(metavar="ball=A", help="Replace a target or parameter. Repeatable."),
     ] = None,
     description: Annotated[str, typer.Option(help="Shown in the library.")] = "",
     keep_unused: Annotated[

@@ -100,7 +100,12 @@ def reset(swarm: SwarmName = None) -> None:
 def pace(
     pace: Annotated[str, typer.Argument(help="lockstep or realtime.")],
     factor: Annotated[
-        float, typer.Option(help="Multiple of real time, for realtime.", min=0.0)
+        float,
+        typer.Option(
+            help="For realtime: multiple of real time. Default: as it is.",
+            min=0.0,
+            show_default=False,
+        ),
     ] = 0.0,
     swarm: SwarmName = None,
 ) -> None:

@@ -183,7 +183,7 @@ class Configuration:
                 swarm.set_mode(agent, AgentStatus.TRAINING)
         if not came:
             raise SwarmError(
-                f"{last} did not come about within {within:g} s; {agent} is in training mode, "
+                f"waited {within:g} s in vain until {last}; {agent} is in training mode, "
                 f"where it is now. Bring the situation about by hand, or have it run on with "
                 f"`hitab test {agent}`"
             )

@@ -65,8 +65,8 @@ class KeptCopies:
             if found is not None:
                 return found
         raise SwarmError(
-            f"{agent} has sent its files {TRIES} times, and none arrived here; look for what "
-            "hinders with `hitab doctor`"
+            f"{agent} has sent its files {TRIES} times, and none arrived here; find the cause "
+            "with `hitab doctor`"
         )
 
     def send(self, agent: str, behavior: str, files: Mapping[str, str]) -> None:
@@ -105,6 +105,6 @@ class KeptCopies:
             if report.accepted:
                 return
         raise SwarmError(
-            f"{agent} does not answer to {behavior}; nothing has changed there as far as is "
-            f"known. See `hitab logs {agent}`"
+            f"{agent} has not confirmed that it received {behavior}; probably it has not changed. "
+            f"See `hitab logs {agent}`"
         )

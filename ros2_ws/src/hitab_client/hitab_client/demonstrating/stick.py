@@ -141,7 +141,7 @@ class Stick:
                     "this joystick with --mapping"
                 )
         if not all(math.isfinite(axis) for axis in axes[: mapping.axes_min]):
-            return "an axis of the joystick is no number"
+            return "an axis of the joystick is not a number"
         if not 0.0 < stamp <= wall:
             return ""  # it does not show the age
         if wall - stamp > mapping.timeout:

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from hitab_client.world_view import WorldView
+from hitab_core import quantity
 from hitab_core.library import Fields
 
 
@@ -123,8 +124,8 @@ class Said:
         return self.by in view.said
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return text such as ``keeper_2 has yelled``."""
-        return f"{self.by} has yelled"
+        """Return text such as ``keeper_2 has said something``."""
+        return f"{self.by} has said something"
 
 
 @dataclass(frozen=True)
@@ -195,7 +196,7 @@ def _comparison(fields: Fields, key: str, agent: str) -> Condition:
     wanted = 1 if key == "speed" else 2
     if len(things) != wanted:
         example = "ball" if wanted == 1 else "[keeper_1, ball]"
-        fields.complain(f"`{key}:` needs {wanted} thing(s), such as {example}", key)
+        fields.complain(f"`{key}:` needs {quantity(wanted, 'thing')}, such as {example}", key)
         things = ("?",) * wanted
     below, above = fields.number("below", None), fields.number("above", None)
     if below is None and above is None:

@@ -218,13 +218,13 @@ class LessonPlayer:
 
     def _until(self, step: Until) -> None:
         if not self.watch.until(step.condition, step.within):
-            raise LessonError(f"{self._told_now(step)} did not come within {step.within:g} s")
+            raise LessonError(f"waited {step.within:g} s in vain until {self._told_now(step)}")
 
     def _check(self, step: Check) -> None:
         if not self.watch.until(step.condition, step.within):
             raise LessonError(
-                f"what was learned fails this check: {self._told_now(step)} was expected within "
-                f"{step.within:g} s; teach more examples before this"
+                f"what was learned fails this check, within {step.within:g} s: "
+                f"{self._told_now(step)}; teach more examples before this"
             )
         self.report.checks.append(
             f"{step.condition.describe()} after {self.watch.view().seconds:.1f} s"
@@ -233,8 +233,8 @@ class LessonPlayer:
     def _never(self, step: Never) -> None:
         if self.watch.until(step.condition, step.within):
             raise LessonError(
-                f"{self._told_now(step)} came after "
-                f"{self.watch.view().seconds:.1f} s but should not"
+                f"this should not happen, but did after {self.watch.view().seconds:.1f} s: "
+                f"{self._told_now(step)}"
             )
         self.report.checks.append(f"never {step.condition.describe()} in {step.within:g} s")
 
@@ -298,7 +298,8 @@ class LessonPlayer:
         if budget is not None and examples > budget:
             raise LessonError(
                 f"{self.lesson.file}: took {quantity(examples, 'example')}, including "
-                f"default ones, but its budget is {budget}"
+                f"default ones, but its budget is {budget}; give fewer commands, or raise "
+                "`budget:`"
             )
 
 

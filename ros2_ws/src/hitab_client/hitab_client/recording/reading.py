@@ -95,8 +95,8 @@ def _file_in(path: Path) -> Path:
     if len(files) != 1:
         what = quantity(len(files), "file") if files else "no file"
         raise SwarmError(
-            f"{path} has {what} of a bag (*{SUFFIX}); name the file, or record a bag that is not "
-            "split"
+            f"{path} contains {what} of a bag (*{SUFFIX}); name one file, or record a bag that is "
+            "not split"
         )
     return files[0]
 
@@ -106,7 +106,7 @@ def _check_whole(name: str, stream: BinaryIO) -> None:
     begins = stream.read(len(MAGIC))
     if begins != MAGIC:
         raise SwarmError(
-            f"{name} is no recording in MCAP, as `hitab record` and `ros2 bag record` make; "
+            f"{name} is not an MCAP recording like those of `hitab record` and `ros2 bag record`; "
             "convert other bags with `ros2 bag convert`"
         )
     size = stream.seek(0, io.SEEK_END)
@@ -187,7 +187,7 @@ def session_of(path: Path, agent: str) -> Session:
         agent: its name, with its namespace if there are several of that name.
 
     Raises:
-        SwarmError: if it has nothing of it, or messages are defined otherwise here.
+        SwarmError: if it has nothing of it, or messages are defined differently here.
     """
     namespace = _namespace(path, agent)
     wanted = {f"{namespace}/{n}": (n, kind) for n, kind in session_topics.TOPICS.items()}
@@ -204,7 +204,7 @@ def session_of(path: Path, agent: str) -> Session:
             ):
                 raise SwarmError(
                     f"{path.name} has messages of type {message.schema.name} on {message.topic}, "
-                    f"and {type_name(kind)} is defined otherwise here; use the version of HiTAB "
+                    f"and {type_name(kind)} is defined differently here; use the version of HiTAB "
                     "that recorded it"
                 )
             sent.append((message.sent, name, deserialize_message(message.data, kind)))
@@ -230,10 +230,13 @@ def _namespace(path: Path, agent: str) -> str:
         return meant[0]
     if not there:
         raise SwarmError(
-            f"{path.name} has no session of an agent to train from, which begins with the topic "
-            f"AGENT/{session_topics.KNOWN}; record it with `hitab record`, from agents with a "
-            "process of their own"
+            f"no agent can be trained from {path.name}: it lacks the topic "
+            f"AGENT/{session_topics.KNOWN}, with which a session begins; record with "
+            "`hitab record`, from agents with a process of their own"
         )
     if meant:
-        raise SwarmError(f"{path.name} has {' and '.join(meant)}; name one of them")
+        raise SwarmError(
+            f'several agents in {path.name} are called "{agent}"; name one of '
+            f"{' and '.join(meant)}"
+        )
     raise SwarmError(f'{path.name} has no session of an agent "{agent}" {has(there, agent)}')

@@ -12,7 +12,7 @@ from functools import cache
 from typing import Any
 
 from hitab_core.domain import FeatureKind
-from hitab_core.errors import LibraryError
+from hitab_core.errors import LibraryError, newer_format
 from hitab_core.example import ExampleKind
 from hitab_core.library.yaml_places import Complaints, Document
 
@@ -152,13 +152,14 @@ def check_format(document: Document) -> int:
         )
     if found > FORMAT:
         raise LibraryError(
-            f"{document.place(('format',))}: has format {found}, but this HiTAB reads formats up "
-            f"to {FORMAT}; update HiTAB, or save the behavior with an older version"
+            f"{document.place(('format',))}: {newer_format(found, FORMAT)}, or save the behavior "
+            "with an older version"
         )
     if found < FORMAT and found not in MIGRATIONS:
         raise LibraryError(
             f"{document.place(('format',))}: has format {found}, which this HiTAB cannot read "
-            f"(reads: {', '.join(str(n) for n in sorted([*MIGRATIONS, FORMAT]))})"
+            f"(reads: {', '.join(str(n) for n in sorted([*MIGRATIONS, FORMAT]))}); "
+            "open and save it with an older version of HiTAB first"
         )
     return found
 

@@ -63,7 +63,7 @@ def make_bundle(
     try:
         needed = repertoire.needed_by(name)
     except VocabularyError as error:
-        raise LibraryError(f"cannot be sent: {error}") from None
+        raise LibraryError(f'"{name}" cannot be sent: {error}') from None
     files = []
     for part in needed:
         if part in texts:

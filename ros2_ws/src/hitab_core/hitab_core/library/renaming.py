@@ -40,11 +40,11 @@ def plan_renaming(
     files = change.before.readable
     if change.losses:
         raise LibraryError(
-            f'"{old}" cannot be renamed while something is lost, which may use it: '
-            f"{'; '.join(change.losses.faults)}"
+            f'"{old}" cannot be renamed yet, since files that may use it cannot be read: '
+            f"{'; '.join(change.losses.faults)}; mend or delete them first"
         )
     if old not in files:
-        raise LibraryError(f'has no behavior "{old}" {has(files, old)}')
+        raise LibraryError(f'there is no behavior "{old}" {has(files, old)}')
     if NAME.match(new) is None:
         raise LibraryError(f'"{old}" cannot be called "{new}"; {NAME_RULE}')
     if new in files or new in domain.behaviors or new in domain.automata:

@@ -115,7 +115,7 @@ class Fields:
         if isinstance(value, str):
             return (value,)
         if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
-            self.complain(f"`{key}:` must be a list of texts, such as [a, b]", key)
+            self.complain(f"`{key}:` must be a list of strings, such as [a, b]", key)
             return ()
         return tuple(value)
 

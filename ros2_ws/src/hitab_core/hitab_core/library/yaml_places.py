@@ -123,7 +123,7 @@ def text_in(data: bytes, path: Path, *, error: type[HitabError] = LibraryError) 
     except UnicodeDecodeError as wrong:
         line = data.count(b"\n", 0, wrong.start) + 1
         raise error(
-            f"{path}:{line}: is not UTF-8 text; save it as UTF-8, or restore a version"
+            f"{path}:{line}: is not UTF-8 text; save it as UTF-8, or bring back a copy"
         ) from None
 
 
@@ -202,7 +202,7 @@ class _Reader:
                     raise self._refusal(event, "a second document; put it into a file of its own")
                 value = self._value(next(events), events, ())
         if not documents:
-            raise self._error(f"{self._file}:1: is empty; write it again or restore a copy")
+            raise self._error(f"{self._file}:1: is empty; write it again, or bring back a copy")
         return Document(self._file, value, self._lines)
 
     def _value(self, event: Any, events: Iterator[Any], path: Place) -> Any:

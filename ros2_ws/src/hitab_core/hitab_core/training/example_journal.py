@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
 
-from hitab_core.errors import FolderInUseError, LibraryError
+from hitab_core.errors import FolderInUseError, LibraryError, newer_format
 from hitab_core.library.durable_files import file_errors, make_folder, sync_folder, write_all
 
 VERSION = 2
@@ -251,7 +251,7 @@ def _crc(text: str) -> str:
 
 
 def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
-    damaged = "copy the lines above it to a new file, and resume from that"
+    damaged = "keep a copy, delete this line and all below it, and start the agent again"
     try:
         entry = json.loads(line)
         version, found, crc, record = (entry[k] for k in ("journal", "number", "crc", "record"))
@@ -259,11 +259,10 @@ def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
         raise LibraryError(f"{place}: is not a record of a journal; {damaged}") from None
     if not isinstance(version, int) or version > VERSION:
         raise LibraryError(
-            f"{place}: has format version {version}, but this HiTAB reads up to {VERSION}; "
-            "use the HiTAB version that wrote it"
+            f"{place}: {newer_format(version, VERSION)}, or use the version that wrote it"
         )
     if found != number:
         raise LibraryError(f"{place}: has number {found} instead of {number}; {damaged}")
     if crc != _crc(json.dumps(record)) or not isinstance(record, dict):
-        raise LibraryError(f"{place}: was damaged or edited (wrong checksum); {damaged}")
+        raise LibraryError(f"{place}: was damaged or edited (its digest does not fit); {damaged}")
     return record

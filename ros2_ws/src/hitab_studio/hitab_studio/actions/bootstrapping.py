@@ -23,7 +23,7 @@ async def generations_dialog(session: Session, data: Data) -> None:
     agent, training = str(data.get("agent") or session.agent), session.watched.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
     if not behavior:
-        raise SwarmError("A generation is made of a training: train a first version.")
+        raise SwarmError("There is nothing to make a generation from yet: begin a training first.")
     session.close_dialog()
     session.dialog = {"kind": "generations", "agent": agent, "behavior": behavior}
     if session.shared.store.known.world_answers and not session.shared.generations.why_busy:

@@ -8,7 +8,7 @@ from hitab_client import SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
-from hitab_studio.session import Session
+from hitab_studio.session import Session, nothing_in_training
 
 
 @action("features-dialog")
@@ -16,7 +16,7 @@ async def features_dialog(session: Session, data: Data) -> None:
     """Ask which features to learn from."""
     training = session.watched.training
     if training is None:
-        raise SwarmError(f"{session.agent or 'no agent'} is not training anything.")
+        raise SwarmError(nothing_in_training(session))
     session.dialog = {
         "kind": "features",
         "agent": session.agent,

@@ -9,7 +9,7 @@ from hitab_msgs.srv import GetBehavior
 from hitab_client import DistributionReport, SwarmError, learned_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
-from hitab_studio.session import Session
+from hitab_studio.session import Session, nothing_in_training
 
 
 def _bindings(values: Any) -> dict[str, str]:
@@ -26,7 +26,7 @@ async def save_dialog(session: Session, data: Data) -> None:
     """Show what would be saved."""
     training = session.watched.training
     if training is None:
-        raise SwarmError(f"{session.agent or 'no agent'} is not training anything.")
+        raise SwarmError(nothing_in_training(session))
     session.dialog = {
         "kind": "save",
         "agent": session.agent,

@@ -12,7 +12,7 @@ from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
-from hitab_studio.session import Asked, Session, parameters_of
+from hitab_studio.session import Asked, Session, nothing_in_training, parameters_of
 
 
 @action("command")
@@ -147,7 +147,7 @@ async def toggle(session: Session, data: Data) -> None:
         or status.mode == "idle"
         or (status.mode == "performing" and session.watched.training is None)
     ):
-        raise SwarmError(f"{session.agent or 'no agent'} is not being trained: begin a training.")
+        raise SwarmError(nothing_in_training(session))
     mode = demonstrating.other_mode(status)
     answer = await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
     if mode == "testing" and status.questions:

@@ -33,7 +33,7 @@ def commands_of(
     said = {}
     for name, (values, message) in actions.items():
         if name not in agents:
-            refused[name] = f'no keeper "{name}" (has: {", ".join(agents)})'
+            refused[name] = f'no keeper "{name}" (known: {", ".join(agents)})'
             continue
         lines = given[name] = []
         try:

@@ -57,7 +57,7 @@ def parameters_of(server: Parameters, ours: KeepawayParameters) -> KeepawayParam
     try:
         return replace(ours, **figures, say_length=say_length)
     except ParameterError as error:
-        raise ServerError(f"the server's settings are none of keepaway: {error}") from None
+        raise ServerError(f"the server's settings do not fit keepaway: {error}") from None
 
 
 Place: TypeAlias = tuple[float, float, float, float, float]

@@ -29,7 +29,7 @@ def number_of(atom: Expression) -> float:
     try:
         value = float(atom)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise ProtocolError(f"{excerpt(str(atom))} is no number") from None
+        raise ProtocolError(f"{excerpt(str(atom))} is not a number") from None
     if not math.isfinite(value):
         raise ProtocolError(f"{atom} is not finite")
     return value

@@ -43,7 +43,7 @@ Parameters = Annotated[
         "--parameter",
         "--set",
         metavar="NAME=VALUE",
-        help="Another parameter of the game; repeat.",
+        help="Another parameter of the game. Repeatable.",
     ),
 ]
 
@@ -274,7 +274,7 @@ def film(
 
 def demo(
     out: Annotated[
-        Path, typer.Option("--out", "-o", help="Folder for pictures, figures and the library.")
+        Path, typer.Option("--out", "-o", help="Folder for pictures, results and the library.")
     ] = Path("hitab-demo"),
     episodes: Episodes = 200,
     seed: Seed = 1,
@@ -285,7 +285,7 @@ def demo(
     port: Annotated[int, typer.Option(help="Port of the studio.")] = 8080,
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
 ) -> None:
-    """Train three keepers over ROS topics, play, and compare with the paper.
+    """Train three keepers over ROS topics, play, and compare with the paper on this method.
 
     Starts a world and three keepers, each in its own process; plays the four lessons from an empty
     library; distributes what was learned; plays episodes against slow takers. Takes one to two
