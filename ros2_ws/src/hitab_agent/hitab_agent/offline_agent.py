@@ -100,8 +100,8 @@ class OfflineAgent:
             found = self._node.agent.library_digest
             if found != known.digest:
                 raise LibraryError(
-                    f"the behaviors that {name} had when the recording began read differently here "
-                    f"(digest {found[:12]}… instead of {known.digest[:12]}…); use the version of "
+                    f"the behaviors that {name} had when the recording began read differently "
+                    f"here (digest {found[:12]}…, not {known.digest[:12]}…); use the version of "
                     f'HiTAB and of domain "{domain}" that recorded it'
                 )
             self._node.join()
