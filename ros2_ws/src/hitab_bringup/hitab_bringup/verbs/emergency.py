@@ -56,7 +56,7 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
         )
     _tell(
         "stopped",
-        "stop",
+        True,
         reason,
         "use the robot's own switch",
         "assume that some still move, and use their own switches",
@@ -74,15 +74,15 @@ def go(context: typer.Context, reason: Reason = "") -> None:
     """
     if context.args:
         raise typer.BadParameter("`hitab go` takes no names: it releases all robots")
-    _tell("released", "go", reason, "none was released", "some may still stand")
+    _tell("released", False, reason, "none was released", "some may still stand")
 
 
-def _tell(done: str, verb: str, reason: str, unheard: str, unsure: str) -> None:
+def _tell(done: str, engaged: bool, reason: str, unheard: str, unsure: str) -> None:
     """Stop or release all robots.
 
     Args:
         done: what has been done to them then.
-        verb: that does it.
+        engaged: whether they have to stop.
         reason: that the user gives.
         unheard: what follows if no robot hears it.
         unsure: what follows if not all robots confirm it.
@@ -94,7 +94,7 @@ def _tell(done: str, verb: str, reason: str, unheard: str, unsure: str) -> None:
     from hitab_core import quantity, some
     from hitab_ros import EmergencySwitch
 
-    by, engaged = getpass.getuser(), verb == "stop"
+    by = getpass.getuser()
     with ExitStack() as stack:
         ends = []
         numbers = _domains()
@@ -114,13 +114,13 @@ def _tell(done: str, verb: str, reason: str, unheard: str, unsure: str) -> None:
         where = " or ".join(map(str, numbers))
         raise SwarmError(
             f"nobody heard it: no robot's relay runs in ROS domain {where}; {unheard}; check "
-            "ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with `hitab doctor`, and repeat "
-            f"`hitab {verb}`; for a simulated world, use `hitab world pause` and `resume`"
+            "ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with `hitab doctor`, and try again; "
+            "for a simulated world, use `hitab world pause` and `hitab world resume`"
         )
     if late:
         raise SwarmError(
             f"not every robot has confirmed within {DELIVER_S:g} s (found: {some(robots)}); "
-            f"{unsure}; then repeat `hitab {verb}`"
+            f"{unsure}; then try again"
         )
     heard = some(robots) if robots else f"no robot, but {quantity(others, 'other node')} heard it"
     console.say(f"{done}: {heard}")
