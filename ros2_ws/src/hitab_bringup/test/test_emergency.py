@@ -76,4 +76,4 @@ def test_a_stop_that_nobody_heard_is_an_error(domain_id, capfd, monkeypatch):
     status, out, err = hitab(capfd, "stop")
     assert (status, out) == (1, "")
     assert f"nobody heard it: no robot's relay runs in ROS domain {domain_id};" in err
-    assert "`hitab world pause` halts a simulated world" in " ".join(err.split())
+    assert "for a simulated world, use `hitab world pause`" in " ".join(err.split())
