@@ -105,7 +105,7 @@ def test_a_lesson_that_fails_says_what_it_leaves_and_discards_it_when_asked_to(
     keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
     failed = hitab("lesson", "run", lesson_file(tmp_path, "  - never: {seconds: 0.2}\n"))
     assert failed.returncode == 1
-    assert "but should not" in failed.stderr
+    assert "this should not happen" in failed.stderr
     assert 'keeper_1 is still training "Stand"; go on by hand' in failed.stderr
     lesson = lesson_file(tmp_path, "  - save: true\n")
     refused = hitab("lesson", "run", lesson)
@@ -154,7 +154,7 @@ def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):
             "waited 0.5 s in vain until keeper_1 has said",
         ),
         ("  - check: {speed: keeper_1, above: 1}\n    within: 0.5\n", 8, "teach more examples"),
-        ("  - never: {seconds: 0.2}\n", 8, "but should not"),
+        ("  - never: {seconds: 0.2}\n", 8, "this should not happen"),
         ("  - command: Dance\n", 8, 'step `command`: keeper_1: unknown behavior "Dance"'),
         ("  - command: Stop\n    agent: keeper_9\n", 8, 'no agent "keeper_9" answers'),
         ("  - place: {bal: {x: 1}}\n", 8, "the world refuses"),

@@ -38,7 +38,7 @@ def told(*arguments: str) -> str:
         ("logs --level loud", '--level: "loud" is not one of debug, info, warn, error, fatal'),
         ("step", "No such command 'step'. Did you mean `hitab world step`?"),
         ("world place keeper_1", 'where to put "keeper_1"? Write keeper_1 x=1 y=2 heading=90'),
-        ("demonstrate GoFast", "give the agent and the behavior, as in `hitab demonstrate keeper"),
+        ("demonstrate GoFast", "name the agent and the behavior, as in `hitab demonstrate keeper"),
         ("stop keeper_1", "it stops all robots; `hitab perform keeper_1` stops one of them"),
         ("go keeper_1", "`hitab go` takes no names: it releases all robots"),
         ("reaction -1", "-1 is no option, and no negative number is expected here"),

@@ -72,7 +72,7 @@ def test_help_imports_nothing_that_takes_long():
     ("arguments", "code", "expected"),
     [
         (["demonstrat"], 2, "No such command"),
-        (["demonstrate", "keeper_1"], 2, "give the agent and the behavior"),
+        (["demonstrate", "keeper_1"], 2, "name the agent and the behavior"),
         (["up", "nothing_like_it"], 1, 'error: no swarm "nothing_like_it"'),
         (["up", "keepaway", "--pace", "fast"], 2, "is not one of lockstep, realtime"),
         (["status", "--swarm", "red"], 1, 'no swarm "red" is up, and no other'),

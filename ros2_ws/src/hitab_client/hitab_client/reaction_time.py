@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import state_home
-from hitab_core.errors import newer_format
+from hitab_core import newer_format
 from hitab_core.library.durable_files import file_errors, write_durably
 
 if TYPE_CHECKING:

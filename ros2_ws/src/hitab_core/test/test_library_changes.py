@@ -151,7 +151,9 @@ def test_nothing_is_renamed_while_something_is_lost_that_may_use_it(
     library: BehaviorLibrary,
 ) -> None:
     library.path("Keepaway").write_text("nothing")
-    with pytest.raises(LibraryError, match=r"while something is lost.*Keepaway\.hfa\.yaml"):
+    with pytest.raises(
+        LibraryError, match=r"files that may use it cannot be read.*Keepaway\.hfa\.yaml"
+    ):
         library.rename("Approach", "ComeNear", with_users=True)
     with pytest.raises(LibraryError, match='has no behavior "Dance"'):
         library.remove("Dance")
