@@ -198,7 +198,7 @@ class AgentServices:
         if request.automaton:
             automata, name = self._agent.repertoire.automata, request.automaton
             if name not in automata:
-                raise TrainingError(f'no automaton "{name}" {has(automata, name)}')
+                raise TrainingError(f'no trained behavior "{name}" {has(automata, name)}')
             features, examples = automata[name].features, automata[name].examples
             readable = automata[name].readable
         elif session is not None:

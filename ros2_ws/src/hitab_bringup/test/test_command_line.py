@@ -77,7 +77,7 @@ def test_help_imports_nothing_that_takes_long():
         (["up", "keepaway", "--pace", "fast"], 2, "is not one of lockstep, realtime"),
         (["status", "--swarm", "red"], 1, 'no swarm "red" is up, and no other'),
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
-        (["train", "keeper_1", "-f", "DistanceTo(ball)"], 2, "name the automaton to train"),
+        (["train", "keeper_1", "-f", "DistanceTo(ball)"], 2, "name the behavior to train"),
         (["examples", "keeper_1", "--swarm", "red"], 1, 'no swarm "red" is up'),
         (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
         (["world", "place", "x=1"], 2, "write NAME x=1"),

@@ -163,7 +163,7 @@ def back(
 @app.command("list")
 def list_(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A behavior; default: all.")] = "",
+    behavior: Annotated[str, typer.Argument(help="A behavior. Default: all.")] = "",
     by: By = "seconds",
     least: Least = False,
     swarm: SwarmName = None,

@@ -42,7 +42,10 @@ def register(app: typer.Typer) -> None:
 def examples_list(
     agent: AgentName,
     automaton: Annotated[
-        str, typer.Argument(help="A trained behavior; default: what is being trained.")
+        str,
+        typer.Argument(
+            metavar="behavior", help="A trained behavior. Default: what is being trained."
+        ),
     ] = "",
     swarm: SwarmName = None,
     json: JsonPath = None,

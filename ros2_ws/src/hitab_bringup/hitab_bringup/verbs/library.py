@@ -201,10 +201,10 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
 def diff(
     name: Name,
     before: Annotated[
-        int | None, typer.Argument(help="A version; default: the one before.", min=1)
+        int | None, typer.Argument(help="A version. Default: the one before.", min=1)
     ] = None,
     after: Annotated[
-        int | None, typer.Argument(help="Another; default: the newest.", min=1)
+        int | None, typer.Argument(help="Another. Default: the newest.", min=1)
     ] = None,
     library: Library = None,
     agent: Agent = None,

@@ -70,7 +70,7 @@ def record(
         float | None,
         typer.Option(
             "--seconds",
-            help="End by itself after so many seconds; default: with Ctrl-C.",
+            help="End by itself after so many seconds. Default: with Ctrl-C.",
             min=0.1,
             show_default=False,
         ),
@@ -189,7 +189,7 @@ def from_recording(
     agent: Annotated[
         str,
         typer.Option(
-            "--agent", "-a", help="Whose training; default: of the only one.", show_default=False
+            "--agent", "-a", help="Whose training. Default: of the only one.", show_default=False
         ),
     ] = "",
     save: Annotated[

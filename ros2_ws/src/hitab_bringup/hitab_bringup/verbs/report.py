@@ -29,7 +29,9 @@ def report(
     agent: AgentName = "",
     automata: Annotated[
         list[str] | None,
-        typer.Argument(help="Trained behaviors; default: what is being trained."),
+        typer.Argument(
+            metavar="behaviors", help="Trained behaviors. Default: what is being trained."
+        ),
     ] = None,
     swarm: SwarmName = None,
     json: JsonPath = None,

@@ -105,7 +105,7 @@ def train(
     bound = _bound(parameter or [])
     taking_over = automaton is None and not resume_from
     if taking_over and any((feature, state, parameter, resume, classifier, discard)):
-        raise typer.BadParameter("name the automaton to train, as in `hitab train AGENT NAME`")
+        raise typer.BadParameter("name the behavior to train, as in `hitab train AGENT NAME`")
     with connection(swarm) as swarm_up:
         if taking_over:
             answer = swarm_up.agents.set_mode(agent, "training")
@@ -218,7 +218,7 @@ def redo(agent: AgentName, swarm: SwarmName = None) -> None:
 def save(
     agent: AgentName,
     name: Annotated[
-        str, typer.Option(help="A new name; default: the name given to `hitab train`.")
+        str, typer.Option(help="A new name. Default: the name given to `hitab train`.")
     ] = "",
     bind: Annotated[
         list[str] | None,

@@ -20,7 +20,7 @@ Seed = Annotated[
 TakerSpeed = Annotated[float, typer.Option(help="Part of full speed; the paper: 0.25.", min=0.0)]
 Library = Annotated[
     Path | None,
-    typer.Option("--library", "-l", help="A library folder; default: the shipped one."),
+    typer.Option("--library", "-l", help="A library folder. Default: the shipped one."),
 ]
 Keepers = Annotated[
     str,
