@@ -104,7 +104,9 @@ class WorldServices:
         course = self._course
         self._look()
         if missing := course.attendance.missing:
-            raise HitabError(f"no node answers for {', '.join(missing)}; start these agents first")
+            raise HitabError(
+                f"nobody answers for {', '.join(missing)}; `hitab status` shows whether they are up"
+            )
         course.control.episodes_left = request.episodes
         course.begin_run(request.seed)
         course.control.resume()
