@@ -148,9 +148,16 @@ class AgentServices:
                 f"a training can be discarded only by an agent that goes idle; set mode "
                 f'"{Mode.IDLE}", not "{mode}"'
             )
-        training = self._agent.training
-        empty = f'"{training}", which had no examples' if training else "the interrupted training"
-        given_up = self._under_way() or empty
+        training, session = self._agent.training, self._agent.session
+        saved = self._agent.repertoire.automata.get(training)
+        if not training:
+            given_up = "the interrupted training"
+        elif not self._agent.unsaved:
+            given_up = f'"{training}", which had no examples'
+        elif session and saved and tuple(session.examples) == tuple(saved.examples):
+            given_up = f'the training of "{training}", which stays as it was saved'
+        else:
+            given_up = self._under_way()
         self._agent.discard()
         return f"{self._agent.name} is {self._agent.mode}; discarded {given_up}"
 
@@ -297,7 +304,8 @@ class AgentServices:
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.library_digest
-        return quantity(len(response.behaviors), "trained behavior")
+        known = quantity(len(response.behaviors), "trained behavior")
+        return "; ".join((known, *self._agent.edition.losses.faults))
 
     def _get_vocabulary(
         self, request: srv.GetVocabulary.Request, response: srv.GetVocabulary.Response

@@ -99,6 +99,7 @@ class Distributor:
     ) -> str:
         agent = self.agent
         use = use_of(request.behavior, request.arguments)
+        agent.check_saved(use.name)
         if request.start:
             agent.repertoire.check_state(use)
         agent.repertoire.get(use.name)  # unless it is unknown or lost

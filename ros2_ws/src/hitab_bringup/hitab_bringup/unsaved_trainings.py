@@ -72,10 +72,12 @@ def announcements(statuses: Iterable[AgentStatus], folder: Path) -> list[str]:
     for status in sorted(statuses, key=lambda status: natural(status.agent)):
         if status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             agent = status.agent
+            ends = f"`hitab save {agent}` or `hitab discard {agent}` ends it"
+            if not status.examples:
+                ends = f"`hitab discard {agent}` ends it"
             sentences.append(
                 f'{agent} resumes the training of "{status.behavior}" '
-                f"({quantity(status.examples, 'example')}); `hitab save {agent}` or "
-                f"`hitab discard {agent}` ends it"
+                f"({quantity(status.examples, 'example')}); {ends}"
             )
     for agent, library in waiting(folder):
         own = library.is_relative_to(folder / "libraries")

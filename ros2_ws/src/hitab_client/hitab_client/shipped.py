@@ -89,9 +89,15 @@ def find_file(given: str, folder: str, what: str) -> Path:
         return path
     folders = shipped_folders(folder)
     for place in folders:
-        for candidate in (place / given, place / f"{given}.yaml"):
-            if candidate.is_file():
-                return candidate
+        if (candidate := place / f"{given}.yaml").is_file():
+            return candidate
+        if (place / given).is_file():  # somebody's own file may be meant
+            raise HitabError(
+                f'no {what} "{given}": no such file here; the shipped {what} is called '
+                f'"{given.removesuffix(".yaml")}"'
+            )
+    if path.is_dir():
+        raise HitabError(f'no {what} "{given}": this is a folder; name a file in it')
     if os.sep in given:
         beside = [str(p) for p in sorted(path.parent.glob("*.y*ml"))]
         guess = did_you_mean(given, beside) or f" That folder has {some(beside)}" * bool(beside)

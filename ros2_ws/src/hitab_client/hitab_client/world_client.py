@@ -14,6 +14,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
+from hitab_core import some
 from hitab_ros import names, qos
 from hitab_ros.stamps import seconds_of
 
@@ -155,6 +156,11 @@ class WorldClient:
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
 
+    @property
+    def missing(self) -> list[str]:
+        """The agents without which the world goes on, as far as it has told."""
+        return sorted(self.status.missing) if self.status is not None else []
+
     def step(
         self,
         cycles: int = 1,
@@ -201,7 +207,11 @@ class WorldClient:
     def _awaited(
         self, right: Callable[[WorldState], bool], what: str, seconds: float
     ) -> WorldState:
-        if not self.link.spin_until(lambda: self.state is not None and right(self.state), seconds):
+        if not self.link.spin_until(
+            lambda: self.state is not None and right(self.state),
+            seconds,
+            waiting_for=lambda: some(self.missing) or "the world",
+        ):
             raise SwarmError(
                 self._reason()
                 or f"the world did not {what} within {seconds:g} s; see `hitab logs {names.WORLD}`"

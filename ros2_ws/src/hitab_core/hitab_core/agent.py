@@ -321,6 +321,18 @@ class Agent:
 
     # -- performing -------------------------------------------------------------------------
 
+    def check_saved(self, name: str) -> None:
+        """Check that a behavior is not one that is being trained and was never saved.
+
+        Raises:
+            TrainingError: saying how to save it.
+        """
+        if name == self.training and name not in self.repertoire:
+            raise TrainingError(
+                f'"{name}" is being trained and not saved yet; save it first: '
+                f"`hitab save {self.name}`"
+            )
+
     def perform(self, use: Use | None) -> None:
         """Perform a behavior as the top-level one, from Start; None: nothing.
 
@@ -328,8 +340,11 @@ class Agent:
 
         Raises:
             VocabularyError: if there is no such behavior or target.
+            TrainingError: if it is being trained and not saved yet.
             FeatureValueError: if it cannot be begun before the first percept.
         """
+        if use is not None:
+            self.check_saved(use.name)
         performance = None if use is None else self._prepared(use)
         self.awaited = None
         self._stop()
@@ -504,6 +519,7 @@ class Agent:
         """
         session = self._session(to_save=True)
         curriculum = session.curriculum
+        self.repertoire.check_name(name or curriculum.name)
         automaton, notes = self.preview_save(name, bindings, description, keep_unused=keep_unused)
         then = self.top if self.mode is Mode.PERFORMING else None
         if self.mode is Mode.TESTING and automaton.parameters == curriculum.parameters:

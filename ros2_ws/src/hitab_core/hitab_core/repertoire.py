@@ -45,7 +45,7 @@ class Repertoire:
             if automaton.name not in self.lost:
                 self._put(automaton)
         for automaton in (trained or {}).values():
-            self._refuse_name(automaton.name)
+            self.check_name(automaton.name)
             self._put(automaton)
         circle = circle_among(self._automata, self._used)
         if circle:
@@ -192,7 +192,7 @@ class Repertoire:
         Raises:
             VocabularyError: naming what is wrong.
         """
-        self._refuse_name(automaton.name)
+        self.check_name(automaton.name)
         self.check(automaton)
 
     def check(self, automaton: Automaton) -> None:
@@ -229,7 +229,12 @@ class Repertoire:
         automaton = self._automata.get(name)
         return () if automaton is None else automaton.behaviors_used
 
-    def _refuse_name(self, name: str) -> None:
+    def check_name(self, name: str) -> None:
+        """Check that a trained automaton can have this name.
+
+        Raises:
+            VocabularyError: if it is reserved, or that of a basic behavior.
+        """
         if name in RESERVED:
             raise VocabularyError(f'"{name}" is reserved; choose another name')
         if name in self.domain.behaviors:

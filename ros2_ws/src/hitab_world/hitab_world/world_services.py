@@ -105,7 +105,7 @@ class WorldServices:
         self._look()
         if missing := course.attendance.missing:
             raise HitabError(
-                f"nobody answers for {', '.join(missing)}; `hitab status` shows whether they are up"
+                f"nobody answers for {', '.join(missing)}; `hitab status` shows who is there"
             )
         course.control.episodes_left = request.episodes
         course.begin_run(request.seed)

@@ -167,6 +167,11 @@ def distribute(
     from hitab_core import HitabError, Use
 
     use = Use.parse(behavior)
+    if targets and not start:
+        raise typer.BadParameter(
+            f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
+            f"chosen with --to, as in `hitab distribute {agent} {behavior} --to {targets[0]}`"
+        )
     with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
         report = swarm_up.agents.distribute(
             agent,

@@ -90,6 +90,7 @@ def up(
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
     from hitab_client import RunFolder
+    from hitab_client.run_folder import running_swarms
     from hitab_client.shipped import find_file
 
     description = read_swarm(find_file(swarm, "swarms", "swarm"))
@@ -118,7 +119,12 @@ def up(
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
-    console.say(f"files in {folder.path}; look with `hitab status`, stop with `hitab down`")
+    chosen, named = ("", "")
+    if len(list(running_swarms())) > 1:
+        chosen, named = f" --swarm {record.swarm}", f" {record.swarm}"
+    console.say(
+        f"files in {folder.path}; look with `hitab status{chosen}`, stop with `hitab down{named}`"
+    )
     for fault in faults:
         console.note(in_lines(fault))
 

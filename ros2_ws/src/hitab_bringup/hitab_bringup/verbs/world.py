@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import SwarmName
 from hitab_core import quantity
@@ -61,7 +61,7 @@ def step(
     """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once."""
     with connection(swarm) as swarm_up:
         world = swarm_up.world
-        world.wait()
+        before = world.wait().missed_deadlines
         try:
             _step(world, cycles)
         except KeyboardInterrupt:
@@ -69,7 +69,20 @@ def step(
             stopped = world.control("pause").cycle
             console.note(f"interrupted; the world is paused at cycle {stopped}")
             raise typer.Exit(130) from None
+        without = _silent(swarm_up) if world.wait().missed_deadlines > before else []
     console.say(f"stepped {quantity(cycles, 'cycle')}")
+    for why in without:
+        console.note(f"but: {why}")
+
+
+def _silent(swarm_up: Connection) -> list[str]:
+    """Return why the agents without which the world has gone on do not answer."""
+    missing = swarm_up.world.missing
+    reasons = [swarm_up.processes.reason(agent) for agent in missing]
+    return [
+        reason or f"{agent} has not answered in time; see `hitab logs {agent}`"
+        for agent, reason in zip(missing, reasons, strict=True)
+    ]
 
 
 def _step(world: WorldClient, cycles: int) -> None:

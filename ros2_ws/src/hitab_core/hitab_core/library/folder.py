@@ -95,8 +95,10 @@ class LibraryFolder:
         Raises:
             LibraryError: if no behavior can have this name.
         """
-        if NAME.match(name) is None or name in RESERVED:
-            raise LibraryError(f'{self.path}: no behavior can be called "{name}"; {NAME_RULE}')
+        if name in RESERVED:
+            raise LibraryError(f'no behavior can be called "{name}", which is reserved')
+        if NAME.match(name) is None:
+            raise LibraryError(f'no behavior can be called "{name}"; {NAME_RULE}')
         return self.path / file_name(name)
 
     def versions(self, name: str) -> list[int]:

@@ -139,7 +139,8 @@ document.addEventListener("input", (event) => {
   if (!element) return;
   if (typed?.element === element) clearTimeout(typed.timer);
   else tellTyped();
-  const data = { ...dataOf(element), value: element.value };
+  const form = element.dataset.withForm !== undefined && element.closest("form");
+  const data = { ...dataOf(element), value: element.value, ...(form ? { values: valuesOf(form) } : {}) };
   delete data.input;
   const timer = setTimeout(tellTyped, element.type === "range" ? 30 : 150);
   typed = { element, what: element.dataset.input, data, timer };
@@ -219,6 +220,12 @@ document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") {
     if (window.studioField?.cancelDrag()) return; // that was in front
     const active = document.activeElement;
+    if (active?.matches("input[type=search]") && active.value) {
+      event.preventDefault(); // the browser would empty the field without a word to the server
+      active.value = "";
+      active.dispatchEvent(new Event("input", { bubbles: true }));
+      return;
+    }
     const cell = active?.matches("td input");
     if (cell) active.value = active.defaultValue; // what was typed there is given up
     if (TEXT.has(active?.tagName)) active.blur();
