@@ -11,7 +11,7 @@ from hitab_msgs.msg import Example
 from hitab_msgs.srv import SetMode
 
 from hitab_client.errors import SwarmError
-from hitab_client.run_processes import process_states
+from hitab_client.run_processes import RunProcesses, process_states
 from hitab_client.world_client import by_name
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -279,6 +279,42 @@ def test_a_training_is_discarded_on_going_idle_only(begun):
         SwarmError, match='by an agent that goes idle; set mode "idle", not "testing"'
     ):
         begun.agents.ask(ONE, SetMode, "set_mode", mode="testing", discard=True)
+
+
+def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
+    begun.agents.begin(ONE, "Fresh", features=["DistanceTo(ball)"], discard=True)
+    begun.agents.command(ONE, "GoFast")
+    for verb in ("distribute", "perform"):
+        refused = hitab(verb, ONE, "Fresh")
+        assert refused.returncode == 1
+        assert '"Fresh" is being trained and not saved yet' in refused.stderr
+        assert f"`hitab save {ONE}`" in " ".join(refused.stderr.split())
+    for name, why in (("Start", "is reserved"), ("GoFast", 'is a basic behavior of domain "keep')):
+        refused = hitab("save", ONE, "--name", name)
+        assert refused.stderr.startswith(f'error: {ONE}: "{name}" {why}'), refused.stderr
+
+
+def test_a_receiver_in_place_of_a_target_is_refused(begun, hitab):
+    put(begun, 8.0)
+    begun.agents.command(ONE, "GoFast")
+    begun.agents.save(ONE, name="Sent")
+    refused = hitab("distribute", ONE, "Sent", TWO)
+    assert refused.returncode == 2
+    assert f"--to {TWO}" in refused.stderr
+    begun.agents.begin(ONE, "Sent", resume="Sent")
+    assert begun.agents.discard(ONE).message.endswith('"Sent", which stays as it was saved')
+
+
+def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
+    pid = RunProcesses(begun.record).pid(TWO)
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        done = hitab("world", "step")
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    assert done.stdout == "stepped 1 cycle\n"
+    assert f"but: {TWO}'s process is suspended" in done.stderr
+    assert begun.link.spin_until(lambda: not begun.world.wait().missing, 30)
 
 
 def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab):

@@ -148,6 +148,35 @@ def test_a_key_stays_with_its_behavior_when_others_come_and_go(swarm, person):
 
 
 @needs_browser
+def test_esc_in_the_search_shows_all_agents_again_and_ends_no_training(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Found")
+    person.page.fill(".search input", "nobody")
+    person.page.wait_for_selector("text=No agent matches.")
+    person.page.focus(".search input")
+    person.page.keyboard.press("Escape")
+    person.sees(f"agent-{TWO}")
+    person.sees("mode", "Training")
+    assert not person.page.query_selector("[data-modal]")
+
+
+@needs_browser
+def test_the_preview_of_what_is_saved_follows_what_is_typed(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Shown")
+    person.click("do-GoFast")
+    person.click("save")
+    person.type("bind-ball", "hello world")
+    person.page.wait_for_selector('[data-test="save-now"][data-off]')
+    person.type("bind-ball", "A")
+    person.sees("preview", "Shown(A)")
+    person.type("bind-ball", "")
+    person.sees("preview", "Shown:")
+    person.click("save-now")
+    person.sees("message", 'saved "Shown"')
+
+
+@needs_browser
 def test_what_ends_a_performance_is_not_called_like_a_behavior(swarm, person):
     swarm.agents.perform(TWO, "GoSlow")
     person.click(f"agent-{TWO}")

@@ -15,7 +15,9 @@ from sklearn.tree import DecisionTreeClassifier
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
+from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import tree_text
+from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, ThresholdNode, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors, prune
@@ -612,6 +614,21 @@ def test_a_tree_is_drawn_with_a_line_for_each_branch():
 
 def test_a_tree_that_tests_nothing_is_drawn_in_one_line():
     assert TransitionTree().fit([[1], [1]], ["A", "B"]).as_text(["x"]) == "A 0.5, B 0.5 (2)"
+
+
+def test_a_rule_for_one_long_number_leaves_no_room_for_it_in_the_others():
+    measured = 0.48750999569892883  # by a scanner, in 32 bits
+    shown = (
+        Example("F", (0.3,), "F", ExampleKind.DEFAULT, 1),
+        Example("F", (measured,), "T", ExampleKind.DEMONSTRATED, 2),
+        Example("F", (0.6,), "F", ExampleKind.DEFAULT, 3),
+    )
+    rules = learn_transitions(shown, (Scale(),))["F"].rules(["X"])
+    assert [rule.conditions for rule in rules] == [
+        ("X < 0.48751",),
+        ("X = 0.48751",),
+        ("X > 0.48751",),
+    ]
 
 
 def test_there_is_a_rule_for_each_leaf():

@@ -36,5 +36,7 @@ class Store:
         if known.target != before.target:
             self.placements.clear()
             self.snapshots = ()
+        if known.scene and before.scene and known.scene.episode != before.scene.episode:
+            self.placements.clear()  # that was another game
         if known.revision != before.revision:
             self.touch()

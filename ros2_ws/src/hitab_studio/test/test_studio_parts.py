@@ -20,10 +20,12 @@ from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.guard import Guard, is_loopback, new_token
+from hitab_studio.known import Known
 from hitab_studio.learned import effect, is_contradicted, superseding
 from hitab_studio.locks import Holder, Locks
 from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, roster, scene_of
 from hitab_studio.situations import RECENT, Situations
+from hitab_studio.store import Store
 from hitab_studio.tree_rows import tree_rows
 
 ANNA, BEN = Holder("a", "Anna"), Holder("b", "Ben")
@@ -35,6 +37,16 @@ def scene(cycle: int = 0, x: float = 0.0) -> Any:
     things.append(Entity(name="ball", kind="ball", x=-1.0))
     looks = [Look(kind="ball", color="#123456", shape="ball", opacity=0.5, layer=1)]
     return scene_of(WorldState(cycle=cycle, width=20.0, height=10.0, entities=things, looks=looks))
+
+
+def test_placements_cannot_be_undone_in_another_episode():
+    store = Store()
+    store.take(Known(scene=replace(scene(), episode=1)))
+    store.placements.append({"ball": {"x": 0.0}})
+    store.take(Known(scene=replace(scene(5), episode=1)))
+    assert store.placements
+    store.take(Known(scene=replace(scene(9), episode=2)))
+    assert not store.placements
 
 
 def example(number: int, state: str, value: float, to: str, kind: str = "demonstrated") -> Example:

@@ -11,7 +11,7 @@ that tells them apart. The exact numbers are in the files.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from hitab_core.domain import FeatureKind, Scale
@@ -230,11 +230,30 @@ def rules(
     root: Node, labels: Sequence[str], scales: Sequence[Scale], names: Sequence[str]
 ) -> list[Rule]:
     """Return one rule per leaf, in the order of the drawing."""
+    leaves = [(node, path) for node, path in _paths(root, scales) if isinstance(node, Leaf)]
+    told = [conditions(path, scales, names) for _, path in leaves]
+    exact = {condition for one in told for condition in one if " = " in condition}
     return [
-        Rule(conditions(path, scales, names), distribution(node.counts, labels), sum(node.counts))
-        for node, path in _paths(root, scales)
-        if isinstance(node, Leaf)
+        Rule(
+            tuple(_beside(condition, exact) for condition in one),
+            distribution(node.counts, labels),
+            sum(node.counts),
+        )
+        for one, (node, _) in zip(told, leaves, strict=True)
     ]
+
+
+def _beside(condition: str, exact: Collection[str]) -> str:
+    """Return a condition that does not seem to hold for a number to which another rule belongs.
+
+    Args:
+        condition: such as ``X <= 1``, which means less than 1 if that was rounded.
+        exact: those of the rules for one number, such as ``X = 1``.
+    """
+    equal = condition.replace(" <= ", " = ", 1).replace(" >= ", " = ", 1)
+    if equal in exact and equal != condition:
+        return condition.replace(" <= ", " < ", 1).replace(" >= ", " > ", 1)
+    return condition
 
 
 def drawing(

@@ -9,6 +9,7 @@ import { openStream } from "./stream.js";
 const ROOM = 122; // px; below the field, for two rows of behaviors
 const ABOVE = 92; // px; for a banner and the legend
 const BESIDE = 46; // px; at either side, for the buttons at the right
+const GROWS_MS = 3000; // the field grows again so long after a notice over it has gone
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
 const TRAIL = 90;
@@ -33,6 +34,7 @@ class Field {
     this.drawn = this.frames = 0;
     this.below = ROOM;
     this.above = ABOVE;
+    this.lowerSince = 0; // when there was first less over the field than there is room for
     this.robots = new Robots(this);
     this.recolor();
     listen(this);
@@ -149,7 +151,12 @@ class Field {
     const camera = document.getElementById("camera");
     const high = Math.max(deck?.offsetHeight ?? 0, camera?.offsetHeight ?? 0);
     const below = Math.max(this.below, high ? high + 34 : 0);
-    const above = Math.max(this.above, notices ? notices.offsetHeight + ABOVE - 40 : 0);
+    const needed = Math.max(ABOVE, notices ? notices.offsetHeight + ABOVE - 40 : 0);
+    // Notices come and go: the field grows again once they have been lower for a while.
+    if (needed >= this.above) this.lowerSince = 0;
+    else this.lowerSince ||= performance.now();
+    const grows = this.lowerSince && performance.now() - this.lowerSince > GROWS_MS;
+    const above = grows ? needed : Math.max(this.above, needed);
     if (below === this.below && above === this.above) return;
     if (this.drag || this.canvas.matches(":hover")) return;
     [this.above, this.below] = [above, below];
