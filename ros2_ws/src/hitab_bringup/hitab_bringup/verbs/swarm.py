@@ -119,12 +119,11 @@ def up(
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
-    chosen, named = ("", "")
+    look = "look with `hitab status`, stop with `hitab down`"
     if len(list(running_swarms())) > 1:
-        chosen, named = f" --swarm {record.swarm}", f" {record.swarm}"
-    console.say(
-        f"files in {folder.path}; look with `hitab status{chosen}`, stop with `hitab down{named}`"
-    )
+        name = record.swarm
+        look = f"look with `hitab status --swarm {name}`, stop with `hitab down {name}`"
+    console.say(f"files in {folder.path}; {look}")
     for fault in faults:
         console.note(in_lines(fault))
 
