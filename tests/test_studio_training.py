@@ -148,6 +148,16 @@ def test_a_key_stays_with_its_behavior_when_others_come_and_go(swarm, person):
 
 
 @needs_browser
+def test_keys_of_flags_and_behaviors_say_why_they_do_nothing(swarm, person):
+    person.page.keyboard.press("1")
+    person.sees("message", "Choose an agent first")
+    person.click(f"agent-{TWO}")
+    person.sees("do-GoFast")
+    person.page.keyboard.press("d")
+    person.sees("message", f"{TWO} is not training anything; only a training has flags.")
+
+
+@needs_browser
 def test_esc_in_the_search_shows_all_agents_again_and_ends_no_training(swarm, person):
     away_from_everybody(swarm, 5.0)
     begin(person, "Found")

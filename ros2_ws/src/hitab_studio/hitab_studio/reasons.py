@@ -51,6 +51,20 @@ def agent(session: Session) -> str:
     return session.shared.generations.why_busy
 
 
+def commanding(session: Session) -> str:
+    """Return why a key for a behavior does nothing."""
+    return "" if session.agent else agent(session)
+
+
+def raising(session: Session) -> str:
+    """Return why a key for a flag does nothing."""
+    if session.status is not None and session.status.mode in ("training", "testing"):
+        return ""
+    return (
+        agent(session) or f"{session.agent} is not training anything; only a training has flags."
+    )
+
+
 def undoing(session: Session) -> str:
     """Return why nothing can be undone."""
     watched = session.watched

@@ -60,6 +60,8 @@ def context(session: Session) -> dict[str, Any]:
         "test_off": reasons.testing(session),
         "save_off": reasons.saving(session),
         "switch_off": reasons.switching(session),
+        "command_off": reasons.commanding(session),
+        "raise_off": reasons.raising(session),
         "last_done": history.done[-1] if history.done else "",
         "stuck": _stuck(session),
         "note": status.note if status is not None else "",
