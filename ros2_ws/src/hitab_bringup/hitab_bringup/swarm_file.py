@@ -29,7 +29,7 @@ from hitab_bringup.swarm_words import Words
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
 from hitab_core import NAME, has
-from hitab_core.library import Fields
+from hitab_core.library import SUFFIX, Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 from hitab_ros.names import WORLD
 
@@ -51,6 +51,8 @@ def read_swarm(path: Path) -> SwarmDescription:
     Raises:
         DescriptionError: naming everything that is wrong, by file and line.
     """
+    if path.name.endswith(SUFFIX):
+        raise DescriptionError(f"{path}: this is the file of a behavior, not a swarm file")
     return parse_swarm(read_text(path, error=DescriptionError), path)
 
 

@@ -28,6 +28,21 @@ def test_the_shipped_swarm_is_three_keepers_in_processes_of_their_own():
     assert names == ["world", "keeper_1", "keeper_2", "keeper_3"]
 
 
+def test_what_is_no_swarm_file_is_told_apart(tmp_path, monkeypatch):
+    behavior = tmp_path / "Run.hfa.yaml"
+    behavior.touch()
+    with pytest.raises(DescriptionError, match="this is the file of a behavior, not a swarm file"):
+        read_swarm(behavior)
+    with pytest.raises(HitabError, match="this is a folder"):
+        find_file(str(tmp_path), "swarms", "swarm")
+    # A file that somebody thinks is there is not replaced by the shipped one of this name.
+    with pytest.raises(HitabError, match='the shipped swarm is called "keepaway"'):
+        find_file("keepaway.yaml", "swarms", "swarm")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "keepaway").mkdir()
+    assert find_file("keepaway", "swarms", "swarm").name == "keepaway.yaml"
+
+
 def test_what_is_said_for_all_can_be_said_otherwise_for_one():
     swarm = parse_swarm(
         "domain: keepaway\nbehavior: GetOpen\nagents:\n  a: {}\n  b: {behavior: Stop, seed: 7}\n",

@@ -22,6 +22,12 @@ def test_everything_in_a_document_knows_its_line() -> None:
     assert document.place(("b", 1, "no such", 7)) == "f.yaml:4"
 
 
+@pytest.mark.parametrize("text", ["a: b\n\tc: 1\n", "a:\n\tc: 1\n"])
+def test_a_tab_is_called_a_tab(text: str) -> None:
+    with pytest.raises(LibraryError, match=r"f\.yaml:2: not YAML: a tab; indent with spaces"):
+        read_yaml(text, "f.yaml")
+
+
 def test_words_that_other_yaml_takes_for_something_else_stay_text() -> None:
     value = read_yaml("[no, On, 2012-01-01, 12:30:00, 0x1F, 1_000, y]", "f.yaml").value
     assert value == ["no", "On", "2012-01-01", "12:30:00", "0x1F", "1_000", "y"]

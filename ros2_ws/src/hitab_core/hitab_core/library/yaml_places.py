@@ -154,6 +154,8 @@ def read_yaml(
         mark = wrong.problem_mark or wrong.context_mark
         line = mark.line + 1 if mark else 1
         context = f" {wrong.context}" if wrong.context else ""
+        if mark and text[mark.index : mark.index + 1] == "\t":
+            raise error(f"{file}:{line}: not YAML: a tab; indent with spaces") from None
         raise error(
             f"{file}:{line}: not YAML: {wrong.problem}{context}; look for a missing bracket, "
             "quote or colon here or just above, or for a file that was cut off"
