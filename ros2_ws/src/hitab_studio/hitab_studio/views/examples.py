@@ -61,6 +61,7 @@ def context(session: Session) -> dict[str, Any]:
         "change": session.watched.change,
         "marked": len(session.table.marked),
         "superseded": any(line.superseded for line in every),
+        "timed": not all(line.still for line in every),
     }
 
 
