@@ -4,6 +4,7 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
+from hitab_msgs.msg import WorldStatus
 from typer.testing import CliRunner
 
 from hitab_bringup.main import make_app
@@ -17,8 +18,8 @@ class World:
     def __init__(self, interrupted_after: int) -> None:
         self.cycle, self.last, self.left = 100, 100, interrupted_after
 
-    def wait(self) -> None:
-        pass
+    def wait(self) -> WorldStatus:
+        return WorldStatus()
 
     def control(self, action: str, cycles: int = 0) -> SimpleNamespace:
         self.last = self.cycle + cycles
