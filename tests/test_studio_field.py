@@ -97,6 +97,19 @@ def test_the_field_stays_where_it_is_when_an_agent_is_chosen_and_trained(swarm, 
 
 
 @needs_browser
+def test_the_field_grows_again_after_notices_over_it_have_gone(swarm, person):
+    person.click(f"agent-{TWO}")
+    person.sees("behaviors")
+    before = field(person, "f.view.scale")
+    high = "const style = document.createElement('style'); style.id = 'high';"
+    high += " style.textContent = '.notices { min-height: 160px }'; document.head.append(style)"
+    person.page.evaluate(f"() => {{ {high} }}")
+    person.waits_until(lambda: field(person, "f.view.scale") < before, "there is room for them")
+    person.page.evaluate("() => document.getElementById('high').remove()")
+    person.waits_until(lambda: field(person, "f.view.scale") == before, "it is as large as before")
+
+
+@needs_browser
 def test_more_rows_of_behaviors_get_room_once_the_pointer_has_left_the_field(swarm, person):
     away_from_everybody(swarm, 6.0)
     shown_at(person, TWO, 8.0, 8.0)
@@ -221,6 +234,13 @@ def test_the_knob_of_what_is_chosen_turns_it_although_it_lies_on_another_thing(s
     swarm.world.changed(lambda: swarm.world.place({"taker_1": {"x": x, "y": y}}))
     shown_at(person, "taker_1", x, y)
     box = person.page.locator("canvas#field").bounding_box()
+    at = field(person, "f.handles[0]")
+    person.page.keyboard.down("Shift")  # chooses the other one, too
+    person.page.mouse.click(box["x"] + at["x"], box["y"] + at["y"])
+    person.page.keyboard.up("Shift")
+    person.waits_until(lambda: len(field(person, "[...f.chosen]")) == 2, "both are chosen")
+    person.click(f"agent-{ONE}")
+    person.waits_until(lambda: field(person, "[...f.chosen]") == [ONE], "one is chosen")
     at = field(person, "f.handles[0]")
     person.page.mouse.move(box["x"] + at["x"], box["y"] + at["y"])
     person.page.mouse.down()

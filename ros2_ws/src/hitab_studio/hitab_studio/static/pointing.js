@@ -76,7 +76,8 @@ function beginDrag(field, event) {
   const handle = near(field.handles, ...from, 5 + slack);
   // A knob may lie on another thing: who touches what is seen of the knob means the knob, and who
   // touches the thing beside it the thing.
-  const knob = near(field.handles, ...from, KNOB + 1.5);
+  // Who chooses several (Shift) means the thing, even if the knob of another one lies over it.
+  const knob = !event.shiftKey && near(field.handles, ...from, KNOB + 1.5);
   const thing = arrow || knob ? -1 : field.thingAt(...from, handle ? 0 : slack);
   const turning = thing < 0 ? !!handle : event.altKey;
   const i = thing < 0 && handle ? handle.i : thing;
