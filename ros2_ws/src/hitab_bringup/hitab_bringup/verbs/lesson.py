@@ -87,8 +87,14 @@ def _played(player: LessonPlayer) -> LessonReport:
     except HitabError as error:
         raise LessonError("\n".join([str(error), *_left(player)])) from None
     except (KeyboardInterrupt, SystemExit):
-        for done in player.take_back():
+        taken_back = player.take_back()
+        for done in taken_back:
             console.note(done)
+        if not taken_back:
+            console.note(
+                f"{player.lesson.name} leaves nothing in training; what was saved stays, and the "
+                "agents go on with what they did: see `hitab status`"
+            )
         raise
     for left in _left(player):
         console.note(left)
