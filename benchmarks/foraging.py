@@ -31,6 +31,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, read_kind
+from hitab_core import has
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
 
@@ -219,7 +220,7 @@ def main(
     fields = fields or list(FIELDS)
     unknown = sorted({*fields} - {*FIELDS})
     if unknown:
-        raise typer.BadParameter(f"no field {', '.join(unknown)} (known: {', '.join(FIELDS)})")
+        raise typer.BadParameter(f"no field {', '.join(unknown)} {has(FIELDS, *unknown)}")
     if read:
         results = json_module.loads(Path(read).read_text(encoding="utf-8"))
     else:

@@ -26,7 +26,7 @@ from games import size_of
 
 from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
-from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use
+from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use, has
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import SIGHTS, TAKER_POLICIES, KeepawayParameters, variant
 from keepaway_world.verbs.evaluation import mean_and_error
@@ -144,8 +144,7 @@ def _numbers(text: str, option: str) -> list[float]:
 
 def _one_of(text: str, known: Sequence[str], option: str) -> None:
     if text not in known:
-        there = ", ".join(known)
-        raise typer.BadParameter(f'there is no "{text}" (known: {there})', param_hint=option)
+        raise typer.BadParameter(f'there is no "{text}" {has(known, text)}', param_hint=option)
 
 
 def _game(text: str, side: float, sight: str, takers: str) -> KeepawayParameters:

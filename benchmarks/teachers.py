@@ -38,7 +38,7 @@ from simulated_people import Person
 from tasks import TRIED_SEED, Team
 from topic_pupil import TopicPupil
 
-from hitab_core import Automaton, HitabError, Repertoire
+from hitab_core import Automaton, HitabError, Repertoire, has
 from hitab_world.inprocess import perform, play
 from keepaway_world.domain import DOMAIN
 from keepaway_world.world import KeepawayWorld
@@ -290,7 +290,7 @@ def span(text: str) -> tuple[float, float]:
 def settings(habits: Habits, causes: bool, only: Sequence[str]) -> dict[str, Habits]:
     """Return the habits to measure, by title."""
     if unknown := sorted({*only} - {*CAUSES}):
-        raise typer.BadParameter(f'there is no cause "{unknown[0]}" (known: {", ".join(CAUSES)})')
+        raise typer.BadParameter(f'there is no cause "{unknown[0]}" {has(CAUSES, unknown[0])}')
     if not causes and not only:
         return {"as asked": habits}
     return {title: make(habits) for title, make in CAUSES.items() if not only or title in only}
@@ -345,7 +345,7 @@ def main(
     """Have simulated people train keepers, and measure how many succeed."""
     off = {*(without or ())}
     if unknown := sorted(off - {*AIDS}):
-        raise typer.BadParameter(f'there is no aid "{unknown[0]}" (known: {", ".join(AIDS)})')
+        raise typer.BadParameter(f'there is no aid "{unknown[0]}" {has(AIDS, unknown[0])}')
     habits = Habits(reaction=span(reaction), waver=waver, inattention=inattention, wrong=wrong)
     aids = frozenset(AIDS) - off
     if over_topics and (off or each_aid):

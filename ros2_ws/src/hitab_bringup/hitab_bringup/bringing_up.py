@@ -319,8 +319,7 @@ def _await_all(
 
     def unheard() -> set[str]:
         """Return the agents that the world does not hear from yet."""
-        heard_of = world.status.missing if world.status is not None else ()
-        return set(heard_of) & set(record.agents)
+        return set(world.missing) & set(record.agents)
 
     def missing() -> list[str]:
         names = [name for name in record.agents if name not in agents.statuses]

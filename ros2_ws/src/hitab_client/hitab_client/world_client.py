@@ -159,7 +159,7 @@ class WorldClient:
     @property
     def missing(self) -> list[str]:
         """The agents without which the world goes on, as far as it has told."""
-        return sorted(self.status.missing) if self.status is not None else []
+        return list(self.status.missing) if self.status is not None else []
 
     def step(
         self,
@@ -302,8 +302,8 @@ class WorldClient:
     def _why_stalled(self) -> str:
         if self.status is None:
             return ""
-        if self.status.missing:
-            return f"; no node answers for {', '.join(self.status.missing)}"
+        if self.missing:
+            return f"; no node answers for {', '.join(self.missing)}"
         return f"; the world reports: {self.status.last_error}" if self.status.last_error else ""
 
 

@@ -7,7 +7,7 @@ from jinja2.utils import markupsafe
 from hitab_core import START, Example
 from hitab_ros import names
 from hitab_studio.absence import absence
-from hitab_studio.session import REAL, Session
+from hitab_studio.session import CHOOSE_FIRST, REAL, Session
 
 RECORDING = "This is a recording: close it first (Esc)."
 
@@ -42,7 +42,7 @@ def agent(session: Session) -> str:
     if session.player is not None:
         return RECORDING
     if not name:
-        return "Choose an agent first, in the list or in the field."
+        return CHOOSE_FIRST
     if absent := absence(known, name):
         return f"{name} {absent}."
     holder = session.shared.locks.holder(name)

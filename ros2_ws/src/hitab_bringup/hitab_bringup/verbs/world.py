@@ -77,11 +77,10 @@ def step(
 
 def _silent(swarm_up: Connection) -> list[str]:
     """Return why the agents without which the world has gone on do not answer."""
-    missing = swarm_up.world.missing
-    reasons = [swarm_up.processes.reason(agent) for agent in missing]
     return [
-        reason or f"{agent} has not answered in time; see `hitab logs {agent}`"
-        for agent, reason in zip(missing, reasons, strict=True)
+        swarm_up.processes.reason(agent)
+        or f"{agent} has not answered in time; see `hitab logs {agent}`"
+        for agent in swarm_up.world.missing
     ]
 
 

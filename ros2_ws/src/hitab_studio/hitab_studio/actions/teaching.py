@@ -12,7 +12,13 @@ from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
-from hitab_studio.session import Asked, Session, nothing_in_training, parameters_of
+from hitab_studio.session import (
+    CHOOSE_FIRST,
+    Asked,
+    Session,
+    nothing_in_training,
+    parameters_of,
+)
 
 
 @action("command")
@@ -197,7 +203,7 @@ async def release(session: Session, data: Data) -> None:
 async def new(session: Session, data: Data) -> None:
     """Ask what to train."""
     if not session.agent:
-        raise SwarmError("Choose an agent first, in the list or in the field.")
+        raise SwarmError(CHOOSE_FIRST)
     session.dialog = {
         "kind": "new",
         "agent": session.agent,
