@@ -12,6 +12,7 @@ from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
 from hitab_client import DescriptionError, RunFolder, SwarmError
 from hitab_client.run_folder import running_swarms, state_home
 from hitab_client.shipped import shipped_folders
+from hitab_client.swarm_choice import name_to_choose
 from hitab_core import LibraryError, did_you_mean, has, some
 from hitab_core.library import SUFFIX
 
@@ -142,13 +143,13 @@ def _files(folder: Path, name: str = "") -> frozenset[tuple[str, bytes]]:
 
 
 def users_of(library: Path) -> list[tuple[str, list[str]]]:
-    """Return the swarms that are up and use a library, each with the agents that do."""
+    """Return what chooses each swarm that is up and uses a library, and its agents that do."""
     library = library.resolve()
     found = []
     for folder, record in running_swarms():
         agents = [a for a, used in libraries_of(folder.path).items() if used == library]
         if agents:
-            found.append((record.swarm, agents))
+            found.append((name_to_choose(record), agents))
     return found
 
 

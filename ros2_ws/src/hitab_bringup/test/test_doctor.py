@@ -209,7 +209,7 @@ def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
         say(link, "b")
         found = one(agents.faults())
         assert (found.level, found.text) == ("warning", "a: nothing heard on /scan")
-        assert found.way_out == "`hitab status --swarm red-1` shows it"
+        assert found.way_out == "`hitab status --swarm red` shows it"
         monkeypatch.setattr(agents, "MANY", 1)
         assert "were not asked" in one(agents.faults()).text
 

@@ -152,10 +152,19 @@ def whose(identities: Iterable[str]) -> Iterator[str]:
             )
 
 
+def name_to_choose(record: RunRecord) -> str:
+    """Return what chooses a swarm with ``--swarm``: its name, or else its identity.
+
+    Its identity is needed while another swarm of the same name is registered.
+    """
+    others = [other for _, other in registered_swarms() if other.swarm == record.swarm]
+    return record.swarm if len(others) < 2 else record.identity
+
+
 def way_to_stop(folder: RunFolder, record: RunRecord) -> str:
     """Return the command that stops a swarm of the registry, as short as it can be."""
     if folder.path == RunFolder.of_swarm(record.swarm).path:
-        return f"`hitab down {record.swarm}`"
+        return f"`hitab down {name_to_choose(record)}`"
     here = Path.cwd()
     inside = folder.path.is_relative_to(here)
     path = folder.path.relative_to(here) if inside else folder.path
@@ -176,7 +185,7 @@ def none_is_up(domain_id: int | None) -> str:
         else:
             known.append(
                 f'"{record.swarm}" runs in ROS domain {record.domain_id}; '
-                f"choose it with --swarm {record.swarm}, or unset ROS_DOMAIN_ID."
+                f"choose it with --swarm {name_to_choose(record)}, or unset ROS_DOMAIN_ID."
             )
     known += told_of_other_homes()
     known.append(f"Looking for {LOOK_SECONDS:g} s for one that was started elsewhere ...")

@@ -50,6 +50,16 @@ def test_only_swarms_that_match_are_offered_with_what_tells_them_apart(three, ho
     assert found[1] == ANOTHER_RED
 
 
+def test_what_messages_offer_chooses_one_swarm(three):
+    for record in (RED, ANOTHER_RED, BLUE):
+        found = swarm_choice.find_running(swarm_choice.name_to_choose(record))
+        assert found is not None
+        assert found[1] == record
+    assert swarm_choice.name_to_choose(BLUE) == "blue", "short where it can be"
+    one = RunFolder.of_swarm("red")
+    assert swarm_choice.way_to_stop(one, RED) == f"`hitab down {RED.identity}`"
+
+
 def test_down_offers_its_own_ways_out(three):
     with pytest.raises(SwarmError) as refused:
         swarm_choice.to_take_down("red")

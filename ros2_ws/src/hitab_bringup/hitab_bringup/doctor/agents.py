@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import RosLink, RunRecord, SwarmClient
 from hitab_client.run_folder import running_swarms
+from hitab_client.swarm_choice import name_to_choose
 from hitab_core import each_once, quantity, some
 
 MANY = 100  # agents; a larger swarm takes long to ask
@@ -37,6 +38,6 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
         yield warning("agents", told, f"`hitab logs {mute[0]}` shows why")
     found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
     for fault in found:
-        yield warning("agents", fault, f"`hitab status --swarm {record.identity}` shows it")
+        yield warning("agents", fault, f"`hitab status --swarm {name_to_choose(record)}` shows it")
     if not mute and not found:
         yield Finding("agents", f"{quantity(len(statuses), 'agent')} of {record.swarm}: no faults")

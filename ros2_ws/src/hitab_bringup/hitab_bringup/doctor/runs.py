@@ -9,6 +9,7 @@ from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import SwarmError
 from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms
 from hitab_client.run_processes import ANSWER_SECONDS, is_suspended, process_states
+from hitab_client.swarm_choice import way_to_stop
 from hitab_core import some
 
 SHOWN = 5  # processes by name
@@ -23,14 +24,14 @@ def swarms() -> Iterator[Finding]:
             yield warning(
                 "swarm",
                 f"{record.swarm} has ended without `hitab down` ({folder.path})",
-                f"`hitab down {record.swarm}` removes what it left, `hitab up` starts it again",
+                f"{way_to_stop(folder, record)} removes what it left, `hitab up` starts it again",
             )
             continue
         where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
         try:
             states = process_states(record, ANSWER_SECONDS)
         except SwarmError as error:
-            yield warning("swarm", str(error), f"`hitab down {record.swarm}`")
+            yield warning("swarm", str(error), way_to_stop(folder, record))
             continue
         running = [state for state in states if state["statename"] == "RUNNING"]
         pids = some([f"{state['name']} {state['pid']}" for state in running], SHOWN)

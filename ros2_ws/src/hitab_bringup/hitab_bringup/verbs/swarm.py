@@ -92,6 +92,7 @@ def up(
     from hitab_client import RunFolder
     from hitab_client.run_folder import running_swarms
     from hitab_client.shipped import find_file
+    from hitab_client.swarm_choice import name_to_choose
 
     description = read_swarm(find_file(swarm, "swarms", "swarm"))
     if namespace:
@@ -121,7 +122,7 @@ def up(
     )
     look = "look with `hitab status`, stop with `hitab down`"
     if len(list(running_swarms())) > 1:
-        name = record.swarm
+        name = name_to_choose(record)
         look = f"look with `hitab status --swarm {name}`, stop with `hitab down {name}`"
     console.say(f"files in {folder.path}; {look}")
     for fault in faults:
