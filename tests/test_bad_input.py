@@ -46,6 +46,10 @@ BEGINNINGS = [
     ({"automaton": "Start"}, "reserved"),
     ({"automaton": "A", "features": ["DistanceTo(bal)"]}, 'unknown target "bal"'),
     (
+        {"automaton": "A", "features": ["DistanceTo(X)"]},
+        "if it is a parameter, give the target that it stands for in training, as `-p X=TARGET`",
+    ),
+    (
         {"automaton": "A", "features": ["DistanceTo"]},
         "takes 1 target, not 0; write, for example, DistanceTo(ball)",
     ),

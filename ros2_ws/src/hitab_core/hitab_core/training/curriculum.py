@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from hitab_core.errors import VocabularyError
 from hitab_core.learning.transition_learning import learner
 from hitab_core.repertoire import Repertoire
 from hitab_core.use import NAME, NAME_RULE, Use
-from hitab_core.vocabulary import check_known
+from hitab_core.vocabulary import check_known, did_you_mean, unknown
 from hitab_core.wording import quantity
 
 
@@ -109,6 +109,8 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
         check_known("target", argument, repertoire.domain.targets)
     if len(set(curriculum.features)) < len(curriculum.features):
         raise VocabularyError(f'"{name}" has a feature twice')
+    for use in (*curriculum.features, *curriculum.states):
+        _check_arguments(use, {*repertoire.domain.targets, *curriculum.parameters})
     for feature in curriculum.features:
         repertoire.check_feature(feature, curriculum.parameters)
     for state in curriculum.states:
@@ -117,3 +119,13 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
     blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
     repertoire.check_new(blank)
     learner(curriculum.classifier, [repertoire.scale_of(f) for f in curriculum.features])
+
+
+def _check_arguments(use: Use, known: Collection[str]) -> None:
+    for argument in use.arguments:
+        if argument not in known and not did_you_mean(argument, known):
+            where = f' in "{use}"'
+            raise VocabularyError(
+                f"{unknown('target', argument, known, where)}; if it is a parameter, give the "
+                f"target that it stands for in training, as `-p {argument}=TARGET` does"
+            )
