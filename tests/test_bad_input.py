@@ -200,6 +200,8 @@ CALLS = [
     (("perform", "keeper_2", "Stop", "ball"), "takes no targets, not 1", ""),
     (("world", "place", "bal", "x=1"), "the world refuses", '"bal"'),
     (("save", "keeper_2"), "is not training anything", ""),
+    (("demonstrate", "GoFast", AGENT), "the agent comes first", "`hitab demonstrate keeper_1 Go"),
+    (("perform", "GoFast", AGENT), "the agent comes first", "`hitab perform keeper_1 GoFast`"),
 ]
 
 

@@ -55,13 +55,14 @@ def status(hitab: Callable) -> dict[str, dict]:
 def test_a_library_that_is_named_serves_all_agents_the_next_day(
     hitab: Callable, description: str, tmp_path: Path
 ) -> None:
-    done(hitab, "up", description, "--library", "ours")
+    first = hitab("up", description, "--library", "ours")
+    assert first.stderr.count("ours is a new library: nothing is learned in it yet") == 1
     train("Wander")
     assert "keeper_2: 1 trained behavior" in done(hitab, "library", "reload", "keeper_2")
     done(hitab, "down")
     assert (tmp_path / "ours" / "Wander.hfa.yaml").exists()
     Path(description).write_text(TODAY)
-    done(hitab, "up", description, "--library", "ours")
+    assert "a new library" not in hitab("up", description, "--library", "ours").stderr
     assert {a["behavior"] for a in status(hitab).values()} == {"Wander"}
     assert "Wander" in done(hitab, "library", "list")
 

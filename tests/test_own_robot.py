@@ -244,6 +244,10 @@ def test_the_emergency_stop_holds_the_robot_until_it_is_released(desk):
     assert f"stopped: {ROBOT}" in hitab("stop", "--reason", "a dog")
     desk.until(desk.told_to_stand_still)
     desk.until(lambda: desk.has_fault("a dog"))
+    hitab("train", ROBOT, "Held", "--state", "TurnLeft")
+    for verb in (("demonstrate", ROBOT, "TurnLeft"), ("test", ROBOT)):
+        assert "but: emergency stop by" in hitab(*verb), verb
+    hitab("discard", ROBOT)
     assert "but: emergency stop by" in hitab("perform", ROBOT, "TurnLeft")
     desk.velocities.clear()
     desk.until(lambda: len(desk.velocities) > 10)

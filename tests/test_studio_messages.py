@@ -37,6 +37,29 @@ def test_a_message_is_beside_the_field_counted_and_closed(swarm, person):
 
 
 @needs_browser
+def test_messages_cover_no_button_of_a_dialog_and_can_be_closed_meanwhile(swarm, person):
+    person.click(f"agent-{ONE}")
+    for action in ("undo", "toggle", "replay-play"):
+        person.page.evaluate("action => window.studioTell(action)", action)
+    messages = person.page.locator('[data-test="message"]')
+    person.waits_until(lambda: messages.count() == 3, "there are three messages")
+    person.click("new")
+    person.sees("begin")
+    assert overlap(box_of(person, ".dialog"), box_of(person, ".messages")), "or this shows nothing"
+    on_top = (
+        "e => { const b = e.getBoundingClientRect();"
+        + """
+        return e.contains(document.elementFromPoint(b.right - 2, b.top + b.height / 2)); }"""
+    )
+    assert person.page.eval_on_selector('[data-test="begin"]', on_top)
+    person.click("message-close")
+    person.waits_until(lambda: messages.count() == 2, "it is closed")
+    person.sees("begin")
+    person.page.keyboard.press("Escape")
+    person.does_not_see("begin")
+
+
+@needs_browser
 def test_a_name_that_cannot_be_is_answered_with_the_format_of_names(swarm, person):
     person.click(f"agent-{ONE}")
     person.click("new")

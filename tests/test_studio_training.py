@@ -95,7 +95,7 @@ def test_keys_of_a_training_say_what_to_press_while_nothing_is_trained(swarm, pe
     person.page.keyboard.press("t")
     person.sees("message", f"{TWO} trains nothing, so there is nothing to test (T). Press Train…")
     person.page.keyboard.press("u")
-    person.sees("message", "There is nothing to undo")
+    person.sees("message", f"{TWO} is not training anything: begin a training")
 
 
 @needs_browser

@@ -35,6 +35,7 @@ START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
 COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
 DOMAINS_TRIED = 3  # if the names are taken there
+SENSORS_SECONDS = 1.5  # for robots to look for their sensors after they are up
 VALUES_SECONDS = 2.0  # for commanders to get the first values of their subordinates
 LARGE = 100  # agents; in a larger swarm a command watches only those that it needs
 STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
@@ -122,6 +123,8 @@ def _brought_up(
         for text in _slow_to_command(record):
             warn(text)
         _let_commanders_hear(link, agents, [c.name for c in swarm.commanders])
+        if not record.world:
+            _let_robots_hear(link, agents)
         there = sorted(agents.statuses.items())
         for text in each_once((name, text) for name, s in there for text in s.faults):
             warn(text)
@@ -359,6 +362,16 @@ def _let_commanders_hear(link: RosLink, agents: SwarmClient, commanders: list[st
     link.spin_until(
         lambda: not any(agents.statuses[name].faults for name in commanders), VALUES_SECONDS
     )
+
+
+def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
+    """Give robots the time to notice that sensors are missing, or to hear those that are not."""
+
+    def has_faults() -> bool:
+        return any(status.faults for status in agents.statuses.values())
+
+    if link.spin_until(has_faults, SENSORS_SECONDS):
+        link.spin_until(lambda: not has_faults(), VALUES_SECONDS)
 
 
 def _slow_to_command(record: RunRecord) -> Iterator[str]:

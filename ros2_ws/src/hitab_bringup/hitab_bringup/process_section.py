@@ -19,7 +19,7 @@ from typing import Any
 
 from hitab_bringup.ros_options import AGENT, SIM_TIME, RosOptions, read_namespace, read_options
 from hitab_bringup.swarm_description import AgentDescription, ProcessDescription
-from hitab_core import NAME, has
+from hitab_core import NAME, NAME_RULE, has
 from hitab_core.library import Fields
 
 ROS_WORDS = ("namespace", "remap", "parameters", SIM_TIME, "for")
@@ -44,9 +44,7 @@ def read_processes(
     found = []
     for key in section.names():
         if not isinstance(key, str) or NAME.match(key) is None:
-            section.complain(
-                f'"{key}" is not a name for a process; use letters, digits and _', key
-            )
+            section.complain(f'"{key}" is not a name for a process; {NAME_RULE}', key)
             continue
         fields = section.inner(key)
         agents = _agents(fields, groups)

@@ -131,7 +131,9 @@ def read_namespace(fields: Fields, default: str = "", *, key: str = "namespace")
     text = fields.text(key, default)
     if text and not _is_name(text.rstrip("/")):
         fields.complain(
-            f'`{key}:` "{text}" is not a namespace; use letters, digits and _, such as left', key
+            f'`{key}:` "{text}" is not a namespace; use letters, digits and _, not beginning '
+            "with a digit, such as left",
+            key,
         )
         return default
     return (text or "").rstrip("/")

@@ -43,7 +43,7 @@ from typing import Any
 from hitab_bringup.ros_options import CLOCK, RosOptions
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
-from hitab_core import NAME
+from hitab_core import NAME, NAME_RULE
 
 PACES = ("lockstep", "realtime")
 
@@ -183,9 +183,7 @@ class SwarmDescription:
         """
         parts = namespace.strip("/").split("/")
         if not all(NAME.match(part) for part in parts):
-            raise DescriptionError(
-                f'"{namespace}" is not a namespace; use letters, digits and _, such as left'
-            )
+            raise DescriptionError(f'"{namespace}" is not a namespace; {NAME_RULE}, such as left')
         return replace(self, name="_".join((self.name, *parts)), namespace="/" + "/".join(parts))
 
     def with_sim_time(self) -> SwarmDescription:

@@ -28,7 +28,7 @@ from hitab_bringup.swarm_description import (
 from hitab_bringup.swarm_words import Words
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
-from hitab_core import NAME, has
+from hitab_core import NAME, NAME_RULE, has
 from hitab_core.library import SUFFIX, Fields
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 from hitab_ros.names import WORLD
@@ -356,6 +356,6 @@ def _with_libraries(
 
 def _check_name(fields: Fields, name: Any, what: str, *inner: str) -> None:
     if not isinstance(name, str) or NAME.match(name) is None:
-        fields.complain(f'"{name}" is not a name for {what}; use letters, digits and _', *inner)
+        fields.complain(f'"{name}" is not a name for {what}; {NAME_RULE}', *inner)
     elif what == "an agent" and name in RESERVED:
         fields.complain(f'an agent cannot be called "{name}"; rename it', *inner)

@@ -212,7 +212,7 @@ def test_a_swarm_can_be_put_into_a_namespace_under_a_name_of_its_own():
     swarm = parse_swarm(AGENTS, HERE).in_namespace("lab/left/")
     assert (swarm.name, swarm.namespace) == ("team_lab_left", "/lab/left")
     assert swarm.full_name("a") == "/lab/left/a"
-    with pytest.raises(DescriptionError, match=r'"a-b" is not a namespace; use letters'):
+    with pytest.raises(DescriptionError, match=r'"a-b" is not a namespace; use up to 100 letters'):
         swarm.in_namespace("a-b")
 
 

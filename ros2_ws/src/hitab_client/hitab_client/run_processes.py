@@ -15,6 +15,7 @@ import psutil  # type: ignore[import-untyped]
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
 from hitab_core import some
+from hitab_ros.exit_codes import FINAL
 from hitab_ros.names import WORLD
 
 ANSWER_SECONDS = 5.0
@@ -171,13 +172,14 @@ class RunProcesses:
             return None
         logs = f"see `hitab logs {process}`"
         said = state["statename"]
-        if said in ENDED:
+        restarts = said == "EXITED" and state.get("exitstatus", 0) != FINAL
+        if said in ENDED and not restarts:
             return Silence(process, f"has ended{_how(state)}; {logs}", lasts=True, state="ended")
         if said in STOPPED:
             what = f"was stopped through its supervisor; {logs}"
             return Silence(process, what, lasts=True, state="stopped")
-        if said in STARTING:
-            how = _how(state) if said == "BACKOFF" else ""
+        if said in STARTING or restarts:
+            how = "" if said == "STARTING" else _how(state)
             what = f"is being started again{how}; {logs}"
             return Silence(process, what, lasts=False, state="restarting")
         pid = state["pid"]

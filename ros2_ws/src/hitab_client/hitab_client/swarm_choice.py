@@ -99,9 +99,9 @@ def find_running(which: str | None) -> Found | None:
         record = folder.read()  # temporary ones too
         if record is not None and folder.supervisor(record) is not None:
             return folder, record
-    found = only(meant(which, up), _called(which))
+    found = only(meant(which, up), _called(which)) or only(meant(f"./{which}", up))
     if found is None:
-        names = [record.swarm for _, record in up]
+        names = [name_to_choose(record) for _, record in up]
         from hitab_client.shipped import shipped_names
 
         is_shipped = which in shipped_names("swarms")

@@ -73,7 +73,12 @@ def team(tmp_path):
         ("c", "c's process is being started again (exit status 1); see `hitab logs c`", False),
         ("d", "d's process is being started again; see `hitab logs d`", False),
         ("e", "e's process was stopped through its supervisor; see `hitab logs e`", True),
-        ("f", "host_1, which runs f, has ended (exit status 1); see `hitab logs host_1`", True),
+        (
+            "f",
+            "host_1, which runs f, is being started again (exit status 1); see `hitab logs "
+            "host_1`",
+            False,
+        ),
     ],
 )
 def test_a_process_that_does_not_run_is_the_reason_for_silence(team, name, text, lasts):
@@ -85,11 +90,11 @@ def test_a_host_is_named_once_for_all_its_agents(team):
     processes = RunProcesses(team)
     why = {name: processes.why_silent(name) for name in ("world", "f", "a", "g")}
     assert sentences(why) == [
-        "host_1, which runs f, g, has ended (exit status 1); see `hitab logs host_1`",
+        "host_1, which runs f, g, is being started again (exit status 1); see `hitab logs host_1`",
         "a's process has ended (exit status 3); see `hitab logs a`",
         "world does not answer",
     ]
-    assert [processes.is_lost(name) for name in why] == [False, True, True, True]
+    assert [processes.is_lost(name) for name in why] == [False, False, True, False]
 
 
 def test_a_process_that_runs_is_no_reason_for_silence(team):

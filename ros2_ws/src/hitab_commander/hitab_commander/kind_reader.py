@@ -40,7 +40,7 @@ from hitab_commander.kind import (
     Over,
     Pick,
 )
-from hitab_core import FLAGS, NAME, HitabError, Use, VocabularyError, quantity
+from hitab_core import FLAGS, NAME, NAME_RULE, HitabError, Use, VocabularyError, quantity
 from hitab_core.commanding import OTHERS
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, open_yaml
@@ -86,7 +86,7 @@ def parse_kind(name: str, top: Fields) -> CommanderKind:
     """
     top.raw("commander", None)
     if name and NAME.match(name) is None:
-        top.complain(f'"{name}" is not a name for a kind of commander; use letters, digits and _')
+        top.complain(f'"{name}" is not a name for a kind of commander; {NAME_RULE}')
     kind = CommanderKind(
         name,
         tuple(_each(top, "orders", _order)),

@@ -48,6 +48,7 @@ from .seeding import world_seed as world_seed
 from .training.training_session import Request as Request
 from .transition_function import HandWritten as HandWritten
 from .use import NAME as NAME
+from .use import NAME_RULE as NAME_RULE
 from .use import Use as Use
 from .vocabulary import did_you_mean as did_you_mean
 from .vocabulary import has as has

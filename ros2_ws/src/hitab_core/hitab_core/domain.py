@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
 from hitab_core.errors import VocabularyError
-from hitab_core.use import NAME, Use, wrong_number
+from hitab_core.use import NAME, NAME_RULE, Use, wrong_number
 from hitab_core.vocabulary import check_known, has
 
 if TYPE_CHECKING:
@@ -254,7 +254,7 @@ class Domain:
             for thing_name in names:
                 if NAME.match(thing_name) is None:
                     raise VocabularyError(
-                        f'domain "{name}": "{thing_name}" is not a name; use letters, digits and _'
+                        f'domain "{name}": "{thing_name}" is not a name; {NAME_RULE}'
                     )
                 if names.count(thing_name) > 1:
                     raise VocabularyError(f'domain "{name}" has "{thing_name}" twice')

@@ -16,7 +16,7 @@ from hitab_core.wording import natural, quantity
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
 """Pattern of the names of behaviors, targets and parameters; behaviors also name files."""
 
-NAME_RULE = "use up to 100 letters, digits and _"
+NAME_RULE = "use up to 100 letters, digits and _, beginning with a letter"
 _USE = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
 
 

@@ -96,13 +96,15 @@ def in_lines(text: str) -> str:
 
 
 def gist(text: str) -> str:
-    """Return the first clause of a long text, and where the rest is; a short one as it is.
+    """Return the first clause of a long text about a library, and where the rest is.
+
+    Other texts are returned as they are: `hitab library check` does not tell what else is wrong.
 
     Args:
         text: what is wrong, then remedies, with semicolons between them.
     """
     first, rest = text.split("; ", 1) if "; " in text else (text, "")
-    if len(text) <= LONG or "`hitab library " not in rest:
+    if len(text) <= LONG or "`hitab library " not in rest or "`hitab train " in rest:
         return text
     return f"{first}; see `hitab library check`"
 

@@ -228,7 +228,8 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
     complaints = complaints_of(wrong, robot)
     assert len(complaints) == 7  # two examples have this cycle; the checksum is another one
     assert complaints[0].endswith(
-        'item 1 of "parameters" is "ball?", not a name; use letters, digits and _'
+        'item 1 of "parameters" is "ball?", not a name; use up to 100 letters, digits '
+        "and _, beginning with a letter"
     )
     assert "must be one of continuous, toroidal, categorical, boolean, flag" in complaints[1]
 

@@ -342,7 +342,7 @@ def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one(bat
     player = Player(learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2), batch=batch)
     assert player.senses.lacking() == []
     assert player.tick(NAN, 1.0) in ("A", "B")
-    lacking = 'feature "x" has no value (got nan); check its sensor'
+    lacking = 'feature "x" has no value; check its sensor'
     assert player.senses.lacking() == [lacking]
     assert player.tick(NAN, 1.0) in ("A", "B")  # B needs nothing, but x still has no value
     assert player.senses.lacking() == [lacking]

@@ -39,6 +39,8 @@ def test_the_gist_of_a_long_text_says_where_the_rest_is():
     text = f"{what}; bring it back with `hitab library restore A 1 -l lib`"
     assert gist(text) == f"{what}; see `hitab library check`"
     assert gist(f"{what}; call the doctor") == f"{what}; call the doctor"
+    taken_out = f"{what}; train it with `hitab train AGENT A`, or use `hitab library import`"
+    assert gist(taken_out) == taken_out, "`hitab library check` does not tell of it"
     assert gist("short; see `hitab library list`") == "short; see `hitab library list`"
 
 

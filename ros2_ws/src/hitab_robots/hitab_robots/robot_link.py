@@ -125,7 +125,7 @@ class RobotLink:
         text = ""
         if state.engaged:
             why = f" ({state.reason})" if state.reason else ""
-            text = f"emergency stop by {state.by or 'somebody'}{why}; `hitab go` releases it"
+            text = f"{absence.STOPPED_BY} {state.by or 'somebody'}{why}; `hitab go` releases it"
         self._faults.set("emergency stop", text)
 
     def close(self) -> None:

@@ -1,6 +1,9 @@
-"""How it is said that a topic brings nothing: in statuses, diagnostics and the studio."""
+"""How statuses, diagnostics and the studio say what keeps a robot from acting or perceiving."""
 
 from __future__ import annotations
+
+STOPPED_BY = "emergency stop by"
+"""Begins the fault of a robot that has to stand still."""
 
 NOT_PUBLISHED = "nobody publishes it"
 """There is no publisher: the driver is not running, or cannot be reached."""

@@ -7,7 +7,7 @@ from jinja2.utils import markupsafe
 from hitab_core import START, Example
 from hitab_ros import names
 from hitab_studio.absence import absence
-from hitab_studio.session import CHOOSE_FIRST, REAL, Session
+from hitab_studio.session import CHOOSE_FIRST, REAL, Session, nothing_in_training
 
 RECORDING = "This is a recording: close it first (Esc)."
 
@@ -70,6 +70,8 @@ def undoing(session: Session) -> str:
     watched = session.watched
     known = watched.training is not None or not _examples(session)
     if known and not watched.history.done:
+        if session.agent and watched.training is None:
+            return nothing_in_training(session)
         return "There is nothing to undo: no command and no edit was made yet."
     return agent(session)
 
@@ -77,6 +79,8 @@ def undoing(session: Session) -> str:
 def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
     if not session.watched.history.undone:
+        if session.agent and session.watched.training is None:
+            return nothing_in_training(session)
         return "There is nothing to redo: nothing was undone, or something else was done since."
     return agent(session)
 
@@ -84,6 +88,8 @@ def redoing(session: Session) -> str:
 def retiming(session: Session) -> str:
     """Return why no command can have been due earlier."""
     training = session.watched.training
+    if session.agent and training is None and not _examples(session):
+        return nothing_in_training(session)
     if not _examples(session) or (training is not None and not training.examples):
         return "There is no command yet that could have been due earlier."
     return last_standing_still(session) or agent(session)

@@ -8,9 +8,11 @@ from typing import Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
+from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
+from hitab_ros.absence import STOPPED_BY
 
 Targets = Annotated[
     list[str] | None,
@@ -74,6 +76,7 @@ def demonstrate(
     else:
         reaction_time.check(ago)
     with connection(swarm) as swarm_up:
+        swarm_up.check_order(agent, behavior, f"`hitab demonstrate {behavior} {agent}`")
         due, seen = _due(swarm_up, agent, ago) if ago else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
@@ -81,6 +84,7 @@ def demonstrate(
             agent, use.name, [*use.arguments, *(targets or [])], ago=due, seen=seen
         )
     console.say(outcome(agent, use.name, status))
+    tell_faults(status.faults, STOPPED_BY)
     if status.questions:
         console.say(f"{quantity(status.questions, 'question')}: `hitab questions {agent}`")
 
@@ -130,14 +134,14 @@ def perform(
 
     use = Use.parse(behavior) if behavior else None
     with connection(swarm) as swarm_up:
+        swarm_up.check_order(agent, behavior, f"`hitab perform {behavior} {agent}`")
         if use is None:
             answer = swarm_up.agents.perform(agent, "")
         else:
             answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
         faults = swarm_up.agents.statuses[agent].faults if use is not None else ()
     console.say(answer.message or f"{agent} performs {use or 'nothing'}")
-    for fault in faults:
-        console.note(f"but: {fault}")
+    tell_faults(faults)
 
 
 def distribute(

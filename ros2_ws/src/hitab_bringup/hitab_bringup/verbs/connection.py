@@ -37,6 +37,23 @@ class Connection:
             for sentence in whose(identities):
                 console.note(sentence)
 
+    def check_order(self, agent: str, other: str, way: str) -> None:
+        """Check that the first argument, not the second, is the agent.
+
+        Args:
+            agent: the first argument.
+            other: the second one.
+            way: to write it.
+
+        Raises:
+            SwarmError: if they are in the wrong order.
+        """
+        from hitab_client import SwarmError
+
+        agents = self.record.agents if self.record is not None else ()
+        if agent not in agents and other in agents:
+            raise SwarmError(f'the agent comes first, and "{agent}" is none: {way}')
+
     @property
     def has_world(self) -> bool:
         """Whether `hitab up` has started a world."""

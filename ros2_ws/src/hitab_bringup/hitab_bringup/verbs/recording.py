@@ -96,6 +96,8 @@ def record(
         path, folder = _paths(output, there.record.swarm if there.record else "")
         chosen = [topic if topic.startswith("/") else f"/{topic}" for topic in topics or ()]
         recorder = Recorder(there.link, path, also=chosen, robots=robots)
+        if there.has_world and there.world.wait().paused:
+            console.note("the world is paused: nothing changes until `hitab world resume`")
         began = time.monotonic()
         try:
             _record(there.link, recorder, seconds)

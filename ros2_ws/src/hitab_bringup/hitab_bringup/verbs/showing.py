@@ -1,10 +1,13 @@
-"""What is learned from which features, and how it is shown."""
+"""What is learned from which features, what hinders an agent, and how it is shown."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from hitab_client import console
 
 if TYPE_CHECKING:
     from hitab_client import Learned
@@ -26,3 +29,15 @@ def as_text(learned: Learned) -> str:
     if learned.automaton is None:
         return f"{learned.name}: nothing can be shown; it has no example, or another classifier"
     return automaton_as_text(learned.automaton)
+
+
+def tell_faults(faults: Iterable[str], beginning: str = "") -> None:
+    """Say what hinders an agent from what it was just told to do, such as an emergency stop.
+
+    Args:
+        faults: of the agent.
+        beginning: of those to tell; empty: all.
+    """
+    for fault in faults:
+        if fault.startswith(beginning):
+            console.note(f"but: {fault}")

@@ -107,7 +107,11 @@ def up(
     if paused:
         description = description.with_world(paused=True)
     if library:
+        before = {member.library for member in description.members}
         description = with_library(description, library)
+        for new in {member.library for member in description.members} - before:
+            if new is not None and not new.is_dir():
+                console.note(f"{new} is a new library: nothing is learned in it yet")
     folder = RunFolder.of_swarm(description.name, run_dir)
     began = time.monotonic()
     faults: list[str] = []
@@ -189,8 +193,9 @@ def _take_down(folder: RunFolder, record: RunRecord | None) -> None:
     from hitab_bringup.supervision import stop
     from hitab_bringup.unsaved_trainings import left_to_resume
     from hitab_client.run_folder import registry_held
+    from hitab_client.swarm_choice import name_to_choose
 
-    name = record.swarm if record else folder.path.name
+    name = name_to_choose(record) if record else folder.path.name
     try:
         with console.err().status("stopping"), registry_held():
             killed = stop(folder)

@@ -9,10 +9,11 @@ import typer
 
 from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
+from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean, quantity
+from hitab_ros.absence import STOPPED_BY
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -186,7 +187,9 @@ def start_testing(
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
+        faults = swarm_up.agents.statuses[agent].faults
     console.say(answer.message)
+    tell_faults(faults, STOPPED_BY)
 
 
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:

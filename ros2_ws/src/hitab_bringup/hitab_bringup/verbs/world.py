@@ -112,13 +112,12 @@ def reset(swarm: SwarmName = None) -> None:
 def pace(
     pace: Annotated[str, typer.Argument(help="lockstep or realtime.")],
     factor: Annotated[
-        float,
+        float | None,
         typer.Option(
-            help="For realtime: multiple of real time. Default: as it is.",
-            min=0.0,
+            help="For realtime: multiple of real time, above 0. Default: as it is.",
             show_default=False,
         ),
-    ] = 0.0,
+    ] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Set how fast the world runs.
@@ -131,7 +130,12 @@ def pace(
 
       hitab world pace realtime --factor 2
     """
-    _control(swarm, "pace", pace=pace, factor=factor)
+    if factor is not None and not factor > 0.0:
+        raise typer.BadParameter(
+            f"{factor:g} is not above 0; `hitab world pause` stops the world",
+            param_hint="--factor",
+        )
+    _control(swarm, "pace", pace=pace, factor=factor or 0.0)
 
 
 FIELDS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
@@ -150,13 +154,17 @@ def place(
         ),
     ],
     new_episode: Annotated[
-        bool, typer.Option("--new-episode", help="Begin a new episode from these positions.")
+        bool,
+        typer.Option(
+            "--new-episode",
+            help="Begin a new episode from these positions; what is not named gets new ones.",
+        ),
     ] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Put things somewhere; ends when the agents have perceived it.
 
-    Fields that are not given are kept.
+    Fields that are not given are kept, or with --new-episode those of the new episode.
 
     Example:
 
@@ -228,4 +236,5 @@ def snapshot(
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.world.snapshot(action, name)
-    console.say(f"{answer.message or action}: {', '.join(answer.names) or 'no snapshots'}")
+    names = f"snapshots: {', '.join(answer.names)}" if answer.names else "no snapshots"
+    console.say(f"{answer.message}; {names}" if answer.message else names)

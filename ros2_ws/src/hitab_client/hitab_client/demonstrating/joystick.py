@@ -100,10 +100,11 @@ class JoystickInput:
             self._tell_trouble("the joystick is silent: driving by hand has stopped")
         elif not self._trouble and now > self._began + FOUND_S:
             number = self._node.context.get_domain_id()
+            topic = self._node.resolve_topic_name(self._topic)
             self._tell_trouble(
-                f"nothing comes on {self._node.resolve_topic_name(self._topic)} in ROS domain "
-                f"{number}; start a joystick's node there, such as joy_node "
-                f"(ROS_DOMAIN_ID={number} ros2 run joy joy_node)"
+                f"waiting for a joystick: nothing comes on {topic} in ROS domain {number}; start "
+                f"a joystick's node there, such as joy_node (ROS_DOMAIN_ID={number} "
+                "ros2 run joy joy_node)"
             )
 
     def _tell_trouble(self, why: str) -> None:

@@ -15,6 +15,7 @@ from hitab_core.domain import FeatureKind
 from hitab_core.errors import LibraryError, newer_format
 from hitab_core.example import ExampleKind
 from hitab_core.library.yaml_places import Complaints, Document
+from hitab_core.use import NAME_RULE
 
 FORMAT = 2
 """The format version that is written."""
@@ -203,7 +204,7 @@ def _in_words(error: Any) -> str:
         case "pattern" if limit == _DIGEST["pattern"]:
             return f"{subject} is not a digest (64 characters 0-9 and a-f); was it cut off?"
         case "pattern":
-            return f"{subject} is {_shown(value)}, not a name; use letters, digits and _"
+            return f"{subject} is {_shown(value)}, not a name; {NAME_RULE}"
         case "minimum":
             return f"{subject} is {_shown(value)}; it must be at least {limit}"
         case "exclusiveMinimum":

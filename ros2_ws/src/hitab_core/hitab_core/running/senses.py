@@ -219,7 +219,9 @@ def checked(read: Callable[[], float], name: str, categories: int, required: boo
     except (TypeError, ValueError, OverflowError):
         value = math.nan
     if value != value:
-        why = f'feature "{name}" has no value (got {repr(read_value)[:50]}); check its sensor'
+        isnan = isinstance(read_value, float)
+        got = "" if isnan else f" (got {repr(read_value)[:50]})"
+        why = f'feature "{name}" has no value{got}; check its sensor'
         raise FeatureValueError(why) if required else NoValueError(why)
     if categories:
         _check_possible(value, name, categories)
