@@ -218,6 +218,7 @@ def test_the_command_records_chosen_topics_too_and_trains_from_what_it_recorded(
     keepers.link.node.destroy_publisher(scans)
     assert done[0].returncode == 0, done[0].stderr
     assert f"to {bag}" in done[0].stdout
+    assert "the world is paused: nothing changes until `hitab world resume`" in done[0].stderr
     assert "/robot_1/odom is not in it: nobody has published it" in done[0].stderr
     beside = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     counts = {

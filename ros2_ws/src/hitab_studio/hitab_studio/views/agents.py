@@ -77,6 +77,7 @@ def context(session: Session) -> dict[str, Any]:
         "count": count,
         "more": max(0, len(shown) - MOST),
         "filter": session.filter,
+        "replays": session.player is not None,
     }
 
 
