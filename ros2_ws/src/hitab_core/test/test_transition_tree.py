@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from sklearn.base import clone
 from sklearn.tree import DecisionTreeClassifier
@@ -247,6 +247,18 @@ def test_a_tree_as_deep_as_it_has_examples_is_learned_read_and_run():
     st.integers(1, 3),
     st.booleans(),
 )
+@example(  # an example of another branch lies at an end
+    [
+        *[(0, 0, "GoFast", False)] * 2,
+        (0, 1, "GoSlow", False),
+        (17, 1, "GoFast", False),
+        (24, 0, "GoFast", False),
+        (31, 1, "GoSlow", False),
+    ],
+    0.16,
+    1,
+    False,
+)
 def test_a_toroidal_feature_gives_the_same_leaf_wherever_its_zero_is_put(
     drawn, offset, fewest, prune
 ):
@@ -260,10 +272,11 @@ def test_a_toroidal_feature_gives_the_same_leaf_wherever_its_zero_is_put(
 
     here, there = turned(0.0), turned(offset)
     assert [n.counts for n in nodes(here.root_)] == [n.counts for n in nodes(there.root_)]
-    # Ends lie at multiples of 5 or just beside, so these places are examples or not near an end.
-    shown = {a * 10 for a, _, _, _ in drawn}
+    # Ends lie at multiples of 5 or just beside, half-way between examples of their node. So these
+    # are examples, which lie at no end on their way, or not near an end.
+    shown = {(a * 10, b) for a, b, _, _ in drawn}
     between = {a + d for a in range(0, 360, 10) for d in (0.3, 4.7, 5.3, 9.7)}
-    asked = [[place, b] for place in shown | between for b in (0, 1, 2)]
+    asked = [*shown, *((place, b) for place in between for b in (0, 1, 2))]
     assert np.array_equal(
         here.predict_proba(asked), there.predict_proba([[p + offset, b] for p, b in asked])
     )
