@@ -267,7 +267,7 @@ def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, pla
     assert f"this one is {other.identity}" in second.stderr
     status = hitab("status", "--swarm", str(place / "other"), "--json", "-")
     assert json.loads(status.stdout)["identity"] == other.identity
-    assert hitab("down", "--swarm", other.identity).stdout == "lone is down\n"
+    assert hitab("down", "--swarm", other.identity).stdout == f"{other.identity} is down\n"
     assert [r.identity for _, r in running_swarms()] != [other.identity]
     assert hitab("down").stdout == "lone is down\n"
     assert list(running_swarms()) == []
