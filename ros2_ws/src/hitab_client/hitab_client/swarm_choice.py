@@ -68,13 +68,11 @@ def _start(folder: RunFolder, record: RunRecord) -> str:
 
 
 def meant(which: str, among: Iterable[Found]) -> list[Found]:
-    """Return the swarms that match a name, an identity or a run folder."""
-    path = Path(which).resolve() if os.sep in which or which.startswith(".") else None
-    return [
-        (folder, record)
-        for folder, record in among
-        if which in (record.swarm, record.identity) or folder.path == path
-    ]
+    """Return the swarms that match a name or an identity, or else a run folder."""
+    among = list(among)
+    path = Path(which).resolve()
+    named = [found for found in among if which in (found[1].swarm, found[1].identity)]
+    return named or [found for found in among if found[0].path == path]
 
 
 def folder_called(which: str) -> RunFolder:
@@ -99,7 +97,7 @@ def find_running(which: str | None) -> Found | None:
         record = folder.read()  # temporary ones too
         if record is not None and folder.supervisor(record) is not None:
             return folder, record
-    found = only(meant(which, up), _called(which)) or only(meant(f"./{which}", up))
+    found = only(meant(which, up), _called(which))
     if found is None:
         names = [name_to_choose(record) for _, record in up]
         from hitab_client.shipped import shipped_names

@@ -157,6 +157,11 @@ class WorldClient:
         )
 
     @property
+    def is_paused(self) -> bool:
+        """Whether the world stands still, as far as it has told."""
+        return self.status is not None and bool(self.status.mode == WorldState.PAUSED)
+
+    @property
     def missing(self) -> list[str]:
         """The agents without which the world goes on, as far as it has told."""
         return list(self.status.missing) if self.status is not None else []

@@ -10,6 +10,9 @@ from functools import lru_cache
 NAMED_MAX = 5
 """Maximum number of names in a sentence, if nothing else is said."""
 
+TOLD_BY_CHECK = re.compile("`hitab library (restore|delete) ")
+"""Remedies that `hitab library check` tells, too."""
+
 
 def quantity(number: float, noun: str, plural: str = "") -> str:
     """Return a number with its noun, such as ``1 example`` or ``3 examples``.
@@ -96,15 +99,15 @@ def in_lines(text: str) -> str:
 
 
 def gist(text: str) -> str:
-    """Return the first clause of a long text about a library, and where the rest is.
+    """Return the first clause of a long text, if `hitab library check` tells the rest.
 
-    Other texts are returned as they are: `hitab library check` does not tell what else is wrong.
+    That are the files of a library that cannot be used; other texts are returned as they are.
 
     Args:
         text: what is wrong, then remedies, with semicolons between them.
     """
     first, rest = text.split("; ", 1) if "; " in text else (text, "")
-    if len(text) <= LONG or "`hitab library " not in rest or "`hitab train " in rest:
+    if len(text) <= LONG or not TOLD_BY_CHECK.search(rest):
         return text
     return f"{first}; see `hitab library check`"
 

@@ -70,29 +70,35 @@ def undoing(session: Session) -> str:
     watched = session.watched
     known = watched.training is not None or not _examples(session)
     if known and not watched.history.done:
-        if session.agent and watched.training is None:
-            return nothing_in_training(session)
-        return "There is nothing to undo: no command and no edit was made yet."
+        return _without_training(session) or (
+            "There is nothing to undo: no command and no edit was made yet."
+        )
     return agent(session)
 
 
 def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
     if not session.watched.history.undone:
-        if session.agent and session.watched.training is None:
-            return nothing_in_training(session)
-        return "There is nothing to redo: nothing was undone, or something else was done since."
+        return _without_training(session) or (
+            "There is nothing to redo: nothing was undone, or something else was done since."
+        )
     return agent(session)
 
 
 def retiming(session: Session) -> str:
     """Return why no command can have been due earlier."""
     training = session.watched.training
-    if session.agent and training is None and not _examples(session):
-        return nothing_in_training(session)
     if not _examples(session) or (training is not None and not training.examples):
-        return "There is no command yet that could have been due earlier."
+        return _without_training(session) or (
+            "There is no command yet that could have been due earlier."
+        )
     return last_standing_still(session) or agent(session)
+
+
+def _without_training(session: Session) -> str:
+    if session.agent and session.watched.training is None:
+        return nothing_in_training(session)
+    return ""
 
 
 def last_standing_still(session: Session) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hitab_bringup.verbs.connection import Connection, connection
+from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import SwarmName
 from hitab_core import quantity
@@ -99,7 +99,9 @@ def record(
         path, folder = _paths(output, there.record.swarm if there.record else "")
         chosen = [topic if topic.startswith("/") else f"/{topic}" for topic in topics or ()]
         recorder = Recorder(there.link, path, also=chosen, robots=robots)
-        if there.has_world and _is_paused(there):
+        if there.has_world:
+            there.link.spin_until(lambda: there.world.status is not None, STATUS_S)
+        if there.world.is_paused:
             console.note("the world is paused: nothing changes until `hitab world resume`")
         began = time.monotonic()
         try:
@@ -123,14 +125,6 @@ def record(
         f"recorded {quantity(recorder.count, 'message')} in {lasted:.0f} s to {folder or path} "
         f"({shown})"
     )
-
-
-def _is_paused(there: Connection) -> bool:
-    from hitab_msgs.msg import WorldState
-
-    there.link.spin_until(lambda: there.world.status is not None, STATUS_S)
-    status = there.world.status
-    return status is not None and bool(status.mode == WorldState.PAUSED)
 
 
 def _paths(output: Path | None, swarm: str) -> tuple[Path, Path | None]:

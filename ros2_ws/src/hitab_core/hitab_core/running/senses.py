@@ -219,8 +219,7 @@ def checked(read: Callable[[], float], name: str, categories: int, required: boo
     except (TypeError, ValueError, OverflowError):
         value = math.nan
     if value != value:
-        isnan = isinstance(read_value, float)
-        got = "" if isnan else f" (got {repr(read_value)[:50]})"
+        got = "" if isinstance(read_value, float) else f" (got {repr(read_value)[:50]})"
         why = f'feature "{name}" has no value{got}; check its sensor'
         raise FeatureValueError(why) if required else NoValueError(why)
     if categories:

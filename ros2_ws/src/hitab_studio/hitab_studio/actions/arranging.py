@@ -74,8 +74,7 @@ async def place(session: Session, data: Data) -> None:
 
 
 def _placed(world: WorldClient, things: Any) -> None:
-    status = world.status
-    if status is not None and status.mode == PAUSED:
+    if world.is_paused:
         # The agents must have seen it before the next command.
         world.changed(lambda: world.place(things), 3.0)
     else:
