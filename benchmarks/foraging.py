@@ -119,7 +119,7 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
 
     fields = figures["fields"]
     picture, grid = pyplot.subplots(
-        1, len(fields), figsize=(3.6 * len(fields), 3.6), squeeze=False
+        1, len(fields), figsize=(3.6 * len(fields), 3.8), squeeze=False, layout="constrained"
     )
     axes = grid[0]
     for axis, (field, swarms) in zip(axes, fields.items(), strict=True):
@@ -137,8 +137,7 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
         axis.set_title(TITLES[field], fontsize=10)
         axis.spines[["top", "right"]].set_visible(False)
     axes[0].set_ylabel(f"boxes brought home in {figures['seconds']:g} s")
-    axes[0].legend(frameon=False)
-    picture.tight_layout()
+    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     picture.savefig(path, dpi=110)
 
 
