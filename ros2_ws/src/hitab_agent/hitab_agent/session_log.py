@@ -10,7 +10,7 @@ from std_msgs.msg import String
 
 from hitab_agent.ticker import Ticker
 from hitab_core import Agent
-from hitab_ros import GuardedNode, qos, session_topics
+from hitab_ros import GuardedNode, Receivers, qos, session_topics
 
 LOOK_PERIOD_S = 0.25
 
@@ -43,6 +43,7 @@ class SessionLog:
         self._node = node
         self._agent = agent
         self._publishers: dict[str, Any] = {}
+        self._receivers: list[Receivers] = []
         self._listeners = 0
         self._last: msg.Percept | None = None
         ticker.every(LOOK_PERIOD_S, self.look, node.guard)
@@ -64,10 +65,12 @@ class SessionLog:
             if not self._node.count_subscribers(session_topics.PERCEIVED):
                 return
             for name, kind in session_topics.TOPICS.items():
-                self._publishers[name] = self._node.create_publisher(kind, name, _QOS[name])
-        counts = [p.get_subscription_count() for p in self._publishers.values()]
-        before, self._listeners = self._listeners, min(counts)
-        if self._listeners > before:
+                publisher = self._node.create_publisher(kind, name, _QOS[name])
+                self._publishers[name] = publisher
+                self._receivers.append(Receivers(self._node, publisher))
+        changed = [receivers.look() for receivers in self._receivers]
+        self._listeners = min(receivers.count for receivers in self._receivers)
+        if self._listeners and any(changed):
             self._publishers[session_topics.KNOWN].publish(self._known())
             if self._last is not None:
                 self._publishers[session_topics.PERCEIVED].publish(self._last)

@@ -23,6 +23,7 @@ from .guarded_node import GuardedNode as GuardedNode
 from .guarded_node import name_of as name_of
 from .name_guard import refuse_second_of_name as refuse_second_of_name
 from .patience import Patience as Patience
+from .receivers import Receivers as Receivers
 from .recent_requests import RecentRequests as RecentRequests
 from .sparing_log import SparingLog as SparingLog
 from .spinning import FinalError as FinalError

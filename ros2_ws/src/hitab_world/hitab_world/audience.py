@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_ros import GuardedNode, names, qos
+from hitab_ros import GuardedNode, Receivers, names, qos
 from hitab_world.attendance import Answer
 from hitab_world.host_registry import HostRegistry, PerceptOf
 
@@ -21,7 +21,7 @@ class Audience:
         self._node = node
         self._agents = agents
         self._alone: dict[str, tuple[Any, msg.Percept]] = {}
-        self._listeners: dict[str, int] = {}
+        self._receivers: dict[str, Receivers] = {}
         self._hosts: HostRegistry | None = None
         if len(agents) <= ALONE_MAX:
             for name in agents:
@@ -40,15 +40,11 @@ class Audience:
     def look(self) -> bool:
         """Update which hosts are present; return whether some receiver is another process now.
 
-        A process that takes the place of a killed one is found before the other is given up.
+        A process that takes the place of a killed one may be found before the other is given up,
+        or just when it is.
         """
-        listeners = {
-            name: publisher.get_subscription_count()
-            for name, (publisher, _) in self._alone.items()
-        }
-        changed = listeners != self._listeners
-        self._listeners = listeners
-        return (self._hosts is not None and self._hosts.look()) or changed
+        changed = [receivers.look() for receivers in self._receivers.values()]
+        return (self._hosts is not None and self._hosts.look()) or any(changed)
 
     def has(self, agent: str) -> bool:
         """Whether a node or a host answers for an agent."""
@@ -87,3 +83,4 @@ class Audience:
         topic = names.in_swarm(self._node, agent, names.PERCEPT)
         publisher = self._node.create_publisher(msg.Percept, topic, qos.CYCLE)
         self._alone[agent] = (publisher, msg.Percept())
+        self._receivers[agent] = Receivers(self._node, publisher)

@@ -1,0 +1,46 @@
+"""A world notices who receives its percepts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from hitab_msgs import msg
+
+from hitab_ros import qos
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.testing import context_of_its_own, wait_until
+from hitab_world.audience import Audience
+
+
+@pytest.fixture
+def nodes() -> Iterator[tuple[GuardedNode, GuardedNode]]:
+    """A world's node, and that of an agent."""
+    with context_of_its_own() as context:
+        world = GuardedNode("world", namespace="world", context=context)
+        agent = GuardedNode("agent", namespace="a", context=context)
+        try:
+            yield world, agent
+        finally:
+            agent.destroy_node()
+            world.destroy_node()
+
+
+def test_who_takes_the_place_of_another_at_once_is_noticed_and_shown_the_world(nodes):
+    world, agent = nodes
+    audience = Audience(world, ("a",))
+    first = agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    wait_until(lambda: audience.has("a"))
+    wait_until(lambda: not audience.look())
+
+    def receivers() -> set[bytes]:
+        ends = world.get_subscriptions_info_by_topic("/a/percept")
+        return {bytes(end.endpoint_gid) for end in ends}
+
+    before = receivers()
+    agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    agent.destroy_subscription(first)
+    wait_until(lambda: len(receivers()) == 1 and receivers().isdisjoint(before))
+    assert audience.has("a")
+    assert audience.look(), "there is as many as before, but another one"
+    wait_until(lambda: not audience.look())
