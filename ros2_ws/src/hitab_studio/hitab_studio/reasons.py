@@ -96,9 +96,8 @@ def retiming(session: Session) -> str:
 
 
 def _without_training(session: Session) -> str:
-    if session.agent and session.watched.training is None:
-        return nothing_in_training(session)
-    return ""
+    known = session.is_training or session.watched.training is not None
+    return nothing_in_training(session) if session.agent and not known else ""
 
 
 def last_standing_still(session: Session) -> str:

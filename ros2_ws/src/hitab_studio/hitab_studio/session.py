@@ -344,6 +344,8 @@ def nothing_in_training(session: Session) -> str:
     """Return why what concerns a training cannot be done without one."""
     if not session.agent:
         return CHOOSE_FIRST
+    if session.is_training:  # its status arrives before what it trains
+        return f"What {session.agent} trains is not known yet: try again in a moment."
     return f"{session.agent} is not training anything: begin a training."
 
 

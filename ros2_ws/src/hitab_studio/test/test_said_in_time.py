@@ -98,6 +98,23 @@ def test_a_command_that_was_given_while_the_world_stood_still_was_never_late():
     page(known, use)
 
 
+# -- a training that began a moment ago -------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", ["training", "testing"])
+def test_who_trains_is_not_said_to_train_nothing_until_it_is_known_what(mode):
+    """The status arrives before the training, and the page said "begin a training" meanwhile."""
+
+    async def use(session: Session) -> None:
+        undo = render("overlay", session).partition('data-test="undo"')[2].partition(">")[0]
+        assert "nothing to undo: no command" in undo
+        await perform(session, {"do": "save-dialog"})
+        (said,) = session.messages.shown
+        assert said.text == "What keeper_1 trains is not known yet: try again in a moment."
+
+    page(keeper(AgentStatus(agent=ONE, mode=mode, behavior="Chase")), use)
+
+
 # -- a name that is taken ---------------------------------------------------------------------
 
 
