@@ -45,7 +45,10 @@ def test_messages_cover_no_button_of_a_dialog_and_can_be_closed_meanwhile(swarm,
     person.waits_until(lambda: messages.count() == 3, "there are three messages")
     person.click("new")
     person.sees("begin")
-    assert overlap(box_of(person, ".dialog"), box_of(person, ".messages")), "or this shows nothing"
+    person.waits_until(
+        lambda: overlap(box_of(person, ".dialog"), box_of(person, ".messages")),
+        "the dialog is as large as its list of features makes it, or this shows nothing",
+    )
     on_top = (
         "e => { const b = e.getBoundingClientRect();"
         + """
