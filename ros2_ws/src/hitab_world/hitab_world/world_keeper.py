@@ -79,6 +79,13 @@ class WorldKeeper:
         if now >= self._earliest_s and (self._course.touched or now >= self._next_s):
             self._keep(now)
 
+    def keep_now(self) -> None:
+        """Save the state, and wait until it is saved: a request is about to be acknowledged."""
+        if self._memory is not None:
+            self._keep(time.monotonic())
+        if self._memory is not None:
+            self._memory.settle()
+
     def _keep(self, now: float) -> None:
         assert self._memory is not None
         course = self._course

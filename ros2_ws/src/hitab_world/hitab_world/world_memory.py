@@ -1,8 +1,9 @@
 """What a world continues from after a restart of its process: its latest state and snapshots.
 
-A thread replaces the latest state at a period, so that no cycle waits for a disk. A snapshot that
-a person saves is on disk before it is acknowledged, and stays until a person deletes it. The
-latest state is valid for one start of a swarm: the next one starts as its description says.
+A thread replaces the latest state at a period, so that no cycle waits for a disk. What somebody
+asks of the world is in the file before it is acknowledged. So is a snapshot that a person saves,
+which stays until a person deletes it. The latest state is valid for one start of a swarm: the next
+one starts as its description says.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ class WorldMemory:
         self._warn = warn
         self._warned: set[str] = set()
         self._next: bytes | None = None
+        self._writing = False
         self._change = threading.Condition()
         self._closed = False
         self._writer: threading.Thread | None = None
@@ -72,6 +74,13 @@ class WorldMemory:
                 self._writer.start()
             self._change.notify_all()
 
+    def settle(self) -> None:
+        """Wait until the state that was kept last is in its file, unless it cannot be written."""
+        with self._change:
+            self._change.wait_for(
+                lambda: self._closed or (self._next is None and not self._writing)
+            )
+
     def close(self) -> None:
         """Write the pending state, and stop."""
         with self._change:
@@ -86,17 +95,26 @@ class WorldMemory:
             with self._change:
                 self._change.wait_for(lambda: self._next is not None or self._closed)
                 data, self._next = self._next, None
+                self._writing = data is not None
             if data is None:
                 return
-            path = self._folder / LATEST
-            beside = path.with_suffix(UNFINISHED)
             try:
-                # Readers see it whole or not at all; it need not survive a power failure.
-                self._folder.mkdir(parents=True, exist_ok=True)
-                beside.write_bytes(data)
-                beside.replace(path)
-            except OSError as error:
-                self._say(f"a restart would not resume the world's latest state: {error}")
+                self._replace_latest(data)
+            finally:
+                with self._change:
+                    self._writing = False
+                    self._change.notify_all()
+
+    def _replace_latest(self, data: bytes) -> None:
+        path = self._folder / LATEST
+        beside = path.with_suffix(UNFINISHED)
+        try:
+            # Readers see it whole or not at all; it need not survive a power failure.
+            self._folder.mkdir(parents=True, exist_ok=True)
+            beside.write_bytes(data)
+            beside.replace(path)
+        except OSError as error:
+            self._say(f"a restart would not resume the world's latest state: {error}")
 
     # -- saved snapshots --------------------------------------------------------------------
 

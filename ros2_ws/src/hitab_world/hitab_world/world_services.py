@@ -51,7 +51,17 @@ class WorldServices:
             (srv.Snapshot, names.SNAPSHOT, self._snapshot),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, answering(serve))
+            node.create_service(kind, name, answering(self._kept(serve)))
+
+    def _kept(self, serve: Serve) -> Serve:
+        """Return a service after which a restarted world goes on with what it was asked to."""
+
+        def served(request: Any, response: Any) -> str:
+            done = serve(request, response)
+            self._keeper.keep_now()
+            return done
+
+        return served
 
     def _control(self, request: srv.Control.Request, response: srv.Control.Response) -> str:
         course, actions = self._course, srv.Control.Request
