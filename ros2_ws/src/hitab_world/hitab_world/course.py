@@ -72,6 +72,6 @@ class Course:
         self.disturbed = True
 
     def change(self) -> None:
-        """Mark the world as changed from outside: show it to the agents and save it soon."""
+        """Mark the world as changed from outside: show it to the agents and save it."""
         self.disturbed = True
         self.touched = True

@@ -80,8 +80,8 @@ class WorldKeeper:
             self._keep(now)
 
     def keep_now(self) -> None:
-        """Save the state, and wait until it is saved: a request is about to be acknowledged."""
-        if self._memory is not None:
+        """Save what a request has changed, and wait until it is saved: then acknowledge it."""
+        if self._memory is not None and self._course.touched:
             self._keep(time.monotonic())
         if self._memory is not None:
             self._memory.settle()

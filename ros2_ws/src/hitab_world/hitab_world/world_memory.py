@@ -39,8 +39,7 @@ class WorldMemory:
         self._swarm = swarm
         self._warn = warn
         self._warned: set[str] = set()
-        self._next: bytes | None = None
-        self._writing = False
+        self._next: bytes | None = None  # until it is written
         self._change = threading.Condition()
         self._closed = False
         self._writer: threading.Thread | None = None
@@ -77,9 +76,7 @@ class WorldMemory:
     def settle(self) -> None:
         """Wait until the state that was kept last is in its file, unless it cannot be written."""
         with self._change:
-            self._change.wait_for(
-                lambda: self._closed or (self._next is None and not self._writing)
-            )
+            self._change.wait_for(lambda: self._next is None or self._closed)
 
     def close(self) -> None:
         """Write the pending state, and stop."""
@@ -94,15 +91,15 @@ class WorldMemory:
         while True:
             with self._change:
                 self._change.wait_for(lambda: self._next is not None or self._closed)
-                data, self._next = self._next, None
-                self._writing = data is not None
+                data = self._next
             if data is None:
                 return
             try:
                 self._replace_latest(data)
             finally:
                 with self._change:
-                    self._writing = False
+                    if self._next is data:  # nothing newer has come
+                        self._next = None
                     self._change.notify_all()
 
     def _replace_latest(self, data: bytes) -> None:

@@ -35,13 +35,18 @@ def keeper_of(course, folder, warned):
     return WorldKeeper("world", course, settings, warned.append)
 
 
+def ask_for(course, episodes):
+    course.control.episodes_left = episodes
+    course.change()
+
+
 def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(course, tmp_path):
     """It was saved once the world had its leisure: a world killed before then stood still."""
     warned = []
     keeper = keeper_of(course, tmp_path, warned)
     keeper.attend()
     for episodes in range(1, 6):
-        course.control.episodes_left = episodes
+        ask_for(course, episodes)
         keeper.keep_now()
         saved = json.loads((tmp_path / "world" / LATEST).read_bytes())
         assert saved["control"]["episodes_left"] == episodes
@@ -49,12 +54,18 @@ def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(c
     assert warned == []
 
 
+def test_a_request_that_changes_nothing_saves_nothing(course, tmp_path):
+    keeper = keeper_of(course, tmp_path, [])
+    keeper.keep_now()
+    assert not (tmp_path / "world").exists()
+
+
 def test_what_cannot_be_saved_holds_up_no_request(course, tmp_path):
     (tmp_path / "world").write_text("no folder")
     warned = []
     keeper = keeper_of(course, tmp_path, warned)
     for episodes in (1, 2):
-        course.control.episodes_left = episodes
+        ask_for(course, episodes)
         keeper.keep_now()
     keeper.close()
     keeper.keep_now()
