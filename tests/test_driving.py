@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from arming import arm
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import Joy
 
@@ -107,6 +108,7 @@ def desk(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]
         desk.agents.await_agent(ROBOT, SECONDS)
         relay = f"/{ROBOT}/cmd_vel_teleop"
         desk.until(lambda: link.node.count_subscribers(relay) > 0)
+        arm(link, ROBOT)
         desk.until(lambda: not desk.status.faults)
         yield desk
 
@@ -217,6 +219,8 @@ def test_keys_train_a_robot_and_drive_it_and_stop_it(desk, terminal):
     assert {v.linear.x for v in desk.velocities} == {0.0}
     terminal.press(b"G")
     terminal.until(lambda: not desk.switch.engaged)
+    terminal.press(b"R")
+    terminal.sees("robot_1 may act")
     terminal.press(KEYS["Forward"])
     terminal.until(lambda: desk.moves(0.5))
     terminal.press(b".")

@@ -15,7 +15,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
+from arming import arm
 from geometry_msgs.msg import Twist
 from hitab_msgs.msg import TransitionEvent
 from hitab_msgs.srv import ReadFeatures
@@ -109,6 +111,16 @@ class Desk:
     def has_fault(self, text: str) -> bool:
         return any(text in fault for fault in self.agents.statuses[ROBOT].faults)
 
+    def arm(self) -> None:
+        """Let the robot act, as soon as nothing speaks against it."""
+        arm(self.link, ROBOT)
+
+    def stays_where_it_is(self) -> bool:
+        """Whether the robot stands still for a while."""
+        self.velocities.clear()
+        self.link.spin_until(lambda: False, 1.5)
+        return all(map(is_still, self.velocities))
+
     def end(self, name: str) -> None:
         process = self.processes[name]
         process.send_signal(signal.SIGTERM)
@@ -162,6 +174,7 @@ def desk(home: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator
         desk.watch()
         desk.agents.await_agent(ROBOT, SECONDS)
         desk.until(lambda: desk.odometry and desk.scan)
+        desk.arm()
         yield desk
 
 
@@ -233,28 +246,59 @@ def test_the_robot_stands_still_when_its_agent_is_killed(desk):
     assert all(map(is_still, desk.velocities[before:]))
 
 
-def test_the_emergency_stop_holds_the_robot_until_it_is_released(desk):
-    def hitab(*arguments: str) -> str:
+def test_the_emergency_stop_holds_the_robot_until_it_is_released_and_re_armed(desk):
+    def hitab(*arguments: str, status: int = 0) -> str:
         done = desk.run("hitab_bringup.main", *arguments)
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == status, done.stderr
         return done.stdout + done.stderr
 
     desk.agents.perform(ROBOT, "TurnLeft")
     desk.until(lambda: not desk.told_to_stand_still())
-    assert f"stopped: {ROBOT}" in hitab("stop", "--reason", "a dog")
-    desk.until(desk.told_to_stand_still)
+    assert f"stand still: {ROBOT}\n" in hitab("stop", "--reason", "a dog")
+    desk.link.spin_until(lambda: False, 0.1)
+    assert desk.told_to_stand_still()
     desk.until(lambda: desk.has_fault("a dog"))
     hitab("train", ROBOT, "Held", "--state", "TurnLeft")
     for verb in (("demonstrate", ROBOT, "TurnLeft"), ("test", ROBOT)):
-        assert "but: emergency stop by" in hitab(*verb), verb
+        assert "but: stopped: emergency stop by" in hitab(*verb), verb
     hitab("discard", ROBOT)
-    assert "but: emergency stop by" in hitab("perform", ROBOT, "TurnLeft")
-    desk.velocities.clear()
-    desk.until(lambda: len(desk.velocities) > 10)
-    assert all(map(is_still, desk.velocities))
-    assert f"released: {ROBOT}" in hitab("go")
+    assert "but: stopped: emergency stop by" in hitab("perform", ROBOT, "TurnLeft")
+    refused = " ".join(hitab("arm", ROBOT, status=1).split())
+    assert f"{ROBOT} may not act again: emergency stop by" in refused
+    assert desk.stays_where_it_is()
+    assert f"released: {ROBOT}; robots wait for `hitab arm`" in hitab("go")
+    assert desk.stays_where_it_is()
+    assert f"{ROBOT}: stopped: emergency stop by" in hitab("arm")
+    assert hitab("arm", "--all") == f"{ROBOT} may act\n"
     desk.until(lambda: not desk.told_to_stand_still())
-    desk.until(lambda: not desk.has_fault("emergency"))
+    desk.until(lambda: not desk.has_fault("stopped"))
+
+
+def test_a_relay_that_hangs_is_replaced_and_the_robot_waits(desk):
+    desk.agents.perform(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    before = psutil.Process(desk.processes["agent"].pid).children()[0]
+    before.suspend()
+    desk.until(lambda: not before.is_running())
+    desk.until(desk.told_to_stand_still)
+    desk.until(lambda: desk.has_fault("that is over, and `hitab arm"))
+    assert desk.stays_where_it_is()
+    desk.arm()
+    desk.until(lambda: not desk.told_to_stand_still())
+
+
+def test_an_agent_that_hung_goes_on_only_once_re_armed(desk):
+    desk.agents.perform(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    agent = desk.processes["agent"]
+    agent.send_signal(signal.SIGSTOP)
+    desk.until(desk.told_to_stand_still)
+    desk.link.spin_until(lambda: False, 1.5)
+    agent.send_signal(signal.SIGCONT)
+    desk.until(lambda: desk.has_fault("gives no sign of life; that is over"))
+    assert desk.stays_where_it_is()
+    desk.arm()
+    desk.until(lambda: not desk.told_to_stand_still())
 
 
 def test_what_a_robot_perceives_now_is_shown_with_units_and_faults(desk):
@@ -352,7 +396,7 @@ def test_where_things_are_is_told_relative_to_the_robot():
 
 def test_the_page_explains_each_word_and_parameter():
     page = (EXAMPLE.parents[1] / "docs/robots.md").read_text(encoding="utf-8")
-    between_link_and_relay = {"agent_pid"}
+    between_link_and_relay = {"agent_pid", "kills_hung_agent"}
     base_class = {"Sensor"}
     names = {*hitab_robots.__all__, *DESCRIPTIONS, *OF_SENSOR}
     for name in names - between_link_and_relay - base_class:

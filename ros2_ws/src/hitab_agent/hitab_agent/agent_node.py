@@ -17,7 +17,7 @@ from hitab_agent.distribution import Distributor
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.performance_memory import PerformanceMemory
-from hitab_agent.robot_link import link_class
+from hitab_agent.robot_link import OwnStop, RobotStop, link_class
 from hitab_agent.session_log import SessionLog
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
@@ -99,6 +99,7 @@ class AgentNode(GuardedNode):
         self._sensed = False
         self._unsettled = True
         self._link: Any = None
+        self.stop: RobotStop | None = None
         self.actions: actions.ActionClients | None = None
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
@@ -111,8 +112,7 @@ class AgentNode(GuardedNode):
         """Return what to perform at startup; empty: nothing."""
         if self._memory.damage:
             self.get_logger().warning(self._memory.damage)
-        resume = self.settings.resume or not self.agent.domain.link
-        return self._memory.first(self.settings.behavior, resume=resume)
+        return self._memory.first(self.settings.behavior)
 
     def remember(self) -> None:
         """Save what is performed, if that has changed, so that a restart can resume it."""
@@ -143,11 +143,7 @@ class AgentNode(GuardedNode):
             )
 
     def load_domain(self, name: str) -> Domain:
-        """Return the domain that the parameter ``domain`` names, without what was taken out.
-
-        Raises:
-            HitabError: if there is none, or it has no such hand-written automata.
-        """
+        """Return the domain that the parameter ``domain`` names, without what was taken out."""
         return self.shared.domain(name, self.settings.without)
 
     def join(self) -> None:
@@ -173,22 +169,7 @@ class AgentNode(GuardedNode):
         else:
             self.shared.on_demand.add(self, self._offer_services)
         self._join_actions()
-        shared_link = None if self.agent.domain.link else self.shared.link(self.settings.world)
-        if shared_link is None:
-            if self.agent.domain.link:
-                link = link_class(self.agent.domain)
-                self._link = link(self, self.settings.world, self._on_percept)
-            else:
-                self._link = WorldLink(
-                    self,
-                    self.settings.world,
-                    self.shared.orders,
-                    take_in=self.take_in,
-                    answer=self.answer,
-                    awaited_orders=self.awaited_orders,
-                )
-        else:
-            shared_link.add(self)
+        self._join_link()
         if self.settings.commander:
             self.superior = self.status.superior = SuperiorLink(
                 self,
@@ -208,14 +189,37 @@ class AgentNode(GuardedNode):
         elif self._start_error:
             self.status.began(fault=self._start_error)
         else:
-            self.status.began(note=self._memory.restarted(self.agent))
+            self.status.began(note=self._memory.restarted())
+
+    def _join_link(self) -> None:
+        """Connect to the world, or to the robot of its own."""
+        settings = self.settings
+        shared = None if self.agent.domain.link else self.shared.link(settings.world)
+        if shared is not None:
+            shared.add(self)
+        elif self.agent.domain.link:
+            link = link_class(self.agent.domain)
+            self._link = link(self, settings.world, self._on_percept)
+            if self.stop is None:
+                self.stop = OwnStop(self, rearms=settings.auto_rearm)
+            self.stop_changed()
+        else:
+            self._link = WorldLink(
+                self,
+                settings.world,
+                self.shared.orders,
+                take_in=self.take_in,
+                answer=self.answer,
+                awaited_orders=self.awaited_orders,
+            )
 
     def _join_actions(self) -> None:
         """Become a client of the actions that are behaviors, and offer the behaviors as one."""
         settings = self.settings
         if action_behaviors(self.agent.domain):
             limits = actions.Limits(settings.action_timeout, settings.action_patience)
-            self.actions = actions.ActionClients(self, self.agent, self.ticker, limits)
+            memory = Path(settings.state_dir).expanduser() / self.agent_name / "goals.json"
+            self.actions = actions.ActionClients(self, self.agent, self.ticker, limits, memory)
         if settings.offer_actions:
             self._offered = actions.OfferedAction(
                 self, self.agent, self.status.report_error, self._obey_or_rest
@@ -278,7 +282,7 @@ class AgentNode(GuardedNode):
                 percept.values,
                 percept.heard,
                 percept.cycle,
-                self.seconds_of(percept),
+                seconds_of(percept.stamp),
                 # A paused world that shows its cycle again was changed.
                 jumped=percept.look and percept.cycle == agent.cycle,
             )
@@ -288,7 +292,7 @@ class AgentNode(GuardedNode):
         except Exception as error:
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
-            self.superior.round_begins(percept, self.seconds_of(percept))
+            self.superior.round_begins(percept, seconds_of(percept.stamp))
         return self._sensed
 
     def answer(self, percept: msg.Percept) -> Action:
@@ -300,6 +304,10 @@ class AgentNode(GuardedNode):
             action = self._tick.act()
         elif percept.restart or self.agent.active_path != self.status.path:
             self.status.publish()
+        if self.stop is not None:
+            self.stop.cause(self._tick.fault)
+            if self.stop.why:
+                action = NO_ACTION
         if self.agent.unsure != self.status.message.unsure:
             self.status.publish_soon()
             self.shared.diagnostics.soon()
@@ -317,12 +325,21 @@ class AgentNode(GuardedNode):
         if self._offered is not None:
             self._offered.look()
         if self.superior is not None and not percept.lockstep:
-            self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
+            self.superior.perceived(percept, seconds_of(percept.stamp), changed=changed)
         return action
 
-    def seconds_of(self, percept: msg.Percept) -> float:
-        """Return the agent's time, s, used in reports: the time of the world or the robot."""
-        return seconds_of(percept.stamp)
+    # -- stop of its robot --------------------------------------------------------------------
+
+    def stop_changed(self) -> None:
+        """Say why its robot may not act, and cancel its goals, or go on with them."""
+        why = self.stop.why if self.stop is not None else ""
+        self.guard.faults.set("stop", why)
+        if self.actions is not None:
+            self.actions.hold(held=bool(why))
+
+    def stands(self) -> bool:
+        """Whether no action is under way for it."""
+        return self.actions is None or self.actions.at_rest
 
     # -- orders of a commander ----------------------------------------------------------------
 
@@ -357,11 +374,6 @@ class AgentNode(GuardedNode):
             self.settle()
         self.status.message.distribution = sequence
         self.status.report_error(error)
-
-    @property
-    def faults(self) -> list[str]:
-        """The lasting faults, each shown until its cause is gone."""
-        return self.status.faults
 
     def faults_changed(self) -> None:
         """Publish a status soon, if the agent has joined."""

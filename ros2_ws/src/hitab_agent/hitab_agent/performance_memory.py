@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from hitab_agent.line_memory import LineMemory
-from hitab_core import Agent
 
 FILE_NAME = "performance.json"
 
@@ -38,29 +37,21 @@ class PerformanceMemory:
         if swarm and self._file.values.get("swarm") == swarm and isinstance(behavior, str):
             self.performed = behavior
 
-    def first(self, behavior: str, *, resume: bool) -> str:
+    def first(self, behavior: str) -> str:
         """Return what to perform at the start.
 
         Args:
             behavior: what the agent should perform at its first start; empty: nothing.
-            resume: whether it continues after a restart; otherwise it comes back idle.
         """
-        if self.performed is None:
-            return behavior
-        return self.performed if resume else ""
+        return behavior if self.performed is None else self.performed
 
-    def restarted(self, agent: Agent) -> str:
+    def restarted(self) -> str:
         """Say of an agent that it was restarted and what it did before; empty: its first start."""
         if self.performed is None:
             return ""
-        if agent.behavior:
-            return f'was restarted; it performs "{self.performed}" again, as before'
         if not self.performed:
             return "was restarted; it was idle before, too"
-        return (
-            f'was restarted and is idle; it performed "{self.performed}" before: '
-            f"`hitab perform {agent.name} '{self.performed}'` has it perform that again"
-        )
+        return f'was restarted; it performs "{self.performed}" again, as before'
 
     def keep(self, behavior: str) -> None:
         """Save what is performed now, if that has changed.

@@ -10,6 +10,7 @@ from hitab_msgs import msg
 from rclpy.node import Node
 
 from hitab_core import Domain, HitabError
+from hitab_ros import Stop
 
 OnPercept = Callable[[msg.Percept], tuple[Sequence[float], str]]
 
@@ -30,6 +31,37 @@ class RobotLink(Protocol):
 
     def close(self) -> None:
         """Stop the robot: the agent is shutting down."""
+
+
+class RobotStop(Protocol):
+    """What keeps the robot of an agent from acting; a link with a relay sets `AgentNode.stop`.
+
+    Attributes:
+        why: why the robot may not act, and the way out; empty: it may.
+    """
+
+    @property
+    def why(self) -> str:
+        """See above."""
+
+    def cause(self, why: str) -> None:
+        """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""
+
+
+class OwnStop:
+    """The stop of a robot whose link has no relay: its agent withholds what it would do."""
+
+    def __init__(self, node: Any, *, rearms: bool) -> None:
+        self._stop = Stop(node, node.stands, changed=node.stop_changed, rearms=rearms)
+
+    @property
+    def why(self) -> str:
+        """Why the robot may not act, and the way out; empty: it may."""
+        return self._stop.why
+
+    def cause(self, why: str) -> None:
+        """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""
+        self._stop.machine.cause("agent", why)
 
 
 def link_class(domain: Domain) -> Any:

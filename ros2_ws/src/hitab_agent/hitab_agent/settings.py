@@ -20,7 +20,7 @@ DESCRIPTIONS = {
     "commander": "name of the commander whose orders it obeys; empty: it has none",
     "role": "in its commander's group, for orders that differ by role",
     "services_on_demand": "create the services when a client asks, as a host's agents do",
-    "resume": "after a restart, continue what was performed, even with its own robot",
+    "auto_rearm": "act again by itself when what stopped its robot is over: a risk",
     "swarm": "identity of its swarm; empty: none, and nothing to resume",
     "offer_actions": "offer its behaviors as one ROS action, perform_until_done",
     "action_timeout": "s; how long to wait for the server of an action, and for its answers",
@@ -44,7 +44,7 @@ class AgentSettings:
     commander: str = ""
     role: str = ""
     services_on_demand: bool = False
-    resume: bool = False
+    auto_rearm: bool = False
     swarm: str = ""
     offer_actions: bool = False
     action_timeout: float = 2.0

@@ -5,6 +5,7 @@ The server here is the tests' own; hitab_msgs/action/Perform stands for a robot'
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -21,7 +22,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.task import Future
 
-from hitab_agent.actions.action_clients import check_actions
+from hitab_agent.actions.action_clients import ActionClients, check_actions
+from hitab_agent.actions.goal import Limits, OrphanedGoal
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host.agent_batches import WORTH_IT, AgentBatches
 from hitab_core import (
@@ -190,7 +192,7 @@ class One:
 
     @property
     def faults(self) -> str:
-        return "; ".join(self.node.faults)
+        return "; ".join(self.node.status.faults)
 
 
 @pytest.fixture
@@ -384,6 +386,77 @@ def test_a_goal_that_cannot_be_made_raises_failed_and_names_the_field(make):
     one.ticks_until("Cry")
     assert 'the field "behavior" of its goal could not be made: AttributeError' in one.faults
     assert not server.goals
+
+
+class Held:
+    """The stop of a robot, as its link would set it."""
+
+    why = ""
+
+    def cause(self, why: str) -> None:
+        pass
+
+
+def hold(one: Any, why: str) -> None:
+    if one.node.stop is None:
+        one.node.stop = Held()
+    one.node.stop.why = why
+    one.node.stop_changed()
+
+
+def test_a_stop_cancels_the_goal_and_it_is_sent_anew_once_the_robot_is_re_armed(make):
+    one, server = make()
+    one.agent.perform(Use("Stay"))
+    one.tick()
+    one.process.until(lambda: server.goals and one.call.accepted)
+    hold(one, "stopped: a dog")
+    assert not one.node.stands()
+    one.process.until(lambda: server.goals[0].is_cancel_requested)
+    server.end(0, "canceled")
+    one.process.until(one.node.stands)
+    assert one.tick() == ["GoTo(home)"], "the agent goes on wanting it"
+    assert "a dog" in one.faults
+    hold(one, "")
+    one.process.until(lambda: len(server.goals) == 2)
+    server.end(1, "succeed")
+    one.process.until(lambda: one.call.outcome)
+    assert one.faults == ""
+
+
+def test_a_server_that_refuses_to_cancel_is_named_and_the_robot_does_not_stand_still(make):
+    one, server = make()
+    server.cancels = False
+    one.agent.perform(Use("Stay"))
+    one.tick()
+    one.process.until(lambda: server.goals and one.call.accepted)
+    hold(one, "stopped: a dog")
+    one.process.until(lambda: "/one/drive" in one.faults and "refuses to cancel" in one.faults)
+    assert not one.node.stands()
+    server.end(0, "abort")
+    one.process.until(one.node.stands)
+    assert "refuses" not in one.faults
+
+
+def test_a_goal_of_an_agent_that_was_killed_is_canceled_when_it_is_back(make, process, tmp_path):
+    one, server = make()
+    one.agent.perform(Use("Stay"))
+    one.tick()
+    process.until(lambda: server.goals and one.call.accepted)
+    (_, identity), *_ = json.loads((tmp_path / "one/goals.json").read_text())["goals"]
+    assert bytes.fromhex(identity) == bytes(server.goals[0].goal_id.uuid)
+    # The next process with this file takes over, while the first one does nothing any more.
+    over = []
+    orphan = OrphanedGoal(one.node, "drive", identity, over.append)
+    process.until(lambda: orphan.look() or over)
+    assert over == [""]
+    assert server.goals[0].is_cancel_requested
+    memory = tmp_path / "damaged.json"
+    memory.write_text(f'{{"goals": [["drive", "{identity}"], ["drive", "x"], 3]}}')
+    limits = Limits(answer=1.0, pulse=0.0)
+    clients = ActionClients(one.node, one.agent, one.node.ticker, limits, memory)
+    assert not clients.at_rest
+    process.until(lambda: clients.at_rest)
+    assert json.loads(memory.read_text().splitlines()[0]) == {"goals": []}
 
 
 def test_an_agent_that_ends_cancels_its_goal(make, process):

@@ -139,7 +139,7 @@ def test_a_restart_while_it_waits_does_not_make_it_forget_what_it_performed(
     walkers.damage("one", "Walk")
     walkers.start("one", behavior="Stroll")
     memory = PerformanceMemory(walkers.folder / "one", "s")
-    assert memory.first("", resume=True) == "Stroll"
+    assert memory.first("") == "Stroll"
 
 
 def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Walkers) -> None:

@@ -1,7 +1,6 @@
 """What an agent goes on with after a restart."""
 
 import json
-from types import SimpleNamespace
 
 import pytest
 
@@ -13,23 +12,14 @@ RUN, NEXT_RUN = "keepaway-1", "keepaway-2"
 def test_what_is_performed_is_taken_up_by_the_same_swarm_only(tmp_path):
     PerformanceMemory(tmp_path / "keeper_1", RUN).keep("GoTo(ball)")
     after = PerformanceMemory(tmp_path / "keeper_1", RUN)
-    assert after.first("Chase", resume=True) == "GoTo(ball)"
-    assert (
-        PerformanceMemory(tmp_path / "keeper_1", NEXT_RUN).first("Chase", resume=True) == "Chase"
-    )
-    assert PerformanceMemory(tmp_path / "keeper_1", "").first("Chase", resume=True) == "Chase"
+    assert after.first("Chase") == "GoTo(ball)"
+    assert PerformanceMemory(tmp_path / "keeper_1", NEXT_RUN).first("Chase") == "Chase"
+    assert PerformanceMemory(tmp_path / "keeper_1", "").first("Chase") == "Chase"
 
 
 def test_an_agent_that_was_idle_does_not_begin_again_what_it_is_started_with(tmp_path):
     PerformanceMemory(tmp_path, RUN).keep("")
-    assert PerformanceMemory(tmp_path, RUN).first("Chase", resume=True) == ""
-
-
-def test_a_robot_comes_back_at_rest_whatever_it_is_started_with(tmp_path):
-    """Nobody may be beside it any more; at its first start somebody is."""
-    assert PerformanceMemory(tmp_path, RUN).first("Chase", resume=False) == "Chase"
-    PerformanceMemory(tmp_path, RUN).keep("Chase")
-    assert PerformanceMemory(tmp_path, RUN).first("Chase", resume=False) == ""
+    assert PerformanceMemory(tmp_path, RUN).first("Chase") == ""
 
 
 def test_an_agent_of_no_swarm_leaves_no_file(tmp_path):
@@ -44,7 +34,7 @@ def test_a_damaged_file_is_ignored_and_replaced(tmp_path, damaged):
     file = tmp_path / FILE_NAME
     file.write_bytes(damaged.encode("latin-1"))
     memory = PerformanceMemory(tmp_path, RUN)
-    assert memory.first("Chase", resume=True) == "Chase"
+    assert memory.first("Chase") == "Chase"
     assert (str(file) in memory.damage) == (damaged != "{}")
     memory.keep("Pass")
     assert PerformanceMemory(tmp_path, RUN).performed == "Pass"
@@ -56,21 +46,14 @@ def test_a_behavior_that_is_no_text_is_ignored(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "told"),
     [
-        (
-            "GoTo(A)",
-            "",
-            'was restarted and is idle; it performed "GoTo(A)" before: '
-            "`hitab perform ann 'GoTo(A)'` has it perform that again",
-        ),
-        ("Chase", "Chase", 'was restarted; it performs "Chase" again, as before'),
-        ("", "", "was restarted; it was idle before, too"),
+        ("Chase", 'was restarted; it performs "Chase" again, as before'),
+        ("", "was restarted; it was idle before, too"),
     ],
 )
-def test_a_restarted_agent_says_what_it_did_before(tmp_path, before, now, told):
-    agent = SimpleNamespace(name="ann", behavior=now)
-    assert PerformanceMemory(tmp_path, RUN).restarted(agent) == ""
+def test_a_restarted_agent_says_what_it_did_before(tmp_path, before, told):
+    assert PerformanceMemory(tmp_path, RUN).restarted() == ""
     PerformanceMemory(tmp_path, RUN).keep(before)
-    assert PerformanceMemory(tmp_path, RUN).restarted(agent) == told
-    assert PerformanceMemory(tmp_path, NEXT_RUN).restarted(agent) == ""
+    assert PerformanceMemory(tmp_path, RUN).restarted() == told
+    assert PerformanceMemory(tmp_path, NEXT_RUN).restarted() == ""

@@ -1,9 +1,10 @@
-"""The emergency stop from the command line reaches whoever listens, with no agents there."""
+"""The emergency stop from the command line reaches whatever acts, and says the truth about it."""
 
 import threading
 
 import pytest
 import rclpy
+from hitab_msgs.msg import EmergencyStop, StopState
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -11,7 +12,8 @@ from rclpy.signals import SignalHandlerOptions
 from hitab_bringup.main import make_app
 from hitab_bringup.verbs import emergency
 from hitab_client import domain_ids
-from hitab_ros import EmergencySwitch, make_node
+from hitab_ros import Stop, qos
+from hitab_ros.guarded_node import GuardedNode
 
 
 @pytest.fixture(autouse=True)
@@ -28,52 +30,115 @@ def hitab(capfd, *arguments):
     with pytest.raises(SystemExit) as ended:
         make_app()(list(arguments))
     told = capfd.readouterr()
-    return ended.value.code, told.out, told.err
+    return ended.value.code, told.out, " ".join(told.err.split())
+
+
+class Field:
+    """Robots, played by nodes that are spun in the background."""
+
+    def __init__(self, domain_id):
+        self.context = Context()
+        rclpy.init(
+            context=self.context,
+            domain_id=domain_id,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        self.executor = EventsExecutor(context=self.context)
+        self.moving = set()
+        self.ends = threading.Event()
+        self.thread = threading.Thread(target=self._spin)
+
+    def _spin(self):
+        while not self.ends.is_set():
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def node(self, robot):
+        node = GuardedNode("velocity_relay", namespace=f"/{robot}", context=self.context)
+        self.executor.add_node(node)
+        return node
+
+    def robot(self, name):
+        return Stop(self.node(name), lambda: name not in self.moving)
 
 
 @pytest.fixture
-def relay(domain_id):
-    """The switch of a robot's relay, which is spun in the background."""
-    context = Context()
-    rclpy.init(
-        context=context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO
-    )
-    executor = EventsExecutor(context=context)
-    node = make_node("velocity_relay", namespace="/robot_1", context=context)
-    executor.add_node(node)
-    ends = threading.Event()
-
-    def spin():
-        while not ends.is_set():
-            executor.spin_once(timeout_sec=0.05)
-
-    switch = EmergencySwitch(node, hands_on=True)
-    thread = threading.Thread(target=spin)
-    thread.start()
-    yield switch
-    ends.set()
-    thread.join()
-    executor.remove_node(node)
-    node.destroy_node()
-    executor.shutdown()
-    context.try_shutdown()
+def field(domain_id, monkeypatch):
+    monkeypatch.setattr(emergency, "CONFIRM_S", 5.0)
+    field = Field(domain_id)
+    yield field
+    field.ends.set()
+    field.thread.join()
+    for node in list(field.executor.get_nodes()):
+        field.executor.remove_node(node)
+        node.destroy_node()
+    field.executor.shutdown()
+    field.context.try_shutdown()
 
 
-def test_a_relay_is_stopped_and_released_though_there_is_no_agent(
-    relay, domain_id, capfd, monkeypatch
-):
-    monkeypatch.setattr(emergency, "LOOK_S", 60.0)  # a busy machine takes its time
-    monkeypatch.setattr(emergency, "DELIVER_S", 60.0)
-    sent = f"sent in ROS domain {domain_id}; waiting until the robots have confirmed\n"
-    assert hitab(capfd, "stop", "--reason", "a dog") == (0, "stopped: robot_1\n", sent)
-    assert (relay.engaged, relay.state.reason) == (True, "a dog")
-    assert hitab(capfd, "go") == (0, "released: robot_1\n", sent)
-    assert not relay.engaged
+def test_robots_are_stopped_and_released_and_re_armed_though_there_is_no_agent(field, capfd):
+    one, two = field.robot("robot_1"), field.robot("red/robot_2")
+    field.thread.start()
+    status, out, _ = hitab(capfd, "stop", "--reason", "a dog")
+    assert (status, out) == (0, "stand still: red/robot_2, robot_1\n")
+    assert one.switch.engaged
+    assert two.switch.state.reason == "a dog"
+    status, _, err = hitab(capfd, "arm", "robot_1")
+    assert status == 1
+    assert "robot_1 may not act again: emergency stop by" in err
+    status, out, _ = hitab(capfd, "go")
+    assert out == "released: red/robot_2, robot_1; robots wait for `hitab arm`\n"
+    assert one.machine.why
+    assert hitab(capfd, "arm", "/red/robot_2")[1] == "/red/robot_2 may act\n"
+    assert one.machine.why
+    assert not two.machine.why
+    assert hitab(capfd, "arm", "--all")[1] == "robot_1 may act\n"
+    assert not one.machine.why
+    assert hitab(capfd, "arm")[1] == "no robot waits\n"
+
+
+def test_a_stop_names_each_robot_that_has_not_confirmed_to_stand_still(field, capfd):
+    field.robot("robot_1")
+    field.robot("robot_2")
+    field.moving.add("robot_2")
+    # One whose relay hangs from before: only its agent can be found.
+    field.node("robot_3").create_publisher(StopState, "agent_heartbeat", qos.CYCLE)
+    field.thread.start()
+    status, out, err = hitab(capfd, "stop")
+    assert (status, out) == (1, "")
+    assert "waiting for" in err
+    assert "not confirmed: " in err
+    assert "robot_2 (still moves)" in err
+    assert "robot_3 (does not answer)" in err
+    assert "robot_1 (" not in err
+    field.moving.clear()
+    assert "robot_2 (" not in hitab(capfd, "stop")[2]
+
+
+def test_a_robot_that_has_not_heard_the_stop_is_told_again(field, capfd):
+    robot = field.robot("robot_1")
+    heard = []
+    take = robot.switch.take
+
+    def lose_the_first(message: EmergencyStop) -> None:
+        heard.append(message)
+        if len({(m.stamp.sec, m.stamp.nanosec) for m in heard}) > 2:
+            take(message)
+
+    for subscription in robot.switch._subscriptions:
+        subscription.callback = lose_the_first
+    field.thread.start()
+    assert hitab(capfd, "stop")[0] == 0
+    assert len(heard) > 2
 
 
 def test_a_stop_that_nobody_heard_is_an_error(domain_id, capfd, monkeypatch):
-    monkeypatch.setattr(emergency, "LOOK_S", 0.1)
+    monkeypatch.setattr(emergency, "CONFIRM_S", 0.1)
     status, out, err = hitab(capfd, "stop")
     assert (status, out) == (1, "")
-    assert f"nobody heard it: no robot's relay runs in ROS domain {domain_id};" in err
-    assert "for a simulated world, use `hitab world pause`" in " ".join(err.split())
+    assert "nobody heard it: no robot and no simulated world answers in ROS domain" in err
+    assert f"{domain_id}; use the robots' own switches" in err
+
+
+def test_names_are_refused_with_what_does_it_for_one_robot(capfd):
+    assert "perform robot_1` stops one of them" in hitab(capfd, "stop", "robot_1")[2]
+    assert "arm robot_1`" in hitab(capfd, "go", "robot_1")[2]

@@ -100,7 +100,7 @@ def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
         node.shared,
         GroupSettings.declare(node),
         OrderMemory(Path(settings.state_dir).expanduser() / node.agent_name),
-        GroupStatus(node, agent, settings, lambda: node.faults),
+        GroupStatus(node, agent, settings, lambda: node.status.faults),
         take_in=node.take_in,
         answer=node.answer,
         tell=node.tell,

@@ -5,23 +5,31 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 
 from hitab_agent import AgentNode
-from hitab_robots.settings import COMMANDS, VELOCITY, RelaySettings
+from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
 from hitab_ros import names
 
 MODULE = "hitab_robots.velocity_relay"
 
+HUNG_S = 0.4
+"""A relay that gives no sign of life for so long, s, hangs."""
+
+STARTING_S = 10.0
+"""How long a relay may take to give the first sign of life, s."""
+
 AGAIN_S = 1.0
 """Least time between two starts, s."""
+
+LOOK_S = 0.1
+"""Between two looks, s."""
 
 END_S = 3.0
 """How long a relay may take to end, s."""
 
 
 class RelayProcess:
-    """Starts the relay, and starts it again if it ends.
+    """Starts the relay, and starts it again if it ends or hangs.
 
     The names that the agent's node uses hold for the relay: its namespace, and its remappings of
     the topics. If the agent's clock is simulated, so is that by which the relay stamps velocities;
@@ -29,32 +37,46 @@ class RelayProcess:
     stops the robot and ends.
     """
 
-    def __init__(self, node: AgentNode, settings: RelaySettings) -> None:
+    def __init__(self, node: AgentNode, settings: RelaySettings, odometry: str) -> None:
         self._command = [
             *(sys.executable, "-m", MODULE, "--ros-args", "--disable-external-lib-logs"),
             *("-r", f"__ns:={node.get_namespace()}"),
             *("-r", f"{COMMANDS}:={node.resolve_topic_name(COMMANDS)}"),
             *("-r", f"{VELOCITY}:={node.resolve_topic_name(VELOCITY)}"),
+            *("-r", f"{ODOMETRY}:={node.resolve_topic_name(odometry)}"),
             *("-p", f"state_dir:={node.settings.state_dir}"),
             *("-p", f"agent_pid:={os.getpid()}"),
+            # Outside of a swarm nobody would start the agent again.
+            *("-p", f"kills_hung_agent:={str(bool(node.settings.swarm)).lower()}"),
             *_simulated_clock(node),
             *settings.arguments(),
         ]
-        self._started = 0.0
-        self._process = self._start()
+        self._start()
 
-    def _start(self) -> subprocess.Popen[bytes]:
-        self._started = time.monotonic()
-        return subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
+    def _start(self) -> None:
+        self._unheard_s = -STARTING_S
+        self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
+
+    def heard(self) -> None:
+        """Take a sign of life."""
+        self._unheard_s = 0.0
 
     def look_after(self) -> str:
-        """Start the relay again if it has ended; return what is wrong, if anything is."""
+        """Start the relay again if it has ended or hangs; return what was wrong, if anything was.
+
+        Call it every `LOOK_S`.
+        """
+        self._unheard_s += LOOK_S  # not by a clock: this process may have been held up itself
         status = self._process.poll()
-        if status is None:
+        if status is None and self._unheard_s < HUNG_S:
             return ""
-        if time.monotonic() >= self._started + AGAIN_S:
-            self._process = self._start()
-        return f"the robot's {names.VELOCITY_RELAY} has ended (exit status {status})"
+        if status is None:
+            self._process.kill()
+            self._process.wait()
+        if self._unheard_s >= AGAIN_S - STARTING_S:
+            self._start()
+        what = "hung" if status is None else f"has ended (exit status {status})"
+        return f"the robot's {names.VELOCITY_RELAY} {what}; it is started again"
 
     def end(self) -> None:
         """End the relay, which stops the robot."""

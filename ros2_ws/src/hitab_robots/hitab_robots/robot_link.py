@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Any
 
 from geometry_msgs.msg import TwistStamped
-from hitab_msgs.msg import EmergencyStop, Percept
+from hitab_msgs.msg import Percept
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
@@ -23,15 +23,18 @@ from hitab_robots.frames import mounts_of_tf
 from hitab_robots.freshness import AHEAD_S, Freshness
 from hitab_robots.mount import Mount
 from hitab_robots.relay_process import RelayProcess
+from hitab_robots.relay_watch import RelayWatch
 from hitab_robots.robot import Robot
 from hitab_robots.sensors import Sensor
-from hitab_robots.settings import VELOCITY, RelaySettings, declare, declare_number
+from hitab_robots.settings import ODOMETRY, VELOCITY, RelaySettings, declare, declare_number
 from hitab_robots.velocity import REST_S
 from hitab_ros import EmergencySwitch, absence, names
 from hitab_ros.stamps import seconds_of
 
 STARTING_S = 3.0
 """How long sensors and the relay may take to be found before their silence is a fault, s."""
+
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 
 NEWEST = QoSProfile(depth=1)
 """Of velocities: reliable, and only the newest counts."""
@@ -45,7 +48,8 @@ class RobotLink:
     the places come from tf2 instead.
 
     The velocity goes to the robot's relay (`hitab_robots.velocity_relay`), never to its base: the
-    relay stops the robot when the agent cannot. The link starts it and hands its parameters on
+    relay stops the robot when the agent cannot, and decides when it may act again
+    (`hitab_robots.relay_watch`). The link starts it and hands its parameters on
     (`hitab_robots.settings`), unless ``relay`` is false, since one is started elsewhere.
     """
 
@@ -66,11 +70,15 @@ class RobotLink:
         self._sensors = [_SensorInput(node, sensor, mounts) for sensor in domain.body.sensors]
         self._velocities = node.create_publisher(TwistStamped, VELOCITY, NEWEST)
         settings = RelaySettings.declare(node, domain.body.drive)
-        self._relay = RelayProcess(node, settings) if declare(node, "relay", True) else None
+        self._relay = None
+        if declare(node, "relay", True):
+            odometry = (s.topic_name for s in domain.body.sensors if s.message == ODOMETRY_TYPE)
+            self._relay = RelayProcess(node, settings, next(odometry, ODOMETRY))
+        node.stop = RelayWatch(node, self._relay)
+        # The more keep a stop, the surer it reaches a relay that is found late.
+        self._switch = EmergencySwitch(node, hands_on=True)
         self._rest_until = self._began
         self._cycle = 0
-        # The more keep a stop, the surer it reaches a relay that is found late.
-        self._switch = EmergencySwitch(node, self._emergency, hands_on=True)
         node.create_timer(1.0 / rate, self._tick)
 
     def _now(self) -> float:
@@ -108,25 +116,15 @@ class RobotLink:
     def _look_for_faults(self, seconds: float) -> None:
         for sensor in self._sensors:
             self._faults.set(f"sensor {sensor.name}", sensor.trouble(seconds))
-        if self._relay is not None:
-            self._faults.set("relay", self._relay.look_after())
-        elif self._velocities.get_subscription_count() == 0:
-            self._faults.set(
-                "relay",
+        text = ""
+        if self._relay is None and self._velocities.get_subscription_count() == 0:
+            text = (
                 f"nothing passes the velocity on to the robot: no {names.VELOCITY_RELAY} listens "
                 f"on {self._velocities.topic_name}; start it with `ros2 run hitab_robots "
                 f"{names.VELOCITY_RELAY}` in the agent's namespace, or let the parameter relay "
-                "be true",
+                "be true"
             )
-        else:
-            self._faults.clear("relay")
-
-    def _emergency(self, state: EmergencyStop) -> None:
-        text = ""
-        if state.engaged:
-            why = f" ({state.reason})" if state.reason else ""
-            text = f"{absence.STOPPED_BY} {state.by or 'somebody'}{why}; `hitab go` releases it"
-        self._faults.set("emergency stop", text)
+        self._faults.set("relay", text)
 
     def close(self) -> None:
         """Bring the robot to rest before the agent ends."""

@@ -19,6 +19,12 @@ COMMANDS = "cmd_vel"
 VELOCITY = "cmd_vel_agent"
 """Topic from an agent to its relay, `TwistStamped`; relative to the agent's namespace."""
 
+HEARTBEAT = "agent_heartbeat"
+"""Topic from an agent to its relay, several times a second; relative to the agent's namespace."""
+
+ODOMETRY = "odom"
+"""Topic on which a relay looks whether the robot stands still; relative to its namespace."""
+
 OF_RELAY = {
     "max_velocity": "m/s ahead, m/s to the left, rad/s; also backwards",
     "max_accel": "how fast the robot may gain speed, per s",
@@ -26,6 +32,7 @@ OF_RELAY = {
     "enable_stamped_cmd_vel": "whether the base takes TwistStamped instead of Twist",
     "cmd_vel_timeout": "s; the robot stops when no velocity of its agent came for longer",
     "smoothing_frequency": "Hz; how often a velocity is sent to the base",
+    "auto_rearm": "act again by itself when what stopped the robot is over: a risk",
 }
 """Parameters that the link hands on to the relay that it starts."""
 
@@ -37,6 +44,7 @@ DESCRIPTIONS = {
     "empty: the sensors' parameters tell",
     "state_dir": "folder where an emergency stop survives a crash; empty: none",
     "agent_pid": "process to end with, once the robot stands still; 0: none",
+    "kills_hung_agent": "kill the agent when it hangs, since somebody starts it again then",
 }
 OF_SENSOR = {
     "patience": "s; an older reading has no value",
@@ -50,6 +58,8 @@ OF_SENSOR = {
 
 def declare(node: Node, name: str, default: Any) -> Any:
     """Declare a parameter that does not change, and return its value."""
+    if node.has_parameter(name):  # the agent's own
+        return node.get_parameter(name).value
     sensor, _, field = name.rpartition(".")
     description = OF_SENSOR[field] if sensor else DESCRIPTIONS[name]
     descriptor = ParameterDescriptor(description=description, read_only=True)
@@ -75,6 +85,7 @@ class RelaySettings:
     drive: Drive
     cmd_vel_timeout: float = 0.3
     smoothing_frequency: float = 20.0
+    auto_rearm: bool = False
 
     @classmethod
     def declare(cls, node: Node, drive: Drive) -> RelaySettings:
@@ -96,6 +107,7 @@ class RelaySettings:
             Drive(limits("max_velocity"), limits("max_accel"), limits("max_decel"), stamped),
             declare_number(node, "cmd_vel_timeout", cls.cmd_vel_timeout),
             declare_number(node, "smoothing_frequency", cls.smoothing_frequency),
+            declare(node, "auto_rearm", cls.auto_rearm),
         )
 
     def arguments(self) -> Iterator[str]:

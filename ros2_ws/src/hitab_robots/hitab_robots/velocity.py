@@ -110,7 +110,8 @@ class Gate:
     A person who drives by hand counts, and not the agent, until the person is silent.
 
     Attributes:
-        engaged: whether the emergency stop is engaged.
+        held: whether the robot has to stand still, whatever is commanded.
+        insists: whether zeros are sent as long as it is held, so that nobody else can drive.
         closed: whether nothing more will pass.
         silent: whether every last command is too old.
     """
@@ -123,14 +124,14 @@ class Gate:
             timeout: s; a command that is older counts for nothing.
             now: s; any steady clock.
         """
-        self.engaged = self.closed = False
+        self.held = self.insists = self.closed = False
         self.silent = True
         self._drive = drive
         self._timeout = timeout
         self._velocity = STILL
         self._agent, self._person = _Wish(), _Wish()
         self._before = now
-        self._rest_until = now + REST_S
+        self.rest(now)
 
     def command(self, velocity: Sequence[float], now: float, *, by_hand: bool = False) -> bool:
         """Take a command; return whether it is one: numbers, none of them infinite or NaN.
@@ -156,15 +157,19 @@ class Gate:
         seconds, self._before = now - self._before, now
         wish = None if self.closed else self._counting(now)
         self.silent = wish is None
-        if self.engaged or wish is None:
+        if self.held or wish is None:
             moved = self._velocity != STILL
             self._velocity = self._agent.velocity = self._person.velocity = STILL
-            if moved or (self.engaged and not self.closed):
-                self._rest_until = now + REST_S
+            if moved or (self.held and self.insists and not self.closed):
+                self.rest(now)
             return STILL if now <= self._rest_until else None
         self._velocity = self._drive.towards(wish.velocity, self._velocity, seconds)
-        self._rest_until = now + REST_S
+        self.rest(now)
         return self._velocity
+
+    def rest(self, now: float) -> None:
+        """Send zeros for a while, whenever there is nothing else to send."""
+        self._rest_until = now + REST_S
 
     def _counting(self, now: float) -> _Wish | None:
         """Return whose command counts; None: nobody's."""

@@ -11,7 +11,9 @@ agent whose parameter ``relay`` is false::
 from __future__ import annotations
 
 import json
+import math
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable
@@ -20,26 +22,51 @@ from pathlib import Path
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
-from hitab_msgs.msg import EmergencyStop
+from hitab_msgs.msg import EmergencyStop, StopState
+from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
 from hitab_core.library.durable_files import write_durably
-from hitab_robots.settings import COMMANDS, VELOCITY, RelaySettings, declare
+from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, RelaySettings, declare
 from hitab_robots.velocity import STILL, Drive, Gate, Velocity
-from hitab_ros import EmergencySwitch, GuardedNode, Spinner, names, run, steady_timer
+from hitab_ros import GuardedNode, Spinner, Stop, names, qos, run, steady_timer
 from hitab_ros.stamps import as_time, nanoseconds
+from hitab_ros.stop import EMERGENCY
 
 FILE = "emergency_stop.json"
+
+SILENCE = "silence"
+"""The cause of that name: the agent's."""
+
+SILENT_S = 1.0
+"""An agent that gives no sign of life for so long, s, does not drive again by itself."""
+
+GONE_S = 10.0
+"""An agent that gives no sign of life for so long, s, is killed if it is started again then."""
+
+NOTICED_S = 0.1
+"""A longer time between two looks, s, does not count: then the relay itself was held up."""
+
+STANDS = (0.02, 0.02, 0.05)
+"""A robot whose odometry measures no more, m/s, m/s and rad/s, stands still."""
+
+TOLD_S = 0.2
+"""How long a base must have been told to stand still, s."""
+
+MEASURED_S = 1.0
+"""How long a measurement of the odometry counts, s."""
 
 
 class VelocityRelay(GuardedNode):
     """Sends the base the agent's velocities within limits; zero when the robot has to stop.
 
     What a person sends on ``cmd_vel_teleop`` counts instead of the agent's. The relay stops the
-    robot when both have been silent for `cmd_vel_timeout`, whatever the reason, and while the
-    emergency stop is engaged. Then it sends zeros for a second and, unless it is an emergency,
-    nothing more, so that others can drive. What is not a finite number never passes.
+    robot when both have been silent for `cmd_vel_timeout`, whatever the reason, and until it is
+    re-armed (`hitab_ros.stop_machine`) after an emergency stop, a sign of life of its agent that
+    was missed, whatever keeps the agent from acting, and its own start. Then it sends zeros for a
+    second and, unless it is an emergency, nothing more, so that others can drive. What is not a
+    finite number never passes.
     """
 
     def __init__(self, finished: Callable[[], None] = lambda: None, **options: Any) -> None:
@@ -57,15 +84,34 @@ class VelocityRelay(GuardedNode):
         settings = RelaySettings.declare(self, Drive())
         state_dir = declare(self, "state_dir", "")
         self._agent_pid = declare(self, "agent_pid", 0)
+        self._kills = declare(self, "kills_hung_agent", False)
         self._stamped = settings.drive.enable_stamped_cmd_vel
         self._gate = Gate(settings.drive, settings.cmd_vel_timeout, time.monotonic())
+        self._gate.held = True
         self._file = self._file_in(state_dir)
+        self._bases = 0
+        self._still_since = time.monotonic()  # when the first of the last zeros was sent
+        self._looked = time.monotonic()
+        self._unheard_s = SILENT_S  # until it is heard for the first time
+        self._agent_stands = True
+        self._measured: tuple[float, Velocity] = (-MEASURED_S, STILL)
         kind = TwistStamped if self._stamped else Twist
         self._base = self.create_publisher(kind, COMMANDS, QoSProfile(depth=10))
-        self._switch = EmergencySwitch(self, self._emergency, hands_on=True, state=self._kept())
+        self._stop: Stop | None = None
+        self._stop = Stop(
+            self,
+            self._stands,
+            changed=self._stop_changed,
+            rearms=settings.auto_rearm,
+            state=self._kept(),
+            keep=self._keep,
+        )
+        self._stop_changed()
         newest = QoSProfile(depth=1)
         self.create_subscription(TwistStamped, VELOCITY, self._on_velocity, newest)
         self.create_subscription(TwistStamped, names.TELEOP, self._on_teleop, newest)
+        self.create_subscription(StopState, HEARTBEAT, self._on_heartbeat, qos.CYCLE)
+        self.create_subscription(Odometry, ODOMETRY, self._measure, qos_profile_sensor_data)
         # A paused or slow simulation must not delay a stop.
         steady_timer(self, 1.0 / settings.smoothing_frequency, self._tick)
 
@@ -84,10 +130,53 @@ class VelocityRelay(GuardedNode):
         if was_silent:
             self._tick()  # do not have the robot wait when it starts
 
-    def _tick(self) -> None:
+    def _on_heartbeat(self, agent: StopState) -> None:
+        self._unheard_s = 0.0
+        self._agent_stands = agent.state != StopState.STOPPING
+        self._cause("agent", "; ".join(agent.causes))
+        self._cause(SILENCE, "")
+
+    def _measure(self, odometry: Odometry) -> None:
+        twist = odometry.twist.twist
+        velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
+        self._measured = time.monotonic(), velocity
+
+    def _cause(self, name: str, why: str) -> None:
+        if self._stop is not None:
+            self._stop.machine.cause(name, why)
+
+    def _look_after_agent(self, now: float) -> None:
+        """Notice that the agent is dead, or gives no sign of life."""
+        self._unheard_s += min(now - self._looked, NOTICED_S)
+        self._looked = now
         if self._agent_pid and os.getppid() != self._agent_pid:
             self._gate.closed = True
-        velocity = self._gate.velocity(time.monotonic())
+        if self._unheard_s >= SILENT_S:
+            self._cause(SILENCE, "its agent gives no sign of life")
+        if self._unheard_s >= GONE_S and self._kills and not self._gate.closed:
+            self.get_logger().error(f"kills the agent, which hangs since {GONE_S:g} s")
+            os.kill(self._agent_pid, signal.SIGKILL)
+
+    def _stands(self) -> bool:
+        """Whether the robot stands still: as measured, else as it was told."""
+        when, velocity = self._measured
+        now = time.monotonic()
+        if now - when < MEASURED_S and any(
+            abs(speed) > most for speed, most in zip(velocity, STANDS, strict=True)
+        ):
+            return False
+        told = now - self._still_since >= TOLD_S
+        return told and (self._agent_stands or self._unheard_s >= SILENT_S)
+
+    def _tick(self) -> None:
+        now = time.monotonic()
+        self._look_after_agent(now)
+        bases = self._base.get_subscription_count()
+        if bases > self._bases:
+            self._gate.rest(now)  # it may hold what it was told by somebody else
+            self._still_since = now
+        self._bases = bases
+        velocity = self._gate.velocity(now)
         if velocity is not None:
             self._send(velocity)
         elif self._gate.closed:
@@ -101,17 +190,21 @@ class VelocityRelay(GuardedNode):
             message.header.frame_id = "base_link"
             twist = message.twist
         twist.linear.x, twist.linear.y, twist.angular.z = velocity
+        if velocity != STILL:
+            self._still_since = math.inf
+        elif self._still_since == math.inf:
+            self._still_since = time.monotonic()
         self._base.publish(message)
 
-    # -- emergency stop -----------------------------------------------------------------------
+    # -- stop ---------------------------------------------------------------------------------
 
-    def _emergency(self, state: EmergencyStop) -> None:
-        self._gate.engaged = state.engaged
+    def _stop_changed(self) -> None:
+        if self._stop is None:
+            return  # it is being made, and the robot is held
+        machine = self._stop.machine
+        self._gate.held = bool(machine.why)
+        self._gate.insists = EMERGENCY in machine.causes
         self._tick()
-        what = "stopped" if state.engaged else "released"
-        why = f": {state.reason}" if state.reason else ""
-        self.get_logger().warning(f"{what} by {state.by or 'somebody'}{why}")
-        self._keep(state)
 
     def _file_in(self, state_dir: str) -> Path | None:
         own = names.own_name(self)

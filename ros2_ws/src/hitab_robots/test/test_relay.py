@@ -4,16 +4,20 @@ import json
 import math
 import subprocess
 import sys
+import time
 
 import pytest
 from geometry_msgs.msg import Twist, TwistStamped
+from hitab_msgs.msg import EmergencyStop, StopState
+from hitab_msgs.srv import Arm
+from nav_msgs.msg import Odometry
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 
 from hitab_core import HitabError, VocabularyError
-from hitab_robots.settings import COMMANDS, VELOCITY
+from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY
 from hitab_robots.velocity_relay import FILE, VelocityRelay
-from hitab_ros import EmergencySwitch, make_node, names
+from hitab_ros import EmergencySwitch, make_node, names, qos
 from hitab_ros.testing import context_of_its_own, spin_until
 
 ROBOT = "/robot_1"
@@ -32,8 +36,14 @@ class Bench:
         self.peer.create_subscription(kind, COMMANDS, self._hear, 100)
         self.commands = self.peer.create_publisher(TwistStamped, VELOCITY, 1)
         self.by_hand = self.peer.create_publisher(TwistStamped, names.TELEOP, 1)
+        self.heartbeats = self.peer.create_publisher(StopState, HEARTBEAT, qos.CYCLE)
+        self.arming = self.peer.create_client(Arm, names.ARM)
+        self.peer.create_subscription(StopState, names.STOP_STATE, self._hear_state, qos.CYCLE)
+        self.odometry = self.peer.create_publisher(Odometry, ODOMETRY, 10)
+        self.lives, self.causes, self.state = True, [], None
         self.switch = EmergencySwitch(self.peer)
         self.start(**parameters)
+        self.arm()
 
     def start(self, **parameters):
         given = [Parameter(name, value=value) for name, value in parameters.items()]
@@ -60,8 +70,37 @@ class Bench:
         twist = message.twist if self.stamped else message
         self.sent.append((twist.linear.x, twist.linear.y, twist.angular.z))
 
+    def _hear_state(self, message):
+        self.state = message
+
     def until(self, condition, each=lambda: None):
-        spin_until(self.executor, condition, each)
+        due = 0.0
+
+        def give_sign():
+            nonlocal due
+            if time.monotonic() < due:
+                return  # the nodes share one executor, which must keep up
+            due = time.monotonic() + 0.03
+            if self.lives:
+                self.heartbeats.publish(StopState(causes=self.causes, state=StopState.STOPPED))
+            each()
+
+        spin_until(self.executor, condition, give_sign)
+
+    def has(self, state, *causes):
+        return (
+            self.state is not None
+            and self.state.state == state
+            and all(any(cause in text for text in self.state.causes) for cause in causes)
+        )
+
+    def arm(self, each=lambda: None):
+        """Let the robot act again, and return why it may not."""
+        self.state = None
+        self.until(lambda: self.has(StopState.STOPPED), each)
+        answer = self.arming.call_async(Arm.Request(stop=self.state.stop))
+        self.until(answer.done, each)
+        return answer.result().message
 
     def drive(self, ahead, turn=0.0, by_hand=False):
         command = TwistStamped()
@@ -71,6 +110,15 @@ class Bench:
     def until_it_moves(self):
         self.sent.clear()
         self.until(lambda: any(v[0] > 0.1 for v in self.sent), lambda: self.drive(0.2))
+
+    def stands_until_armed(self):
+        """Check that the robot moves once it is re-armed, and not before."""
+        self.sent.clear()
+        cycles = []
+        self.until(lambda: len(cycles) > 20, lambda: cycles.append(self.drive(0.2)))
+        assert not any(velocity[0] for velocity in self.sent)
+        assert self.arm(lambda: self.drive(0.2)) == ""
+        self.until_it_moves()
 
     def until_it_stands(self, each=lambda: None):
         self.sent.clear()
@@ -100,6 +148,7 @@ def test_what_the_agent_commands_passes_and_its_silence_stops_the_robot(bench):
 def test_limits_are_parameters(bench):
     bench.end_relay()
     bench.start(max_velocity=[0.15, 0.0, 0.5], max_accel=[9.0, 0.0, 9.0])
+    bench.arm()
     bench.sent.clear()
     bench.until(lambda: (0.15, 0.0, -0.5) in bench.sent, lambda: bench.drive(2.0, -2.0))
     assert max(velocity[0] for velocity in bench.sent) == 0.15
@@ -145,8 +194,54 @@ def test_an_emergency_stops_the_robot_though_its_agent_drives_on(bench):
     bench.sent.clear()
     bench.until(lambda: len(bench.sent) > 20, lambda: bench.drive(0.2))
     assert {*bench.sent} == {(0.0, 0.0, 0.0)}
+    assert "emergency stop by ann (a dog)" in bench.arm(lambda: bench.drive(0.2))
     bench.switch.set(False, "ann")
+    bench.stands_until_armed()
+
+
+@pytest.mark.parametrize("again", [1, 5], ids=["once", "repeated"])
+def test_a_publisher_that_latches_nothing_stops_the_robot(bench, again):
     bench.until_it_moves()
+    plain = bench.peer.create_publisher(EmergencyStop, names.EMERGENCY_STOP, 10)
+    bench.until(lambda: plain.get_subscription_count() >= 2, lambda: bench.drive(0.2))
+    for _ in range(again):
+        plain.publish(EmergencyStop(engaged=True, by="me"))
+    bench.until(lambda: bench.has(StopState.STOPPED, "by me"), lambda: bench.drive(0.2))
+
+
+def test_a_robot_whose_agent_hung_waits_to_be_re_armed(bench):
+    bench.until_it_moves()
+    bench.lives = False
+    bench.until(lambda: bench.has(StopState.STOPPED, "no sign of life"), lambda: bench.drive(0.2))
+    assert "no sign of life" in bench.arm(lambda: bench.drive(0.2))
+    bench.lives = True
+    bench.until(lambda: not bench.state.causes)
+    bench.stands_until_armed()
+
+
+def test_a_robot_whose_agent_cannot_act_waits_to_be_re_armed(bench):
+    bench.until_it_moves()
+    bench.causes = ["no scan"]
+    bench.until(lambda: bench.has(StopState.STOPPED, "no scan"), lambda: bench.drive(0.2))
+    bench.causes = []
+    bench.until(lambda: not bench.state.causes)
+    bench.stands_until_armed()
+
+
+def test_a_robot_that_moves_has_not_stopped_whatever_it_was_told(bench):
+    def slide():
+        message = Odometry()
+        message.twist.twist.linear.x = 0.3
+        bench.odometry.publish(message)
+
+    bench.switch.set(True, "ann")
+    bench.until(lambda: bench.has(StopState.STOPPING, "by ann"), slide)
+    bench.switch.set(False, "ann")
+    bench.until(lambda: not bench.state.causes, slide)
+    answer = bench.arming.call_async(Arm.Request())
+    bench.until(answer.done, slide)
+    assert answer.result().message == "it still moves"
+    assert bench.arm() == ""
 
 
 def test_a_relay_that_is_started_again_still_holds_the_robot(bench, tmp_path):
@@ -160,7 +255,7 @@ def test_a_relay_that_is_started_again_still_holds_the_robot(bench, tmp_path):
     bench.until_it_stands(lambda: bench.drive(0.2))
     bench.switch.set(False, "ann")
     bench.until(lambda: not json.loads(file.read_text())["engaged"])
-    bench.until_it_moves()
+    bench.stands_until_armed()
 
 
 def test_a_damaged_file_holds_the_robot(bench, tmp_path):

@@ -28,8 +28,8 @@ def command_of(monkeypatch):
                 cli_args=["--ros-args", *ros_args],
                 parameter_overrides=[Parameter(k, value=v) for k, v in parameters.items()],
             )
-            node.settings = SimpleNamespace(state_dir="")
-            started_by.RelayProcess(node, RelaySettings(Drive()))
+            node.settings = SimpleNamespace(state_dir="", swarm="")
+            started_by.RelayProcess(node, RelaySettings(Drive()), "odom")
             node.destroy_node()
         return " ".join(started.pop())
 

@@ -36,6 +36,7 @@ class Desk:
         )
         domain = Domain.of("test", "1", body, behaviors=(), features=())
         self.node.agent = SimpleNamespace(domain=domain)
+        self.node.stands, self.node.stop_changed = lambda: True, lambda: None
         self.robot = make_node("robot", namespace="/robot_1", context=context)
         for node in (self.node, self.robot):
             self.executor.add_node(node)

@@ -43,12 +43,12 @@ def test_whatever_is_commanded_what_is_sent_is_finite_and_within_limits(events):
     for pause, event, by_hand in events:
         now += pause
         if isinstance(event, bool):
-            gate.engaged = event
+            gate.held = gate.insists = event
         elif event is not None:
             gate.command(event, now, by_hand=by_hand)
             commanded = now
         sent = gate.velocity(now)
-        if gate.engaged:
+        if gate.held:
             assert sent == STILL
         if now - commanded > TIMEOUT:
             assert sent in (STILL, None)
@@ -94,11 +94,11 @@ def test_silence_stops_the_robot_at_once_and_then_leaves_it_to_others():
 def test_an_emergency_holds_the_robot_as_long_as_it_lasts():
     gate = Gate(DRIVE, TIMEOUT, 0.0)
     now, _ = driven(gate, 0.0, (0.5, 0.0, 0.0), 1.0)
-    gate.engaged = True
+    gate.held = gate.insists = True
     now, sent = driven(gate, now, (0.5, 0.0, 0.0), 5.0)
     assert {*sent} == {STILL}
     assert gate.velocity(now + 100.0) == STILL
-    gate.engaged = False
+    gate.held = gate.insists = False
     _, sent = driven(gate, now + 100.0, (0.5, 0.0, 0.0), 0.5)
     assert sent[-1][0] > 0.0
 
@@ -142,16 +142,16 @@ def test_a_person_who_drives_by_hand_and_falls_silent_stops_the_robot():
     assert gate.velocity(TIMEOUT)[0] > 0.0
     assert gate.velocity(TIMEOUT + 0.01) == STILL
     gate.command((0.5, 0.0, 0.0), 1.0, by_hand=True)
-    gate.engaged = True
+    gate.held = gate.insists = True
     assert gate.velocity(1.0) == STILL
-    gate.engaged = False
+    gate.held = gate.insists = False
     assert gate.velocity(1.1) == STILL, "it is commanded anew after an emergency"
 
 
 def test_once_its_agent_is_gone_nothing_passes():
     gate = Gate(DRIVE, TIMEOUT, 0.0)
     now, _ = driven(gate, 0.0, (0.5, 0.0, 0.0), 1.0)
-    gate.closed = gate.engaged = True
+    gate.closed = gate.held = gate.insists = True
     _, sent = driven(gate, now, (0.5, 0.0, 0.0), REST_S + 0.5)
     assert sent[0] == STILL
     assert sent[-1] is None

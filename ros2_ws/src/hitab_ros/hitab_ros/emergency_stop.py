@@ -17,6 +17,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from hitab_ros import names, qos
+from hitab_ros.absence import STOPPED_BY
 from hitab_ros.checks import too_far_ahead
 from hitab_ros.stamps import as_time, nanoseconds
 
@@ -34,7 +35,6 @@ class EmergencySwitch:
         changed: Callable[[EmergencyStop], None] = lambda state: None,
         *,
         hands_on: bool = False,
-        state: EmergencyStop | None = None,
     ) -> None:
         """Listen.
 
@@ -44,7 +44,6 @@ class EmergencySwitch:
             hands_on: whether to publish what was heard again. A latched message lasts as long as
                 its publisher, and the command that stops the robots ends at once; so the robots'
                 relays keep it for those who come later.
-            state: what counted when this participant ended; None: nothing is known.
         """
         self.state: EmergencyStop | None = None
         self._node = node
@@ -53,11 +52,12 @@ class EmergencySwitch:
         self._publisher: Any = None
         if hands_on:
             self._open()
-        if state is not None:
-            self._take(state)
-        self._subscription = node.create_subscription(
-            EmergencyStop, names.EMERGENCY_STOP, self._take, qos.LATCHED
-        )
+        # A latched subscription gets what was said before it came, but hears nobody who latches
+        # nothing, such as `ros2 topic pub --once`; the other one hears everybody.
+        self._subscriptions = [
+            node.create_subscription(EmergencyStop, names.EMERGENCY_STOP, self.take, profile)
+            for profile in (qos.LATCHED, qos.EVENTS)
+        ]
 
     @property
     def engaged(self) -> bool:
@@ -89,8 +89,9 @@ class EmergencySwitch:
             for info in self._node.get_subscriptions_info_by_topic(names.EMERGENCY_STOP)
         ]
         own = self._node.get_fully_qualified_name()
-        if own in found:
-            found.remove(own)  # once: other programs may have the same name
+        for _ in self._subscriptions:  # no more often: other programs may have the same name
+            if own in found:
+                found.remove(own)
         return sorted(set(found))
 
     def _open(self) -> Any:
@@ -104,7 +105,8 @@ class EmergencySwitch:
         last = -1 if self.state is None else nanoseconds(self.state.stamp)
         return max(time.time_ns(), last + 1)
 
-    def _take(self, message: EmergencyStop) -> None:
+    def take(self, message: EmergencyStop) -> None:
+        """Take what was heard, or what counted when this participant ended."""
         stamp = nanoseconds(message.stamp)
         # By hand, as with `ros2 topic pub`, or by a clock that nobody could ever overtake.
         if stamp <= 0 or too_far_ahead(stamp):
@@ -127,3 +129,11 @@ def supersedes(message: EmergencyStop, state: EmergencyStop) -> bool:
     """Whether a message counts instead of what counted: it is later, or as late and stops."""
     new, old = nanoseconds(message.stamp), nanoseconds(state.stamp)
     return new > old or (new == old and message.engaged and not state.engaged)
+
+
+def stopped_by(state: EmergencyStop) -> str:
+    """Return who stopped the robots, and why; empty: the stop is released."""
+    if not state.engaged:
+        return ""
+    why = f" ({state.reason})" if state.reason else ""
+    return f"{STOPPED_BY} {state.by or 'somebody'}{why}"

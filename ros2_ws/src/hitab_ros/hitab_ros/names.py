@@ -62,6 +62,12 @@ EMERGENCY_STOP = "/emergency_stop"
 VELOCITY_RELAY = "velocity_relay"
 """Name of the node that passes an agent's velocities on to its robot, in the agent's namespace."""
 
+STOP_STATE = "stop_state"
+"""Topic on which a robot's relay, an agent with a link of its own and a world say if they act."""
+
+ARM = "arm"
+"""Service of a robot's relay, or of an agent with a link of its own, to let it act again."""
+
 TELEOP = "cmd_vel_teleop"
 """Topic of a person who drives a robot by hand, to its relay; in the agent's namespace."""
 

@@ -93,7 +93,8 @@ def test_a_message_by_hand_is_meant_now(room, ahead_s):
 def test_a_restarted_relay_goes_on_with_what_it_kept(room):
     kept = EmergencyStop(stamp=as_time(time.time_ns()), engaged=True, by="ann")
     told = []
-    relay = EmergencySwitch(room.node("relay"), told.append, hands_on=True, state=kept)
+    relay = EmergencySwitch(room.node("relay"), told.append, hands_on=True)
+    relay.take(kept)
     assert relay.engaged
     assert told == [kept]
 

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from hitab_msgs.msg import CommanderStatus
 
-from hitab_client import SignsOfLife, SwarmError
+from hitab_client import SignsOfLife, Stops, SwarmError
 from hitab_client.identity import BY_HAND, is_own
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
@@ -27,6 +27,9 @@ from hitab_studio.scene import scene_of
 from hitab_studio.situations import Situations
 from hitab_studio.viewing import CAMERA, MAP, Viewing
 from hitab_studio.watching import Watch
+
+ARM_S = 3.0
+"""How long a robot may take to be found that is to act again, s."""
 
 SOON = 1.0
 """s; a world that is there is heard by then."""
@@ -71,7 +74,10 @@ class Observer:
         self._complain = complain
         target = known.target
         # It hands on what it hears, as long as it is there: those who stop all may end at once.
-        self._switch = EmergencySwitch(swarm.link.node, hands_on=True, state=known.emergency)
+        self._switch = EmergencySwitch(swarm.link.node, hands_on=True)
+        if known.emergency is not None:
+            self._switch.take(known.emergency)
+        self._stops = Stops(swarm.link, switch=self._switch)
         self._signs = SignsOfLife(
             swarm.link,
             (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
@@ -112,6 +118,7 @@ class Observer:
         swarm, known = self._swarm, self.known
         if self._switch.state is not known.emergency:
             self._know(emergency=self._switch.state)
+        self._stops.look()
         if swarm.world.status is not known.world:
             self._know(world=swarm.world.status)
         statuses = swarm.agents.statuses
@@ -245,9 +252,17 @@ class Observer:
         self._know(groups=MappingProxyType({**self.known.groups, status.commander: status}))
 
     def stop_robots(self, engaged: bool, by: str, reason: str) -> list[str]:
-        """Stop all robots, or release them; return who listens."""
+        """Stop all robots and worlds, or release them; return who is there."""
         self._know(emergency=self._switch.set(engaged, by, reason))
-        return self._switch.listeners()
+        return self._stops.names()
+
+    def arm(self, agent: str) -> None:
+        """Let an agent's robot act again.
+
+        Raises:
+            SwarmError: if it may not.
+        """
+        self._stops.arm(f"{self._swarm.agents.prefix}/{agent}".strip("/"), ARM_S)
 
     # -- recording; to be called as jobs ----------------------------------------------------
 

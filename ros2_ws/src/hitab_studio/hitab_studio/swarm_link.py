@@ -333,6 +333,14 @@ class SwarmLink:
         """
         return self._observing().stop_robots(engaged, by, reason)
 
+    def arm(self, agent: str) -> None:
+        """Let an agent's robot act again; to be called as a job.
+
+        Raises:
+            SwarmError: if it may not.
+        """
+        self._observing().arm(agent)
+
     # -- recording; to be called as jobs ----------------------------------------------------
 
     def start_recording(self, path: str, session: str = "") -> None:

@@ -21,6 +21,8 @@ class Control:
         paused: whether it is paused, except for the cycles of ``steps_left``.
         steps_left: cycles to play while paused.
         episodes_left: episodes to play until it pauses; 0: no limit.
+        held: why it rests whatever the others say, such as an emergency stop; empty: it does not.
+            No file stores it.
     """
 
     pace: str
@@ -28,6 +30,7 @@ class Control:
     paused: bool
     steps_left: int = 0
     episodes_left: int = 0
+    held = ""
 
     @property
     def lockstep(self) -> bool:
@@ -37,7 +40,7 @@ class Control:
     @property
     def at_rest(self) -> bool:
         """Whether no cycle should be played now."""
-        return self.paused and not self.steps_left
+        return bool(self.held) or (self.paused and not self.steps_left)
 
     def pause(self) -> None:
         """Pause the world."""

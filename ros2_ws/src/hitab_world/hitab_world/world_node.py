@@ -10,9 +10,22 @@ from hitab_msgs import msg
 from rclpy.node import Node
 
 from hitab_core import HitabError, some
-from hitab_ros import GuardedNode, Loop, Spinner, give_signs_of_life, names, refuse_second_of_name
+from hitab_ros import (
+    EmergencySwitch,
+    GuardedNode,
+    Loop,
+    Spinner,
+    StopState,
+    give_signs_of_life,
+    names,
+    qos,
+    refuse_second_of_name,
+    steady_timer,
+)
+from hitab_ros.absence import STOPPED
 from hitab_ros.diagnostics import Diagnosis, Diagnostics
-from hitab_ros.stamps import NANOSECONDS, time_of
+from hitab_ros.emergency_stop import stopped_by
+from hitab_ros.stamps import NANOSECONDS, as_time, time_of
 from hitab_world.attendance import Attendance
 from hitab_world.audience import Audience
 from hitab_world.control import Control
@@ -30,6 +43,7 @@ LOOK_FOR_VIEWERS_EVERY = 50  # cycles
 LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its episodes
 NAMED_MAX = 10  # most agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
+STOP_PERIOD_S = 0.5  # between two reports whether an emergency stop holds the world
 UNREAD_MAX = 100  # most events that are handled after a deadline, in search of unread answers
 
 
@@ -67,6 +81,7 @@ class WorldNode(GuardedNode):
         warn = self.get_logger().warning
         self.keeper = WorldKeeper(names.own_name(self), self.course, settings, warn)
         self._topics = WorldTopics(self, self.course, settings)
+        self._stop_states = self.create_publisher(msg.StopState, names.STOP_STATE, qos.CYCLE)
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""
@@ -77,6 +92,30 @@ class WorldNode(GuardedNode):
         self._world_services = WorldServices(
             self, self.course, self.keeper, self._topics, self.look_who_is_there
         )
+        self._switch = EmergencySwitch(self, self._emergency, hands_on=True)
+        steady_timer(self, STOP_PERIOD_S, self._tell_of_stop)
+
+    def _emergency(self, state: msg.EmergencyStop) -> None:
+        """Hold the world as long as the robots are stopped; then it goes on as before."""
+        self.control.held = stopped_by(state)
+        self.course.disturbed = True
+        held = self.control.held
+        self.guard.faults.set("stop", f"{STOPPED}: {held}; `hitab go` releases it" if held else "")
+        self._tell_of_stop()
+
+    def _tell_of_stop(self) -> None:
+        state, held = self._switch.state, self.control.held
+        report = msg.StopState(
+            stamp=as_time(time.time_ns()),
+            node=self.get_fully_qualified_name(),
+            name=names.own_name(self),
+            state=StopState.STOPPED if held else StopState.ARMED,
+            causes=[held] if held else [],
+            why=held,
+        )
+        if state is not None:
+            report.emergency = state.stamp
+        self._stop_states.publish(report)
 
     def destroy_node(self) -> None:
         """Save the world's state, then destroy the node."""

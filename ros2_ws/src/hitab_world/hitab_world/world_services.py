@@ -74,6 +74,8 @@ class WorldServices:
 
     def _do(self, request: srv.Control.Request) -> str:
         course, control, actions = self._course, self._course.control, srv.Control.Request
+        if request.action in (actions.RESUME, actions.STEP):
+            self._need_release()
         match request.action:
             case actions.PAUSE:
                 control.pause()
@@ -110,8 +112,13 @@ class WorldServices:
         if not self._course.attendance.present:
             raise HitabError(f"no agent has joined the world; start any of {', '.join(agents)}")
 
+    def _need_release(self) -> None:
+        if self._course.control.held:
+            raise HitabError(f"{self._course.control.held}; `hitab go` releases it")
+
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         course = self._course
+        self._need_release()
         self._look()
         if missing := course.attendance.missing:
             raise HitabError(

@@ -11,11 +11,12 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hitab_msgs import msg, srv
 from rclpy.task import Future
 
-from hitab_ros import names, qos
+from hitab_ros import EmergencySwitch, names, qos
 from hitab_ros.diagnostics import Level
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.ros_domains import reserved_domain
 from hitab_ros.spinning import Spinner, spinner
+from hitab_ros.stamps import nanoseconds
 from hitab_world.world_node import WorldNode
 
 AGENTS = ("a", "b")
@@ -242,3 +243,25 @@ def test_the_diagnosis_tells_missed_deadlines_and_what_stops_the_world(running):
 
 def value_of(array: DiagnosticArray, key: str) -> str:
     return next(value.value for value in array.status[0].values if value.key == key)
+
+
+def test_an_emergency_stop_pauses_the_world_until_it_is_released(running: Running) -> None:
+    told: list[msg.StopState] = []
+    running.peer.create_subscription(msg.StopState, f"/{names.STOP_STATE}", told.append, qos.CYCLE)
+    running.until(lambda: running.world.cycle > 2)
+    switch = EmergencySwitch(running.peer)
+    running.until(lambda: told)
+    switch.set(True, "ann", "a dog")
+    running.until(lambda: running.status.mode == "paused")
+    running.until(lambda: told[-1].state == msg.StopState.STOPPED)
+    assert nanoseconds(told[-1].emergency) == nanoseconds(switch.state.stamp)
+    assert (
+        "stopped: emergency stop by ann (a dog); `hitab go` releases it" in running.status.faults
+    )
+    cycle = running.world.cycle
+    assert "emergency stop by ann (a dog)" in running.control("resume").message
+    told.clear()
+    running.until(lambda: len(told) > 2)
+    assert running.world.cycle == cycle
+    switch.set(False, "ann")
+    running.until(lambda: running.world.cycle > cycle + 2 and not running.status.faults)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from rclpy.action import ActionClient, get_action_names_and_types
 
 from hitab_agent.actions.fields import FieldError, action_type, has_path, is_number, put
-from hitab_agent.actions.goal import Goal, Limits
+from hitab_agent.actions.goal import Goal, Limits, OrphanedGoal
+from hitab_agent.line_memory import LineMemory
 from hitab_agent.ticker import Ticker
 from hitab_core import (
     ActionBehavior,
@@ -35,7 +40,9 @@ class ActionClients:
     or the agent performs something else.
     """
 
-    def __init__(self, node: GuardedNode, agent: Agent, ticker: Ticker, limits: Limits) -> None:
+    def __init__(
+        self, node: GuardedNode, agent: Agent, ticker: Ticker, limits: Limits, memory: Path
+    ) -> None:
         """Create a client for each action.
 
         Args:
@@ -43,6 +50,8 @@ class ActionClients:
             agent: the agent; its domain was checked with `check_actions`.
             ticker: of its process.
             limits: how long to wait for servers, and for the agent.
+            memory: file that names the goals that servers have, for them to be cancelled should
+                this process be killed.
         """
         self._node = node
         self._agent = agent
@@ -57,6 +66,13 @@ class ActionClients:
                 kind = action_type(behavior.action_type)
                 self._clients[key] = ActionClient(node, kind, behavior.action)
                 self._goals[key] = []
+        self._held = False
+        self._run_on: dict[str, str] = {}
+        self._memory = LineMemory(memory)
+        self._orphans = []
+        for action, identity in _remembered(self._memory.values):
+            over = functools.partial(self._on_orphan, identity)
+            self._orphans.append(OrphanedGoal(node, action, identity, over))
         calls_of(agent.body).carrier = self
         ticker.every(LOOK_PERIOD_S, self.look, node.guard)
 
@@ -84,6 +100,7 @@ class ActionClients:
             self._ticker.seconds,
             self._changed,
             lambda: self._look_at(key),
+            lambda why: self._on_run_on(behavior, why),
         )
         self._goals[key].append(goal)
         self._look_at(key)
@@ -93,6 +110,21 @@ class ActionClients:
         for goal in self._goals[_key(call.behavior)]:
             if goal.call is call:
                 goal.leave()
+
+    def hold(self, *, held: bool) -> None:
+        """Cancel the goals since the robot has to stand still, or send them anew."""
+        self._held = held
+        for goals in list(self._goals.values()):
+            for goal in [goal for goal in goals if held and goal.is_sent and goal.call.is_open]:
+                goal.leave()
+                self.begin(goal.call)  # it waits
+        self.look()
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether no server carries out a goal of this agent."""
+        sent = any(goal.is_sent for goals in self._goals.values() for goal in goals)
+        return not (sent or self._orphans or self._run_on)
 
     def failed(self, call: ActionCall) -> None:
         """Show why a call failed."""
@@ -105,13 +137,40 @@ class ActionClients:
         for key, goals in self._goals.items():
             if goals:
                 self._look_at(key)
+        for orphan in self._orphans:
+            orphan.look()
+
+    def _on_orphan(self, identity: str, why: str) -> None:
+        self._orphans = [orphan for orphan in self._orphans if orphan.identity != identity]
+        self._node.guard.faults.set(f"action goal {identity}", why)
+        self._remember()
+
+    def _on_run_on(self, behavior: ActionBehavior, why: str) -> None:
+        fault = f"action {behavior.name} runs on"
+        self._node.guard.faults.set(fault, why)
+        self._run_on.pop(fault, None)
+        if why:
+            self._node.guard.log(why)
+            self._run_on[fault] = why
+
+    def _remember(self) -> None:
+        """Note which goals servers have, if that has changed."""
+        goals = [(orphan.action, orphan.identity) for orphan in self._orphans]
+        for (action, _), those in self._goals.items():
+            goals += [(action, goal.identity.hex()) for goal in those if goal.identity]
+        if [*map(tuple, _remembered(self._memory.values))] != goals:
+            try:
+                self._memory.write({"goals": goals})
+            except OSError as error:
+                self._node.guard.log(f"a restart would not cancel the goals of actions: {error}")
 
     def _look_at(self, key: tuple[str, str]) -> None:
-        free = True
+        free = not self._held
         for goal in list(self._goals[key]):
             goal.look(free=free)
             free = free and goal.is_ended
         self._goals[key] = [goal for goal in self._goals[key] if not goal.is_ended]
+        self._remember()
 
     def _changed(self, call: ActionCall) -> None:
         """Show a failure as a fault, or clear that of an earlier call."""
@@ -126,6 +185,7 @@ class ActionClients:
         elif call.is_open and fault in self._failed_in:
             del self._failed_in[fault]
             self._node.guard.faults.clear(fault)
+        self._remember()
 
     def _of_other_type(self, behavior: ActionBehavior) -> str:
         """Return that there is an action of this name and another type, if that is so."""
@@ -160,6 +220,18 @@ class ActionClients:
             client.destroy()
         self._clients.clear()
         self._goals.clear()
+        self._remember()
+
+
+def _remembered(values: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return action and identity of each remembered goal; what is damaged is left out."""
+    found = []
+    for goal in values.get("goals", []):
+        with suppress(TypeError, ValueError):
+            action, identity = goal
+            if len(bytes.fromhex(identity)) == 16 and isinstance(action, str):
+                found.append((action, identity))
+    return found
 
 
 def _key(behavior: ActionBehavior) -> tuple[str, str]:

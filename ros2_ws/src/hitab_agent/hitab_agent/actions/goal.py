@@ -11,7 +11,7 @@ from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 
 from hitab_core import ActionCall
-from hitab_ros import Guard
+from hitab_ros import Guard, GuardedNode
 
 _OVER = (CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, CancelGoal.Response.ERROR_GOAL_TERMINATED)
 
@@ -55,6 +55,7 @@ class Goal:
         seconds: Callable[[], float],
         changed: Callable[[ActionCall], None],
         freed: Callable[[], None],
+        runs_on: Callable[[str], None],
     ) -> None:
         """Wait for the server; `look` sends the goal.
 
@@ -68,6 +69,8 @@ class Goal:
             seconds: returns the monotonic time.
             changed: called when the call has failed, or its server has taken the goal.
             freed: called when the server can get the next goal of this agent.
+            runs_on: called with the reason when the server does not cancel the goal, and with an
+                empty text once it is done with it.
         """
         self.call = call
         self._message = message
@@ -78,10 +81,23 @@ class Goal:
         self._seconds = seconds
         self._changed = changed
         self._freed = freed
+        self._runs_on = runs_on
+        self._is_left = False
         self._stage = _Stage.WAITING
         self._since = self._heard = self._pulsed = seconds()
         self._pulses = call.pulses
         self._handle: Any = None
+
+    @property
+    def identity(self) -> bytes:
+        """What the server knows the goal by; empty: it has not taken it, or is done with it."""
+        taken = self._handle is not None and self._handle.accepted and not self.is_ended
+        return bytes(self._handle.goal_id.uuid) if taken else b""
+
+    @property
+    def is_sent(self) -> bool:
+        """Whether a server may carry it out."""
+        return self._stage not in (_Stage.WAITING, _Stage.ENDED)
 
     @property
     def is_ended(self) -> bool:
@@ -105,11 +121,12 @@ class Goal:
             case _Stage.RUNNING:
                 self._look_after(now)
             case _Stage.CANCELING if late:
-                self._guard.log(f"{self._label} did not end a canceled goal; it is given up")
+                self._runs_on(f"{self._label} did not end a canceled goal; it is given up")
                 self._stage = _Stage.ENDED
 
     def leave(self) -> None:
-        """Cancel the goal, since its state was left; once it is accepted, if it is not yet."""
+        """Cancel the goal; once it is accepted, if it is not yet."""
+        self._is_left = True
         if self._stage is _Stage.WAITING:
             self._stage = _Stage.ENDED
         elif self._stage is _Stage.RUNNING:
@@ -118,7 +135,9 @@ class Goal:
     # -- stages -----------------------------------------------------------------------------
 
     def _look_for_server(self, now: float, late: bool, free: bool) -> None:
-        if not free:
+        if not self.call.is_open:
+            self._stage = _Stage.ENDED
+        elif not free:
             self._since = now
         elif self._client.server_is_ready():
             self._enter(_Stage.SENT)
@@ -163,9 +182,9 @@ class Goal:
         handle.get_result_async().add_done_callback(
             self._guard.wrap(f"result of {self._label}", self._on_result)
         )
-        if self.call.is_open:
+        if self.call.is_open and not self._is_left:
             self._changed(self.call)
-        else:  # the state was left meanwhile, or the answer came too late
+        else:  # it was left meanwhile, or the answer came too late
             self._cancel()
 
     def _on_feedback(self, message: Any) -> None:
@@ -184,6 +203,7 @@ class Goal:
             self._fail(f"somebody else canceled the goal of {self._label}{_told(answer.result)}")
         else:
             self._fail(f"{self._label} does not know the goal any more; was it restarted?")
+        self._runs_on("")
         self._end()
 
     def _cancel(self) -> None:
@@ -197,7 +217,7 @@ class Goal:
         if answer.goals_canceling or self._stage is not _Stage.CANCELING:
             return  # the result is still to come, or has come already
         if answer.return_code not in _OVER:
-            self._guard.log(f"{self._label} refuses to cancel a goal, and goes on with it")
+            self._runs_on(f"{self._label} refuses to cancel a goal, and goes on with it")
         self._end()
 
     def _end(self) -> None:
@@ -208,8 +228,44 @@ class Goal:
         self._stage, self._since = stage, self._seconds()
 
     def _fail(self, why: str) -> None:
-        if self.call.fail(why):
+        if not self._is_left and self.call.fail(why):
             self._changed(self.call)
+
+
+class OrphanedGoal:
+    """A goal of a process that is gone; it is cancelled as soon as its server can be reached."""
+
+    def __init__(
+        self, node: GuardedNode, action: str, identity: str, over: Callable[[str], None]
+    ) -> None:
+        """Begin.
+
+        Args:
+            node: of the agent.
+            action: name of the action.
+            identity: of the goal, as a hexadecimal number.
+            over: called with the reason if the server refuses, else with an empty text.
+        """
+        self.action, self.identity = action, identity
+        self._label = node.resolve_service_name(action)
+        self._over = over
+        self._asked = False
+        name = f"{action}/_action/cancel_goal"  # of every server of actions
+        self._client = node.create_client(CancelGoal, name)
+
+    def look(self) -> None:
+        """Ask the server, once."""
+        if not self._asked and self._client.service_is_ready():
+            self._asked = True
+            request = CancelGoal.Request()
+            request.goal_info.goal_id.uuid = list(bytes.fromhex(self.identity))
+            self._client.call_async(request).add_done_callback(self._on_canceled)
+
+    def _on_canceled(self, future: Any) -> None:
+        answer = future.result()
+        refused = not answer.goals_canceling and answer.return_code not in (0, *_OVER)
+        what = "refuses to cancel a goal of before the restart, and goes on with it"
+        self._over(f"{self._label} {what}" if refused else "")
 
 
 def _told(result: Any) -> str:

@@ -12,7 +12,7 @@ from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
-from hitab_ros.absence import STOPPED_BY
+from hitab_ros.absence import STOPPED
 
 Targets = Annotated[
     list[str] | None,
@@ -84,7 +84,7 @@ def demonstrate(
             agent, use.name, [*use.arguments, *(targets or [])], ago=due, seen=seen
         )
     console.say(outcome(agent, use.name, status))
-    tell_faults(status.faults, STOPPED_BY)
+    tell_faults(status.faults, STOPPED)
     if status.questions:
         console.say(f"{quantity(status.questions, 'question')}: `hitab questions {agent}`")
 

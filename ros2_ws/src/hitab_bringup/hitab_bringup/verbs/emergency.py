@@ -1,11 +1,10 @@
-"""Verbs for emergencies: stop all robots, and release them."""
+"""Verbs for emergencies: stop whatever acts, release it, and let robots act again."""
 
 from __future__ import annotations
 
 import getpass
-import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,19 +12,16 @@ import typer
 from hitab_client import console
 
 if TYPE_CHECKING:
-    from hitab_client import RosLink
-    from hitab_ros import EmergencySwitch
+    from hitab_client import Stops
+
+CONFIRM_S = 10.0
+"""How long to repeat it until all have confirmed it, s."""
 
 LOOK_S = 3.0
-"""How long to look for robots, s."""
-
-LINGER_S = 0.7
-"""How long to look for more after the last one was found, s."""
-
-DELIVER_S = 2.0
-"""How long to wait until all robots that were found have the message, s."""
+"""How long to look for robots that wait to be re-armed, s."""
 
 Reason = Annotated[str, typer.Option("--reason", help="Why, for those who read the status.")]
+Robots = Annotated[list[str] | None, typer.Argument(help="Names of robots.", show_default=False)]
 
 
 def register(app: typer.Typer) -> None:
@@ -34,13 +30,16 @@ def register(app: typer.Typer) -> None:
     names = {"allow_extra_args": True}
     app.command(rich_help_panel="Perform", context_settings=names)(stop)
     app.command(rich_help_panel="Perform", context_settings=names)(go)
+    app.command(rich_help_panel="Perform")(arm)
 
 
 def stop(context: typer.Context, reason: Reason = "") -> None:
-    """Stop all robots at once, of all swarms: an emergency stop.
+    """Stop all robots and simulated worlds at once, of all swarms: an emergency stop.
 
-    Each robot stands still, whatever its agent does, until `hitab go`. The relays between agents
-    and robots obey it even if an agent has died; simulated worlds go on. It takes no names:
+    Each robot stands still, whatever its agent does, until `hitab go` and then `hitab arm`. Relays
+    between agents and robots obey it even if an agent has died; goals of actions are cancelled;
+    simulated worlds pause. The command repeats it until each of them has confirmed that it stands
+    still, and fails, naming the others, if not all have within ten seconds. It takes no names:
     `hitab perform ROBOT` stops one robot.
 
     Examples:
@@ -54,118 +53,130 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
             "`hitab stop` takes no names: it stops all robots; "
             f"`hitab perform {context.args[0]}` stops one of them"
         )
-    _tell(
-        "stopped",
-        True,
-        reason,
-        "use the robot's own switch",
-        "assume that some still move, and use their own switches",
-    )
+    unsure = "assume that they move, and use their own switches; `hitab stop` tries again"
+    console.say(f"stand still: {_switch(True, reason, 'stand still', unsure)}")
 
 
 def go(context: typer.Context, reason: Reason = "") -> None:
-    """Release all robots after `hitab stop`.
+    """Release all robots and simulated worlds after `hitab stop`.
 
-    Agents that went on performing drive on at once.
+    Worlds go on. Robots go on standing still: `hitab arm` lets them act again.
 
     Example:
 
       hitab go
     """
     if context.args:
-        raise typer.BadParameter("`hitab go` takes no names: it releases all robots")
-    _tell("released", False, reason, "none was released", "some may still stand")
+        raise typer.BadParameter(
+            "`hitab go` takes no names: it releases all robots, and none moves by that; "
+            f"`hitab arm {context.args[0]}` lets one act again"
+        )
+    unsure = "they may still be stopped; `hitab go` tries again"
+    heard = _switch(False, reason, "released", unsure)
+    console.say(f"released: {heard}; robots wait for `hitab arm`")
 
 
-def _tell(done: str, engaged: bool, reason: str, unheard: str, unsure: str) -> None:
-    """Stop or release all robots.
+def arm(
+    robots: Robots = None,
+    all_robots: Annotated[bool, typer.Option("--all", help="All robots that wait.")] = False,
+) -> None:
+    """Let robots act again that were stopped, whatever stopped them; without names, list them.
+
+    A robot waits for this after each start of its relay, an emergency stop, a sensor or an agent
+    that fell silent. It is refused while that lasts, and while the robot moves. What the agent
+    performs then drives the robot at once: look at the robot first.
+
+    Examples:
+
+      hitab arm
+
+      hitab arm robot_1 robot_2
+
+      hitab arm --all
+    """
+    from hitab_client import SwarmError
+    from hitab_client.stops import listen
+
+    if robots and all_robots:
+        raise typer.BadParameter("give names of robots or --all, not both")
+    refused = []
+    with _everywhere() as ends:
+        listen(ends, LOOK_S)
+        waiting = {robot: why for end in ends for robot, why in end.waiting().items()}
+        if not (robots or all_robots):
+            for robot, why in waiting.items():
+                console.say(f"{robot}: {why}")
+            if not waiting:
+                console.say("no robot waits")
+            return
+        for robot in robots or waiting:
+            name = robot.strip("/")
+            end = next((end for end in ends if name in end.names()), ends[0])
+            try:
+                end.arm(name, LOOK_S)
+                console.say(f"{robot} may act")
+            except SwarmError as error:
+                refused.append(str(error))
+    if refused:
+        raise SwarmError("; ".join(refused))
+
+
+def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
+    """Stop or release everything; return what has confirmed it.
 
     Args:
-        done: what has been done to them then.
-        engaged: whether they have to stop.
+        engaged: whether to stop it.
         reason: that the user gives.
-        unheard: what follows if no robot hears it.
-        unsure: what follows if not all robots confirm it.
+        done: what has been done to it then.
+        unsure: what follows if not all confirm it.
 
     Raises:
-        SwarmError: in these cases.
+        SwarmError: if nobody heard it, or not all confirm it.
     """
-    from hitab_client import RosLink, SwarmError
-    from hitab_core import quantity, some
-    from hitab_ros import EmergencySwitch
+    from hitab_client import SwarmError
+    from hitab_client.stops import switch_all
+    from hitab_core import some
 
-    by = getpass.getuser()
-    with ExitStack() as stack:
-        ends = []
-        numbers = _domains()
-        for number in numbers:
-            link = stack.enter_context(RosLink(number))
-            switch = EmergencySwitch(link.node)
-            switch.set(engaged, by, reason)
-            ends.append((link, switch))
-        domains = " and ".join(map(str, numbers))
-        console.note(f"sent in ROS domain {domains}; waiting until the robots have confirmed")
-        for link, switch in ends:
-            _until_told(link, switch, engaged, by, reason)
-        robots = sorted({robot for _, switch in ends for robot in _robots(switch)})
-        others = sum(len(switch.listeners()) for _, switch in ends)
-        late = [switch for _, switch in ends if not switch.delivered(DELIVER_S)]
-    if not others:
-        where = " or ".join(map(str, numbers))
+    def tell(who: dict[str, str]) -> None:
+        console.note(f"waiting for {_listed(who)}")
+
+    with _everywhere() as ends:
+        by = getpass.getuser()
+        lacking = switch_all(ends, by, reason, engaged=engaged, seconds=CONFIRM_S, tell=tell)
+        there = [name for end in ends for name in end.names()]
+        where = " or ".join(str(end.domain_id) for end in ends)
+    if not there:
         raise SwarmError(
-            f"nobody heard it: no robot's relay runs in ROS domain {where}; {unheard}; check "
-            "ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE with `hitab doctor`, and try again; "
-            "for a simulated world, use `hitab world pause` and `hitab world resume`"
+            f"nobody heard it: no robot and no simulated world answers in ROS domain {where}; "
+            "use the robots' own switches; check ROS_DOMAIN_ID and "
+            "ROS_AUTOMATIC_DISCOVERY_RANGE with `hitab doctor`, and try again"
         )
-    if late:
-        raise SwarmError(
-            f"not every robot has confirmed within {DELIVER_S:g} s (found: {some(robots)}); "
-            f"{unsure}; then try again"
-        )
-    heard = some(robots) if robots else f"no robot, but {quantity(others, 'other node')} heard it"
-    console.say(f"{done}: {heard}")
+    confirmed = [name for name in there if name not in lacking]
+    if lacking:
+        others = f"; {done}: {some(confirmed)}" if confirmed else ""
+        raise SwarmError(f"not confirmed: {_listed(lacking)}; {unsure}{others}")
+    return some(confirmed)
 
 
-def _domains() -> list[int]:
-    """Return the ROS domains that are meant: the user's, and those of all swarms that are up."""
+def _listed(who: dict[str, str]) -> str:
+    return ", ".join(f"{name} ({why})" for name, why in who.items())
+
+
+@contextmanager
+def _everywhere() -> Iterator[list[Stops]]:
+    """Yield what is in the user's ROS domain, and in those of all swarms that are up."""
+    from hitab_client import RosLink, Stops
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.run_folder import running_swarms
 
-    return sorted({chosen_by_user() or 0} | {record.domain_id for _, record in running_swarms()})
-
-
-def _until_told(
-    link: RosLink, switch: EmergencySwitch, engaged: bool, by: str, reason: str
-) -> None:
-    """Stay until no more listeners are found; a latched message lasts as long as its sender."""
-    known = 0
-
-    def more() -> bool:
-        nonlocal known
-        if switch.engaged is not engaged:  # somebody's clock is ahead, and what it said counted
-            switch.set(engaged, by, reason)
-        before, known = known, len(switch.listeners())
-        return known > before
-
-    began = time.monotonic()
-    link.spin_until(more, LOOK_S)
-    while link.spin_until(more, LINGER_S) or (
-        _lacks_relays(switch) and time.monotonic() < began + LOOK_S
-    ):
-        pass
-
-
-def _lacks_relays(switch: EmergencySwitch) -> bool:
-    """Whether something of a robot was found, such as its agent, but not yet its relay."""
-    found = {node.rpartition("/")[0].removeprefix("/") for node in switch.listeners()}
-    return bool(found - {""} - {*_robots(switch)})
-
-
-def _robots(switch: EmergencySwitch) -> Iterator[str]:
-    """Yield the robots whose relays listen."""
-    from hitab_ros.names import VELOCITY_RELAY
-
-    for node in switch.listeners():
-        namespace, _, name = node.rpartition("/")
-        if name == VELOCITY_RELAY:
-            yield namespace.removeprefix("/") or name
+    expected: dict[int, set[str]] = {chosen_by_user() or 0: set()}
+    for _, record in running_swarms():
+        # Without a simulated world, agents that command no others drive robots.
+        robots = () if record.world else set(record.agents) - set(record.commanders)
+        prefix = f"{record.namespace.strip('/')}/".lstrip("/")
+        expected.setdefault(record.domain_id, set()).update(f"{prefix}{name}" for name in robots)
+    with ExitStack() as stack:
+        yield [
+            Stops(stack.enter_context(RosLink(number)), robots)
+            for number, robots in sorted(expected.items())
+        ]

@@ -13,7 +13,7 @@ from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean, quantity
-from hitab_ros.absence import STOPPED_BY
+from hitab_ros.absence import STOPPED
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -189,7 +189,7 @@ def start_testing(
         answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
         faults = swarm_up.agents.statuses[agent].faults
     console.say(answer.message)
-    tell_faults(faults, STOPPED_BY)
+    tell_faults(faults, STOPPED)
 
 
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:

@@ -4,11 +4,11 @@ from .commanding import command as command
 from .commanding import other_mode as other_mode
 from .commanding import outcome as outcome
 from .commanding import put_earlier as put_earlier
-from .demonstrator import ACTIONS as ACTIONS
 from .demonstrator import Demonstrator as Demonstrator
 from .joystick import JoystickInput as JoystickInput
 from .joystick_mapping import read_mapping as read_mapping
 from .keyboard import KeyboardInput as KeyboardInput
+from .pressed import ACTIONS as ACTIONS
 from .timing import EARLIER_SECONDS as EARLIER_SECONDS
 from .timing import due as due
 from .timing import earlier as earlier

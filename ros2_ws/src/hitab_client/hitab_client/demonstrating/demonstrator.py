@@ -11,16 +11,19 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from hitab_msgs.msg import AgentStatus
+from hitab_msgs.msg import AgentStatus, WorldState
+from hitab_msgs.srv import Control
 
 from hitab_client import reaction_time
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.commanding import command, other_mode, outcome, put_earlier
+from hitab_client.demonstrating.pressed import Asked, Pressed
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
 from hitab_client.errors import SwarmError
+from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import START, HitabError, Use, natural, some
@@ -39,58 +42,6 @@ FOUND_S = 3.0
 """How long a robot's relay may take to be found, s."""
 
 BY_HAND = "driving by hand"
-
-ACTIONS = {
-    "test": "test what was learned; again: take over",
-    "undo": "undo the last command",
-    "redo": "redo what was undone",
-    "earlier": "that was due earlier: have the last command count for 0.2 s before",
-    "nothing": "perform nothing; a training stays",
-    "save": "save what was trained",
-    "previous": "the previous agent",
-    "next": "the next agent",
-    "stop": "EMERGENCY STOP of all robots",
-    "go": "release them",
-}
-"""What can be pressed besides behaviors."""
-
-
-@dataclass(frozen=True)
-class Pressed:
-    """What a person has pressed.
-
-    Attributes:
-        what: for people.
-        agent: whom it is for.
-        behavior: that is commanded; empty: none.
-        at: when, s, by the demonstrator's clock.
-        due: when what it answers was seen, s; differs from `at` if a target was asked for.
-        seen: the world's cycle that the person saw; 0: unknown.
-    """
-
-    what: str
-    agent: str
-    behavior: str
-    at: float
-    due: float
-    seen: int
-
-
-@dataclass(frozen=True)
-class Asked:
-    """A behavior whose next target is still to be chosen.
-
-    Attributes:
-        use: the behavior, with its parameters and the targets chosen so far.
-        place: of the parameter in question.
-        pressed: the key that commanded it.
-        targets: among which to choose.
-    """
-
-    use: Use
-    place: int
-    pressed: Pressed
-    targets: tuple[str, ...]
 
 
 class Demonstrator:
@@ -129,6 +80,7 @@ class Demonstrator:
         self.asked: Asked | None = None
         # Hands on: the topic is open before it is needed, so that a stop arrives at once.
         self.switch = EmergencySwitch(agents.link.node, hands_on=True)
+        self._stops = Stops(agents.link, switch=self.switch)
         self.steering = Steering(agents.link.node, agents.prefix, self._is_at_rest, clock)
         self._agents = agents
         self._world = world
@@ -146,6 +98,8 @@ class Demonstrator:
             "earlier": lambda agent: put_earlier(agents, world, agent),
             "nothing": self._perform_nothing,
             "save": self._save,
+            "arm": self._arm,
+            "hold": self._pause,
         }
 
     @property
@@ -181,8 +135,8 @@ class Demonstrator:
 
     def press(self, action: str) -> None:
         """Take one of the `ACTIONS`; the emergency stop and the choice of the agent at once."""
-        if action in ("stop", "go"):
-            self._switch(engaged=action == "stop")
+        if action in ("stop", "go") or (action == "hold" and not self._is_simulated()):
+            self._switch(engaged=action != "go")
         elif action in ("previous", "next"):
             self._step(1 if action == "next" else -1)
         else:
@@ -262,11 +216,11 @@ class Demonstrator:
         self._pending.clear()  # it was meant for before
         self.switch.set(engaged, self._agents.demonstrator)
         if not engaged:
-            self.tell("the robots are released: they obey their agents again")
+            self.tell("released: simulated worlds go on, and each robot waits to be re-armed")
             return
-        relays = [n for n in self.switch.listeners() if n.endswith(f"/{names.VELOCITY_RELAY}")]
-        heard = "" if relays else "; no robot's relay listens, only those that come later obey"
-        self.tell(f"emergency stop: all robots have to stand still{heard}", failed=not relays)
+        there = self._stops.names()
+        heard = f": {some(there)}" if there else "; nothing that acts is there, who comes obeys"
+        self.tell(f"emergency stop: all have to stand still{heard}", failed=not there)
 
     def _step(self, by: int) -> None:
         there = sorted({*self._agents.expected, *self._agents.agents()}, key=natural)
@@ -302,6 +256,7 @@ class Demonstrator:
         Raises:
             SwarmError: if it does not answer.
         """
+        self._stops.look()
         if self.agent not in self._agents.statuses or self._words.is_old(self.agent):
             self._words.ask(self.agent)
 
@@ -388,6 +343,21 @@ class Demonstrator:
         answer = self._agents.save(agent)
         left_out = f"; left out because unused: {some(answer.trimmed)}" if answer.trimmed else ""
         return f"{answer.message}: {answer.path}{left_out}"
+
+    def _is_simulated(self) -> bool:
+        """Whether there is a simulated world, and nothing else that acts."""
+        return {*self._stops.names()} == {f"{self._agents.prefix}/{names.WORLD}".strip("/")}
+
+    def _pause(self, agent: str) -> str:
+        self.let_go()
+        is_paused = self._world.wait().mode == WorldState.PAUSED
+        actions = Control.Request
+        action = actions.RESUME if is_paused else actions.PAUSE
+        return f"the world is {self._world.control(action).message}"
+
+    def _arm(self, agent: str) -> str:
+        self._stops.arm(f"{self._agents.prefix}/{agent}".strip("/"), TAKEN_S)
+        return f"{agent} may act"
 
     def _halt(self, agent: str) -> str:
         """Have the agent do nothing; a training goes on at its beginning."""

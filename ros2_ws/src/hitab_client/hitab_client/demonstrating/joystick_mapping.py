@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from hitab_client.demonstrating.demonstrator import ACTIONS
+from hitab_client.demonstrating.pressed import ACTIONS
 from hitab_client.errors import DescriptionError
 from hitab_core import Use, VocabularyError, has
 from hitab_core.library import Fields

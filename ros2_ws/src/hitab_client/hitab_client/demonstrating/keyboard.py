@@ -21,8 +21,9 @@ ACTION_KEYS = {
     "S": "save",
     "[": "previous",
     "]": "next",
-    " ": "stop",
+    " ": "hold",
     "G": "go",
+    "R": "arm",
 }
 """Those that the studio has too are the same there."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hitab_client import SwarmError
+from hitab_core import some
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session
 
@@ -20,14 +21,14 @@ async def stop_robots(session: Session) -> None:
     """
     link, who = session.shared.link, session.demonstrator
     try:
-        listeners = await link.do(lambda _: link.stop_robots(True, who, BUTTON))
+        there = await link.do(lambda _: link.stop_robots(True, who, BUTTON))
     except SwarmError as error:
         raise SwarmError(
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
         ) from None
-    heard = "" if listeners else "; nobody listens at present, and who comes later obeys"
-    kind = "good" if listeners else "note"
-    session.tell(f"emergency stop: all robots have to stand still{heard}", kind)
+    heard = f": {some(there)}" if there else "; nothing that acts is there, and who comes obeys"
+    kind = "good" if there else "note"
+    session.tell(f"emergency stop: all have to stand still{heard}", kind)
 
 
 @action("release-dialog")
@@ -45,4 +46,12 @@ async def release_robots(session: Session, data: Data) -> None:
     link, who = session.shared.link, session.demonstrator
     await link.do(lambda _: link.stop_robots(False, who))
     session.close_dialog()
-    session.tell("the emergency stop is released: the robots obey their agents again")
+    session.tell("released: simulated worlds go on, and each robot waits to be re-armed")
+
+
+@action("arm")
+async def arm(session: Session, data: Data) -> None:
+    """Let the robot of the agent act again."""
+    link, agent = session.shared.link, session.agent
+    await link.do(lambda _: link.arm(agent), needs=agent)
+    session.tell(f"{agent} may act")

@@ -16,7 +16,7 @@ KEYS = (
         f"pressed late: the last command counts for a situation {EARLIER_SECONDS:g} s earlier; "
         "press it again for more",
     ),
-    ("Space", "pause and resume the world"),
+    ("Space", "emergency stop of all robots; in a simulated world, pause and resume it"),
     ("N", "one cycle"),
     ("R", "new episode"),
     ("Z", "undo a placement"),
@@ -31,8 +31,8 @@ KEYS = (
 WORDS = (
     (
         "Emergency stop",
-        "robots stand still until somebody releases them. The page says below its header who has "
-        "stopped them. To hold a simulated world, pause it with Space",
+        "robots stand still, and simulated worlds pause, until somebody releases them; then each "
+        "robot waits until it is re-armed. The page says below its header who has stopped them",
     ),
     ("Example", "a situation, the state that the agent was in, and the state to go to"),
     (

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_core import FLAGS, START, Use, some
+from hitab_ros.absence import STOPPED
 from hitab_ros.names import WORLD
 from hitab_studio import reasons
 from hitab_studio.absence import absence
@@ -77,6 +78,7 @@ def context(session: Session) -> dict[str, Any]:
         "legend": _legend(session),
         "camera": sensors.camera(session),
         "silent_sensors": sensors.silent(session),
+        "stopped": next((f for f in status.faults if f.startswith(STOPPED)), "") if status else "",
         "player": session.player,
         "empty": empty,
         "choices": choices(session) if empty[0] else [],

@@ -1,0 +1,205 @@
+"""Stops and releases whatever acts, learns what has come of it, and re-arms robots."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+
+from hitab_msgs.msg import StopState
+from hitab_msgs.srv import Arm
+
+from hitab_client.errors import SwarmError
+from hitab_client.ros_link import RosLink
+from hitab_core import natural, some
+from hitab_ros import EmergencySwitch, names, qos, why_stopped
+from hitab_ros.stamps import nanoseconds
+
+TYPE = "hitab_msgs/msg/StopState"
+
+FRESH_S = 1.0
+"""How long a report counts, s. They come several times a second."""
+
+REPEAT_S = 0.5
+"""Between two messages of an emergency stop to those who have not confirmed it, s."""
+
+SETTLED_S = 0.7
+"""How long nobody new may have been found before all are known, s."""
+
+
+class Stops:
+    """What robots and simulated worlds of one ROS domain say of whether they act.
+
+    Args:
+        link: the node to use.
+        expected: names of robots that are known to be there, though nothing of them may answer.
+        switch: of the emergency stop; None: a new one.
+
+    Attributes:
+        switch: the same.
+        found_at: when a robot or world was last found, by the monotonic clock.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        expected: Collection[str] = (),
+        switch: EmergencySwitch | None = None,
+    ) -> None:
+        self._link = link
+        self._expected = expected
+        self.switch = switch or EmergencySwitch(link.node)
+        self._reports: dict[
+            str, tuple[float, StopState]
+        ] = {}  # by topic, with the time of arrival
+        self._topics: set[str] = set()
+        self.found_at = time.monotonic()
+        self._told = 0  # stamp of what was last wanted, ns
+        self.look()
+
+    @property
+    def domain_id(self) -> int:
+        """The ROS domain."""
+        return int(self._link.node.context.get_domain_id())
+
+    def spin(self) -> None:
+        """Hear what they say, for a moment."""
+        self._link.spin(0.02)
+
+    def look(self) -> None:
+        """Look who is there; call it about twice a second."""
+        for topic in set(self._link.topics_of_type(TYPE)) - self._topics:
+            self._topics.add(topic)
+            self.found_at = time.monotonic()
+            if topic.endswith(f"/{names.STOP_STATE}"):  # the others are of agents to their relays
+                self._link.subscribe(StopState, topic, self._taker(topic), qos.CYCLE)
+
+    def _taker(self, topic: str) -> Callable[[StopState], None]:
+        def take(report: StopState) -> None:
+            self._reports[topic] = time.monotonic(), report
+
+        return take
+
+    def _present(self) -> Iterator[tuple[str, StopState | None]]:
+        """Yield the name of each robot and world, and its last report; None: it is too old."""
+        of_robots = {topic.rpartition("/")[0].removeprefix("/") for topic in self._topics}
+        for name in of_robots | set(self._expected):
+            topic = f"/{name}/{names.STOP_STATE}"
+            when, report = self._reports.get(topic, (0.0, None))
+            if report is not None and time.monotonic() - when < FRESH_S:
+                yield name, report
+            elif name in self._expected or self._is_there(name):
+                yield name, None
+
+    def _is_there(self, name: str) -> bool:
+        """Whether a robot's agent or relay, or a world, is still in the ROS graph."""
+        return any(
+            self._link.node.count_publishers(topic)
+            for topic in self._topics
+            if topic.rpartition("/")[0] == f"/{name}"
+        )
+
+    def names(self) -> list[str]:
+        """Return the names of the robots and worlds that are there, sorted."""
+        return sorted((name for name, _ in self._present()), key=natural)
+
+    def unconfirmed(self, *, engaged: bool) -> dict[str, str]:
+        """Return who has not confirmed to stand still, or to be released, and why not."""
+        found = {}
+        for name, report in self._present():
+            if report is None:
+                found[name] = "does not answer"
+            elif nanoseconds(report.emergency) < self._told:
+                found[name] = "has not heard it"
+            elif engaged and report.state != StopState.STOPPED:
+                found[name] = "still moves"
+        return found
+
+    def say(self, by: str, reason: str = "", *, engaged: bool) -> None:
+        """Stop whatever acts, or release it; say it again to those who have not confirmed it."""
+        message = self.switch.set(engaged, by, reason)
+        self._told = self._told or nanoseconds(message.stamp)
+
+    def waiting(self) -> dict[str, str]:
+        """Return the robots that may not act, and why."""
+        return {
+            name: why_stopped(name, report.why, report.causes)
+            for name, report in self._present()
+            if report is not None and report.why
+        }
+
+    def arm(self, robot: str, seconds: float) -> None:
+        """Let a robot act again.
+
+        Args:
+            robot: its name, as `names` has it.
+            seconds: how long to wait for its answer.
+
+        Raises:
+            SwarmError: if it may not, or does not answer.
+        """
+        topic = f"/{robot}/{names.STOP_STATE}"
+        until = time.monotonic() + seconds
+        while topic not in self._reports and time.monotonic() < until:
+            self.look()
+            self.spin()
+        if topic not in self._reports:
+            there = some(self.names()) if self.names() else "none is there"
+            raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
+        request = Arm.Request(stop=self._reports[topic][1].stop)
+        service = f"/{robot}/{names.ARM}"
+        missing = f"{robot} cannot be re-armed: nobody offers {service}"
+        answer = self._link.call(Arm, service, request, missing=lambda: missing)
+        if not answer.success:
+            raise SwarmError(f"{robot} may not act again: {answer.message}")
+
+
+def switch_all(
+    ends: Sequence[Stops],
+    by: str,
+    reason: str = "",
+    *,
+    engaged: bool,
+    seconds: float,
+    tell: Callable[[dict[str, str]], None] = lambda who: None,
+) -> dict[str, str]:
+    """Stop whatever acts, or release it, again and again until all have confirmed it.
+
+    Args:
+        ends: of all ROS domains that are meant.
+        by: who wants it, for people.
+        reason: for people.
+        engaged: whether they have to stand still.
+        seconds: how long at most.
+        tell: called with those who have not confirmed it, when that changes.
+
+    Returns:
+        Those who have not confirmed it, and why not.
+    """
+    lacking: dict[str, str] = {}
+    told: dict[str, str] = {}
+    began = time.monotonic()
+    while time.monotonic() < began + seconds:
+        for end in ends:
+            end.say(by, reason, engaged=engaged)
+        listen(ends, REPEAT_S)
+        lacking = {k: v for end in ends for k, v in end.unconfirmed(engaged=engaged).items()}
+        if any(end.names() for end in ends) and not lacking and settled(ends):
+            break
+        if lacking and lacking != told:
+            told = lacking
+            tell(lacking)
+    return lacking
+
+
+def listen(ends: Sequence[Stops], seconds: float) -> None:
+    """Hear for so long who is there, and what they say."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        for end in ends:
+            end.look()
+            end.spin()
+
+
+def settled(ends: Sequence[Stops]) -> bool:
+    """Whether nobody new was found for a while."""
+    return all(time.monotonic() - end.found_at > SETTLED_S for end in ends)

@@ -1,0 +1,76 @@
+"""What an agent tells its robot's relay, and hears from it: whether the robot may act."""
+
+from __future__ import annotations
+
+import time
+
+from hitab_msgs.msg import StopState
+
+from hitab_agent import AgentNode
+from hitab_robots.relay_process import HUNG_S, LOOK_S, RelayProcess
+from hitab_robots.settings import HEARTBEAT
+from hitab_ros import names, qos, steady_timer, why_stopped
+from hitab_ros.stamps import as_time
+
+
+class RelayWatch:
+    """Gives the relay signs of life, and has the agent stand still while the relay does.
+
+    Attributes:
+        why: why the robot may not act, and the way out; empty: it may.
+    """
+
+    def __init__(self, node: AgentNode, process: RelayProcess | None) -> None:
+        """Begin to watch.
+
+        Args:
+            node: of the agent.
+            process: of the relay; None: it is started elsewhere.
+        """
+        self.why = f"its {names.VELOCITY_RELAY} has not answered yet"
+        self._node = node
+        self._process = process
+        self._cause = ""
+        self._unheard_s = 0.0
+        self._publisher = node.create_publisher(StopState, HEARTBEAT, qos.CYCLE)
+        node.create_subscription(StopState, names.STOP_STATE, self._hear, qos.CYCLE)
+        steady_timer(node, LOOK_S, self._look)
+
+    def cause(self, why: str) -> None:
+        """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""
+        if why != self._cause:
+            self._cause = why
+            self._give_sign()
+
+    def _hear(self, relay: StopState) -> None:
+        self._unheard_s = 0.0
+        if self._process is not None:
+            self._process.heard()
+        self._tell(why_stopped(relay.name, relay.why, relay.causes))
+
+    def _look(self) -> None:
+        self._give_sign()
+        self._unheard_s += LOOK_S
+        trouble = "" if self._process is None else self._process.look_after()
+        if trouble:
+            self._node.guard.log(trouble)
+        if self._unheard_s > HUNG_S:
+            self._tell(trouble or f"its {names.VELOCITY_RELAY} gives no sign of life")
+
+    def _give_sign(self) -> None:
+        stopped = StopState.STOPPED if self._node.stands() else StopState.STOPPING
+        self._publisher.publish(
+            StopState(
+                stamp=as_time(time.time_ns()),
+                node=self._node.get_fully_qualified_name(),
+                name=names.own_name(self._node),
+                state=stopped if self.why else StopState.ARMED,
+                causes=[self._cause] if self._cause else [],
+            )
+        )
+
+    def _tell(self, why: str) -> None:
+        if why != self.why:
+            self.why = why
+            self._node.stop_changed()
+            self._give_sign()

@@ -1,0 +1,134 @@
+"""The stop of one robot as others see it: what it says of itself, and how it is re-armed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+
+from hitab_msgs import msg, srv
+from rclpy.node import Node
+
+from hitab_ros import names, qos
+from hitab_ros.absence import STOPPED, STOPPED_BY
+from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
+from hitab_ros.stamps import as_time
+from hitab_ros.steady_timer import steady_timer
+from hitab_ros.stop_machine import StopMachine
+
+PERIOD_S = 0.1
+"""Between two reports, s, by the machine's clock. They are signs of life as well."""
+
+EMERGENCY = "emergency stop"
+"""The cause of that name."""
+
+
+class Stop:
+    """The stop machine of a robot on a node, driven by the emergency stop and by other causes.
+
+    Attributes:
+        machine: whether the robot may act.
+        switch: of the emergency stop.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        stands: Callable[[], bool],
+        *,
+        changed: Callable[[], None] = lambda: None,
+        rearms: bool = False,
+        state: msg.EmergencyStop | None = None,
+        keep: Callable[[msg.EmergencyStop], None] = lambda state: None,
+    ) -> None:
+        """Begin stopped.
+
+        Args:
+            node: in the robot's namespace.
+            stands: returns whether the robot stands still.
+            changed: called after each change.
+            rearms: whether the robot re-arms itself.
+            state: of the emergency stop, when this participant ended.
+            keep: called with each new state of the emergency stop.
+        """
+        self._node = node
+        self._stands = stands
+        self._tell_others = changed
+        self._keep = keep
+        self._rearms = rearms
+        self._logged = ""
+        self._publisher = node.create_publisher(msg.StopState, names.STOP_STATE, qos.CYCLE)
+        self.machine = StopMachine("it has just started", rearms=rearms, changed=self._changed)
+        self.switch = EmergencySwitch(node, self._emergency, hands_on=True)
+        if state is not None:
+            self.switch.take(state)
+        node.create_service(srv.Arm, names.ARM, self._arm)
+        steady_timer(node, PERIOD_S, self._look)
+
+    @property
+    def why(self) -> str:
+        """Why the robot may not act, and the way out; empty: it may."""
+        machine = self.machine
+        return why_stopped(names.own_name(self._node), machine.why, machine.causes.values())
+
+    def _emergency(self, state: msg.EmergencyStop) -> None:
+        self.machine.cause(EMERGENCY, stopped_by(state))
+        if not state.engaged and self.machine.why:
+            self._log(f"the emergency stop is released by {state.by or 'somebody'}")
+        self._keep(state)
+
+    def _arm(self, request: srv.Arm.Request, response: srv.Arm.Response) -> srv.Arm.Response:
+        response.message = self.machine.arm(request.stop)
+        response.success = not response.message
+        return response
+
+    def _look(self) -> None:
+        self.machine.look(stands=self._stands())
+        self.publish()
+
+    def _changed(self) -> None:
+        why, before = self.machine.why, self._logged
+        self._logged = why
+        if why and why != before:
+            self._log(f"{STOPPED}: {why}")
+        elif before and not why:
+            self._log("re-armed by itself" if self._rearms else "re-armed")
+        self.publish()
+        self._tell_others()
+
+    def _log(self, text: str) -> None:
+        self._node.get_logger().warning(text)
+
+    def publish(self) -> None:
+        """Tell others."""
+        machine, emergency = self.machine, self.switch.state
+        report = msg.StopState(
+            stamp=as_time(time.time_ns()),
+            node=self._node.get_fully_qualified_name(),
+            name=names.own_name(self._node),
+            state=int(machine.state),
+            causes=list(machine.causes.values()),
+            why=machine.why,
+            stop=machine.stop,
+        )
+        if emergency is not None:
+            report.emergency = emergency.stamp
+        self._publisher.publish(report)
+
+
+def why_stopped(name: str, why: str, causes: Iterable[str]) -> str:
+    """Return why a robot may not act, and the way out; empty: it may.
+
+    Args:
+        name: of the robot.
+        why: it was stopped.
+        causes: why it has to stand still as yet.
+    """
+    arm = f"`hitab arm {name}` lets it act again"
+    now = list(causes)
+    if not why:
+        return ""
+    if not now:
+        return f"{STOPPED}: {why}; that is over, and {arm}"
+    engaged = any(cause.startswith(STOPPED_BY) for cause in now)
+    first = "`hitab go` releases it" if engaged else "mend that"
+    return f"{STOPPED}: {'; '.join(now)}; {first}, then {arm}"

@@ -1,0 +1,112 @@
+"""When something that acts has to stand still, and when it may act again.
+
+No ROS here. A robot's relay has such a machine; so has an agent with a link of its own, and a
+simulated world. These are all of its states and events::
+
+    state      event                                          next state
+    any        a cause appears: emergency stop, silent        stopping
+               agent, dead sensor, start of the process
+    stopping   it stands still                                stopped
+    stopped    it moves                                       stopping
+    stopped    the last cause is gone                         stopped; armed if it re-arms itself
+    stopped    somebody re-arms it, no cause is left          armed
+    any other  somebody re-arms it                            the same; refused, with the reason
+
+So nothing moves again by itself: what has stopped waits for a person, whatever stopped it and
+however often its process was killed meanwhile.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from enum import IntEnum
+
+
+class StopState(IntEnum):
+    """The values are those of `hitab_msgs.msg.StopState`."""
+
+    ARMED = 0
+    STOPPING = 1
+    STOPPED = 2
+
+
+class StopMachine:
+    """Whether one robot, or one world, may act.
+
+    Attributes:
+        causes: why it has to stand still as yet, by name.
+        why: why it was stopped; empty: it is armed.
+        stop: number of this stop, later than those of earlier stops, also of other processes.
+        stands: whether it was last seen to stand still.
+    """
+
+    def __init__(
+        self,
+        why: str,
+        *,
+        rearms: bool = False,
+        changed: Callable[[], None] = lambda: None,
+        number: Callable[[], int] = time.time_ns,
+    ) -> None:
+        """Begin stopped, since the process before this one may have been.
+
+        Args:
+            why: it begins so.
+            rearms: whether it re-arms itself when no cause is left.
+            changed: called after each change but those of `stands`.
+            number: returns a number for a stop, larger each time.
+        """
+        self.causes: dict[str, str] = {}
+        self.why = why
+        self.stop = number()
+        self.stands = False
+        self._rearms = rearms
+        self._changed = changed
+        self._number = number
+
+    @property
+    def state(self) -> StopState:
+        """Whether it may act."""
+        if not self.why:
+            return StopState.ARMED
+        return StopState.STOPPED if self.stands else StopState.STOPPING
+
+    def cause(self, name: str, why: str) -> None:
+        """Note why it has to stand still; with an empty text, that this is no cause any more."""
+        if self.causes.get(name, "") == why:
+            return
+        if not why:
+            del self.causes[name]
+        else:
+            if name not in self.causes:
+                self.stop = max(self._number(), self.stop + 1)
+            self.causes[name] = self.why = why
+        self._changed()
+
+    def look(self, *, stands: bool) -> None:
+        """Note whether it stands still; call this again and again."""
+        before, self.stands = self.stands, stands
+        if self._rearms and self.state is StopState.STOPPED and not self.causes:
+            self.why = ""
+            self._changed()
+        elif before is not stands and self.why:
+            self._changed()
+
+    def arm(self, stop: int = 0) -> str:
+        """Let it act again; return why not, or an empty text if it may.
+
+        Args:
+            stop: the number of the stop that is to end; 0: any.
+        """
+        if not self.why:
+            return ""
+        if self.causes:
+            return "; ".join(self.causes.values())
+        if stop not in (0, self.stop):
+            return f"it has stopped once more meanwhile: {self.why}"
+        if not self.stands:
+            return "it still moves"
+        self.why = ""
+        self._changed()
+        return ""
