@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 from geometry_msgs.msg import Twist
-from hitab_msgs.msg import TransitionEvent
+from hitab_msgs.msg import AgentStatus, TransitionEvent
 from hitab_msgs.srv import ReadFeatures
 from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
@@ -32,6 +32,7 @@ from hitab_core.domain import Domain, load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_robots.settings import DESCRIPTIONS, OF_SENSOR
 from hitab_ros import qos
+from hitab_ros.stamps import seconds_of
 
 EXAMPLE = Path(__file__).parents[1] / "examples/diff_drive"
 NAME = "diff_drive.domain:DOMAIN"
@@ -82,6 +83,12 @@ class Desk:
 
     def _see_change(self, event: TransitionEvent) -> None:
         self.changes.append((event.from_state, event.to_state))
+
+    def until_later(self, seconds: float) -> None:
+        """Wait until the robot has lived on for so long."""
+        assert self.odometry is not None
+        after = seconds_of(self.odometry.header.stamp) + seconds
+        self.until(lambda: seconds_of(self.odometry.header.stamp) > after)
 
     @property
     def free_ahead(self) -> float:
@@ -219,6 +226,38 @@ def test_a_silent_sensor_is_told_and_the_robot_stands_still(desk):
     desk.until(lambda: desk.has_fault('feature "RangeAhead" has no value'))
     desk.until(lambda: desk.has_fault(f"sensor scan, /{ROBOT}/scan: nobody publishes it"))
     desk.until(desk.told_to_stand_still)
+
+
+def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(desk):
+    robot, no_value = desk.processes["robot"], 'feature "RangeAhead" has no value'
+
+    def status() -> AgentStatus:
+        return desk.agents.statuses[ROBOT]
+
+    desk.agents.begin(ROBOT, "Turn", features=["RangeAhead"])
+    for commanded_to_stop in (True, False):
+        desk.until(lambda: obeys(desk, "TurnLeft"))
+        desk.until(lambda: not desk.told_to_stand_still())
+        robot.send_signal(signal.SIGSTOP)  # all of its sensors fall silent
+        desk.until(lambda: desk.has_fault(no_value))
+        desk.until(desk.told_to_stand_still)
+        assert list(status().active_path) == ["Start"]
+        with pytest.raises(SwarmError, match=no_value):
+            desk.agents.command(ROBOT, "TurnRight")
+        if commanded_to_stop:
+            said = desk.run("hitab_bringup.main", "demonstrate", ROBOT, "Stop").stdout
+            why = f"{ROBOT} stands still, but Stop is not recorded: {no_value}"
+            assert f"{ROBOT} performs Stop; Turn has 2 examples (1 default); {why}" in said
+            desk.until(lambda: list(status().active_path) == ["Stop"])
+        robot.send_signal(signal.SIGCONT)
+        desk.until(lambda: not status().faults)
+        desk.velocities.clear()
+        desk.until_later(2.0)
+        assert all(map(is_still, desk.velocities))
+        assert status().note.startswith("stands still")
+    desk.agents.command(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    assert not status().note
 
 
 def test_the_robot_stands_still_when_its_agent_is_killed(desk):

@@ -49,7 +49,12 @@ def motion(
     def pulse(body: RobotBody) -> None:
         body.drive(ahead, turn, left)
 
-    return BasicBehavior(name, pulse, description=description or _moving(ahead, turn, left))
+    return BasicBehavior(
+        name,
+        pulse,
+        description=description or _moving(ahead, turn, left),
+        stands_still=not (ahead or turn or left),
+    )
 
 
 def _moving(ahead: float, turn: float, left: float) -> str:
