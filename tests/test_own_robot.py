@@ -325,6 +325,25 @@ def test_status_and_doctor_say_the_same_of_wiring_that_cannot_work(desk):
         assert told in " ".join(desk.run("hitab_bringup.main", verb).stdout.split()), verb
 
 
+def test_what_stands_for_nav2_drives_through_the_relay_as_the_page_says(desk):
+    root = EXAMPLE.parents[1]
+    page = (root / "docs/robots.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"^    scripts/python (examples/nav2/.*)", page, re.MULTILINE)
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(desk.link.node.context.get_domain_id())}
+    arguments = [sys.executable, *command.split()]
+    with subprocess.Popen(arguments, cwd=root, env=environment) as controller:
+        try:
+            desk.until(lambda: desk.velocities and desk.velocities[-1].linear.x == 0.2)
+            desk.run("hitab_bringup.main", "stop")
+            desk.until(desk.told_to_stand_still)
+            desk.velocities.clear()
+            desk.until(lambda: len(desk.velocities) > 10)
+            assert all(map(is_still, desk.velocities))
+            assert not desk.has_fault("past the velocity_relay")
+        finally:
+            controller.kill()
+
+
 def test_whoever_drives_a_robot_that_performs_nothing_is_not_disturbed(desk):
     desk.agents.perform(ROBOT, "TurnLeft")
     desk.until(lambda: not desk.told_to_stand_still())
