@@ -60,6 +60,7 @@ def second_driver(node: AgentNode, reach: Reach) -> str:
     topic = node.resolve_topic_name(COMMANDS)
     publishers = node.get_publishers_info_by_topic(topic)
     others = sorted({_name_of(info) for info in publishers if not _is_relay(node, info)})
+    others = [name for name in others if "_UNKNOWN_" not in name]  # discovered in a moment
     if not others:
         return ""
     return (
