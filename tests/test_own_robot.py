@@ -246,7 +246,7 @@ def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(
             desk.agents.command(ROBOT, "TurnRight")
         if commanded_to_stop:
             said = desk.run("hitab_bringup.main", "demonstrate", ROBOT, "Stop").stdout
-            why = f"{ROBOT} stands still, but Stop is not recorded: {no_value}"
+            why = f"{ROBOT} stands still, but Stop was not recorded: {no_value}"
             assert f"{ROBOT} performs Stop; Turn has 2 examples (1 default); {why}" in said
             desk.until(lambda: list(status().active_path) == ["Stop"])
         robot.send_signal(signal.SIGCONT)

@@ -283,7 +283,7 @@ class TrainingSession:
             if not self.context.repertoire.stands_still(state):
                 raise
             taught = []
-            self.note = f"stands still, but {state} is not recorded: {error}"
+            self.note = f"stands still, but {state} was not recorded: {error}"
             self.running.add_state(state)
             self.running.go_to(str(state))
         self._taken_over = False
