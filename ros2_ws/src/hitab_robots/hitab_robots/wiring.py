@@ -72,7 +72,7 @@ def second_driver(node: AgentNode, reach: Reach) -> str:
 
 def far_threshold(node: AgentNode, reach: Reach) -> str:
     """Say which trained behaviors decide by a range that the sensor never measures."""
-    repertoire, far = node.agent.repertoire, []
+    repertoire, far = node.agent.repertoire, set()
     for automaton in repertoire.automata.values():
         for function in automaton.transitions.values():
             for place, threshold in getattr(function, "thresholds", ()):
@@ -81,12 +81,12 @@ def far_threshold(node: AgentNode, reach: Reach) -> str:
                 value = read.name if isinstance(read, ValueOf) else ""
                 sensor = value.partition(".")[0]
                 if value.endswith(".range") and threshold > reach.get(sensor, threshold):
-                    far.append(
+                    far.add(
                         f'"{automaton.name}" decides by whether {feature} is above '
                         f"{threshold:.4g} m, but sensor {sensor} measures up to "
                         f"{reach[sensor]:.4g} m"
                     )
-    return f"{'; '.join(far)}; train it with this sensor" if far else ""
+    return f"{'; '.join(sorted(far))}; train it with this sensor" if far else ""
 
 
 CHECKS: tuple[Check, ...] = (stopped_clock, deaf_base, second_driver, far_threshold)
