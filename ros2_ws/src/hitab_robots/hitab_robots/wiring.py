@@ -32,10 +32,10 @@ def stopped_clock(node: AgentNode, reach: Reach) -> str:
 
 
 def deaf_base(node: AgentNode, reach: Reach) -> str:
-    """Say that the base takes another type than the relay sends, or is not there."""
+    """Say that the base takes another type than it is sent, or is not there."""
     topic = node.resolve_topic_name(COMMANDS)
     publishers = node.get_publishers_info_by_topic(topic)
-    sent = {info.topic_type for info in publishers if _is_relay(node, info)}
+    sent = {info.topic_type for info in publishers if _is_own(node, info)}
     if not sent:
         return ""  # whoever misses the relay says so
     takers = node.get_subscriptions_info_by_topic(topic)
@@ -50,8 +50,8 @@ def deaf_base(node: AgentNode, reach: Reach) -> str:
     taken = sorted({f"{_name_of(info)} takes {info.topic_type}" for info in deaf})
     other = "false" if any(kind.endswith("Stamped") for kind in sent) else "true"
     return (
-        f"the {names.VELOCITY_RELAY} sends {topic} as {some(sorted(sent))}, but {some(taken)}; "
-        f"set the parameter enable_stamped_cmd_vel to {other}"
+        f"{topic} is sent as {some(sorted(sent))}, but {some(taken)}; set the parameter "
+        f"enable_stamped_cmd_vel to {other}"
     )
 
 
@@ -59,7 +59,7 @@ def second_driver(node: AgentNode, reach: Reach) -> str:
     """Say who sends velocities to the base past the relay."""
     topic = node.resolve_topic_name(COMMANDS)
     publishers = node.get_publishers_info_by_topic(topic)
-    others = sorted({_name_of(info) for info in publishers if not _is_relay(node, info)})
+    others = sorted({_name_of(info) for info in publishers if not _is_own(node, info)})
     others = [name for name in others if "_UNKNOWN_" not in name]  # discovered in a moment
     if not others:
         return ""
@@ -111,9 +111,10 @@ def unheard(node: Node, topic: str, message: str) -> str:
     )
 
 
-def _is_relay(node: Node, info: Any) -> bool:
-    own = (names.VELOCITY_RELAY, node.get_namespace())
-    return (info.node_name, info.node_namespace) == own
+def _is_own(node: Node, info: Any) -> bool:
+    """Whether a publisher is that of the relay, or of an agent that needs none in a simulation."""
+    own = (names.VELOCITY_RELAY, node.get_name())
+    return info.node_namespace == node.get_namespace() and info.node_name in own
 
 
 def _name_of(info: Any) -> str:

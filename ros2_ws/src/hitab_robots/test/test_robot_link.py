@@ -218,7 +218,7 @@ def test_a_base_that_does_not_take_what_the_relay_sends_is_named(
 ):
     base = driver.create_subscription(taken, COMMANDS, ignore, 10)
     desk.start_relay(enable_stamped_cmd_vel=stamped)
-    desk.until(lambda: desk.has_fault(f"sends {BASE} as geometry_msgs/msg/{sent.__name__}, but"))
+    desk.until(lambda: desk.has_fault(f"{BASE} is sent as geometry_msgs/msg/{sent.__name__}, but"))
     assert desk.has_fault(f"/robot_1/driver takes geometry_msgs/msg/{taken.__name__};")
     assert desk.has_fault(
         f"set the parameter enable_stamped_cmd_vel to {str(not stamped).lower()}"
@@ -238,6 +238,13 @@ def test_who_drives_the_base_past_the_relay_is_named(desk, driver):
     assert desk.has_fault("remap it to /robot_1/cmd_vel_agent, as TwistStamped")
     driver.destroy_publisher(publisher)
     desk.until(lambda: not desk.has_fault(BASE))
+
+
+@pytest.mark.parametrize("desk", [{"remaps": [f"{VELOCITY}:={COMMANDS}"]}], indirect=True)
+def test_an_agent_that_drives_its_base_itself_is_no_second_driver(desk, driver):
+    driver.create_subscription(TwistStamped, COMMANDS, ignore, 10)
+    desk.until(lambda: desk.has_fault("scan"))  # it has looked
+    assert not desk.has_fault(BASE)
 
 
 @pytest.mark.parametrize("desk", [{"use_sim_time": True}], indirect=True)
