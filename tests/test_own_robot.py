@@ -19,7 +19,7 @@ import psutil
 import pytest
 from arming import arm
 from geometry_msgs.msg import Twist
-from hitab_msgs.msg import TransitionEvent
+from hitab_msgs.msg import AgentStatus, TransitionEvent
 from hitab_msgs.srv import ReadFeatures
 from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
@@ -34,6 +34,7 @@ from hitab_core.domain import Domain, load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_robots.settings import DESCRIPTIONS, OF_SENSOR
 from hitab_ros import qos
+from hitab_ros.stamps import seconds_of
 
 EXAMPLE = Path(__file__).parents[1] / "examples/diff_drive"
 NAME = "diff_drive.domain:DOMAIN"
@@ -84,6 +85,12 @@ class Desk:
 
     def _see_change(self, event: TransitionEvent) -> None:
         self.changes.append((event.from_state, event.to_state))
+
+    def until_later(self, seconds: float) -> None:
+        """Wait until the robot has lived on for so long."""
+        assert self.odometry is not None
+        after = seconds_of(self.odometry.header.stamp) + seconds
+        self.until(lambda: seconds_of(self.odometry.header.stamp) > after)
 
     @property
     def free_ahead(self) -> float:
@@ -234,6 +241,39 @@ def test_a_silent_sensor_is_told_and_the_robot_stands_still(desk):
     desk.until(desk.told_to_stand_still)
 
 
+def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(desk):
+    robot, no_value = desk.processes["robot"], 'feature "RangeAhead" has no value'
+
+    def status() -> AgentStatus:
+        return desk.agents.statuses[ROBOT]
+
+    desk.agents.begin(ROBOT, "Turn", features=["RangeAhead"])
+    for commanded_to_stop in (True, False):
+        desk.until(lambda: obeys(desk, "TurnLeft"))
+        desk.until(lambda: not desk.told_to_stand_still())
+        robot.send_signal(signal.SIGSTOP)  # all of its sensors fall silent
+        desk.until(lambda: desk.has_fault(no_value))
+        desk.until(desk.told_to_stand_still)
+        assert list(status().active_path) == ["Start"]
+        with pytest.raises(SwarmError, match=no_value):
+            desk.agents.command(ROBOT, "TurnRight")
+        if commanded_to_stop:
+            said = desk.run("hitab_bringup.main", "demonstrate", ROBOT, "Stop").stdout
+            why = f"{ROBOT} stands still, but Stop was not recorded: {no_value}"
+            assert f"{ROBOT} performs Stop; Turn has 2 examples (1 default); {why}" in said
+            desk.until(lambda: list(status().active_path) == ["Stop"])
+        robot.send_signal(signal.SIGCONT)
+        desk.until(lambda: desk.has_fault("that is over"))
+        desk.arm()
+        desk.velocities.clear()
+        desk.until_later(2.0)
+        assert all(map(is_still, desk.velocities))
+        assert status().note.startswith("stands still")
+    desk.agents.command(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    assert not status().note
+
+
 def test_the_robot_stands_still_when_its_agent_is_killed(desk):
     desk.agents.perform(ROBOT, "TurnLeft")
     desk.until(lambda: not desk.told_to_stand_still())
@@ -319,6 +359,34 @@ def test_what_a_robot_perceives_now_is_shown_with_units_and_faults(desk):
     refused = desk.run("hitab_bringup.main", "perceive", ROBOT, "Height")
     assert refused.returncode == 1
     assert 'unknown feature "Height"' in refused.stderr
+
+
+def test_status_and_doctor_say_the_same_of_wiring_that_cannot_work(desk):
+    desk.link.node.create_publisher(Twist, f"/{ROBOT}/cmd_vel", qos.EVENTS)
+    past = f"publishes /{ROBOT}/cmd_vel, past the velocity_relay"
+    desk.until(lambda: desk.has_fault(past))
+    (told,) = (fault for fault in desk.agents.statuses[ROBOT].faults if past in fault)
+    for verb in ("status", "doctor"):
+        assert told in " ".join(desk.run("hitab_bringup.main", verb).stdout.split()), verb
+
+
+def test_what_stands_for_nav2_drives_through_the_relay_as_the_page_says(desk):
+    root = EXAMPLE.parents[1]
+    page = (root / "docs/robots.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"^    scripts/python (examples/nav2/.*)", page, re.MULTILINE)
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(desk.link.node.context.get_domain_id())}
+    arguments = [sys.executable, *command.split()]
+    with subprocess.Popen(arguments, cwd=root, env=environment) as controller:
+        try:
+            desk.until(lambda: desk.velocities and desk.velocities[-1].linear.x == 0.2)
+            desk.run("hitab_bringup.main", "stop")
+            desk.until(desk.told_to_stand_still)
+            desk.velocities.clear()
+            desk.until(lambda: len(desk.velocities) > 10)
+            assert all(map(is_still, desk.velocities))
+            assert not desk.has_fault("past the velocity_relay")
+        finally:
+            controller.kill()
 
 
 def test_whoever_drives_a_robot_that_performs_nothing_is_not_disturbed(desk):

@@ -7,30 +7,13 @@ from importlib import import_module
 from typing import Any, Protocol
 
 from hitab_msgs import msg
-from rclpy.node import Node
 
 from hitab_core import Domain, HitabError
 from hitab_ros import Stop
 
 OnPercept = Callable[[msg.Percept], tuple[Sequence[float], str]]
-
-
-class RobotLink(Protocol):
-    """The connection to a robot; a domain names its class in `Domain.link`."""
-
-    def __init__(self, node: Node, world: str, on_percept: OnPercept) -> None:
-        """Subscribe to the robot's topics.
-
-        Args:
-            node: of the agent, in the agent's namespace.
-            world: name of the world, if there is one.
-            on_percept: call it with a percept made from the robot's sensors, at the rate at
-                which the agent should tick. It returns the action: values in the domain's
-                layout, none if something was wrong, and a text to say.
-        """
-
-    def close(self) -> None:
-        """Stop the robot: the agent is shutting down."""
+"""Called by a link with a percept made from the sensors, whenever the agent should tick; returns
+the action, in the domain's layout and empty if something was wrong, and a text to say."""
 
 
 class RobotStop(Protocol):

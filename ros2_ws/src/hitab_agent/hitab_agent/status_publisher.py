@@ -12,7 +12,7 @@ from hitab_msgs import msg
 from hitab_agent.shared import Shared
 from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
-from hitab_core import Agent
+from hitab_core import Agent, Mode
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.faults import shown
 
@@ -154,7 +154,8 @@ class StatusPublisher:
         status.library_digest = agent.library_digest
         faults = self.faults
         status.faults = faults
-        status.note = "".join(shown(filter(None, [self._beginning.note])))
+        note = session.note if session and agent.mode is Mode.TRAINING else ""
+        status.note = "".join(shown(filter(None, [note or self._beginning.note])))
         status.last_error = self.notice or (faults[0] if faults else "")
         if self.superior is not None:
             subordinate = self.superior.subordinate

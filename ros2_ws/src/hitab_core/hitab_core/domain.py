@@ -156,7 +156,8 @@ class BasicBehavior:
     ``start``, ``pulse`` and ``stop`` are called with the body and the resolved targets: start once
     when its state is entered, pulse once per tick, stop when the state is left. Keep state between
     pulses in the body, never in the behavior, which all agents share. A ``one_shot`` behavior is
-    pulsed once per entry and records no default example.
+    pulsed once per entry and records no default example. One that ``stands_still`` never moves
+    the robot: it is obeyed even when no example of it can be recorded.
     """
 
     name: str
@@ -166,6 +167,7 @@ class BasicBehavior:
     parameters: tuple[str, ...] = ()
     one_shot: bool = False
     description: str = ""
+    stands_still: bool = False
 
 
 class Body(Protocol):

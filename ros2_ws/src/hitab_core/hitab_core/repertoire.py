@@ -159,6 +159,11 @@ class Repertoire:
         behavior = self.get(use.name)
         return isinstance(behavior, BasicBehavior) and behavior.one_shot
 
+    def stands_still(self, use: Use) -> bool:
+        """Whether a state never moves the robot."""
+        behavior = self.domain.behaviors.get(use.name)
+        return behavior is not None and behavior.stands_still
+
     def scale_of(self, feature: Use) -> Scale:
         """Return how the values of a feature compare."""
         return self.domain.feature(feature.name).scale

@@ -1,14 +1,16 @@
 """An agent without its robot: modes, what it keeps, what it refuses."""
 
+import math
 import re
 import shutil
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.errors import LibraryError, TrainingError, VocabularyError
+from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import make_bundle
@@ -313,6 +315,54 @@ def test_a_command_that_cannot_be_written_down_changes_nothing(make, monkeypatch
     expected = agent.session.examples
     agent.journal.close()  # as the end of the process does
     assert make().session.examples == expected
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """An agent whose feature is required, and whose behavior Stay stands still."""
+    made = domain()
+    stay = replace(made.behaviors["Stay"], stands_still=True)
+    needed = replace(made.features["x"], required=True)
+    made = replace(made, behaviors={**made.behaviors, "Stay": stay}, features={"x": needed})
+    return Agent("ann", made, BehaviorLibrary(tmp_path / "library", made), tmp_path)
+
+
+def test_in_training_an_agent_without_a_required_value_waits_for_the_next_command(robot):
+    robot.begin(HOME)
+    see(robot, 5.0)
+    robot.command(Use("Left"))
+    assert do(robot, 5.0) == "Left"
+    with pytest.raises(FeatureValueError, match='feature "x" has no value'):
+        do(robot, math.nan)
+    assert robot.session.note.startswith('stands still until the next command: feature "x" has')
+    assert do(robot, 5.0) == ""
+    assert robot.command(Use("Left"))[0].state == "Start"
+    assert do(robot, 5.0) == "Left"
+    assert robot.session.note == ""
+
+
+@pytest.mark.parametrize(
+    ("why", "x", "chosen"),
+    [
+        ("has no value", math.nan, ()),
+        ("is not among the states chosen", 5.0, ("Left", "Right")),
+        ("make room on the disk", 5.0, ()),
+    ],
+)
+def test_what_stands_still_is_obeyed_whatever_keeps_it_from_being_recorded(
+    robot, monkeypatch, why, x, chosen
+):
+    robot.begin(Curriculum("Home", (Use("x"),), states=tuple(map(Use, chosen))))
+    see(robot, 5.0)
+    robot.command(Use("Left"))
+    see(robot, x)
+    with monkeypatch.context() as patch:
+        if "disk" in why:
+            fail_to_write(patch)
+        assert robot.command(Use("Stay")) == []
+        assert why in robot.session.note
+    assert do(robot, x) == do(robot, math.nan) == "Stay"
+    assert len(robot.session.examples) == 2
 
 
 def test_a_training_that_cannot_be_written_down_leaves_the_earlier_one_safe(make, monkeypatch):

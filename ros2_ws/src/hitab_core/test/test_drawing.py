@@ -17,7 +17,7 @@ from hitab_core.drawing.layout import (
     place_words,
     state_boxes,
 )
-from hitab_core.drawing.picture import draw_automata, draw_automaton
+from hitab_core.drawing.picture import draw_automata
 from hitab_core.drawing.text import automaton_as_text
 from hitab_core.errors import HitabError
 from hitab_core.transition_function import HandWritten
@@ -94,8 +94,8 @@ def test_automata_are_drawn_side_by_side_into_a_file(
 
 
 def test_the_same_automaton_gives_the_same_picture(tmp_path: Path, keepaway: Automaton) -> None:
-    one = draw_automaton(keepaway, tmp_path / "one.svg").read_bytes()
-    assert draw_automaton(keepaway, tmp_path / "two.svg").read_bytes() == one
+    one = draw_automata([keepaway], tmp_path / "one.svg").read_bytes()
+    assert draw_automata([keepaway], tmp_path / "two.svg").read_bytes() == one
 
 
 def test_automata_without_rules_and_with_many_states_can_be_drawn(
@@ -123,9 +123,9 @@ def test_a_picture_that_cannot_be_drawn_is_named(tmp_path: Path, keepaway: Autom
     with pytest.raises(HitabError, match="there is no automaton to draw"):
         draw_automata([], tmp_path / "none.png")
     with pytest.raises(HitabError, match="cannot be drawn"):
-        draw_automaton(keepaway, tmp_path / "picture.doc")
+        draw_automata([keepaway], tmp_path / "picture.doc")
     with pytest.raises(HitabError, match="cannot be drawn"):
-        draw_automaton(keepaway, tmp_path / "missing" / "picture.png")
+        draw_automata([keepaway], tmp_path / "missing" / "picture.png")
 
 
 @pytest.mark.parametrize("n", [3, 5, 7])

@@ -7,6 +7,7 @@ A domain whose body is a `hitab_robots.robot.Robot` names it as its link:
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
@@ -19,6 +20,7 @@ from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
 from hitab_agent import AgentNode, OnPercept
 from hitab_core import HitabError
+from hitab_robots import wiring
 from hitab_robots.frames import mounts_of_tf
 from hitab_robots.freshness import AHEAD_S, Freshness
 from hitab_robots.mount import Mount
@@ -28,8 +30,11 @@ from hitab_robots.robot import Robot
 from hitab_robots.sensors import Sensor
 from hitab_robots.settings import ODOMETRY, VELOCITY, RelaySettings, declare, declare_number
 from hitab_robots.velocity import REST_S
-from hitab_ros import EmergencySwitch, absence, names
+from hitab_ros import EmergencySwitch, names, steady_timer
 from hitab_ros.stamps import seconds_of
+
+LOOK_S = 0.5
+"""How often to look for faults, s."""
 
 STARTING_S = 3.0
 """How long sensors and the relay may take to be found before their silence is a fault, s."""
@@ -64,7 +69,7 @@ class RobotLink:
         self._on_percept = on_percept
         self._faults = node.guard.faults
         self._clock = node.get_clock()
-        self._began = self._now()
+        self._looks_from = time.monotonic() + STARTING_S
         rate = declare_number(node, "rate", 10.0)
         mounts = _mounts_of_tf(node)
         self._sensors = [_SensorInput(node, sensor, mounts) for sensor in domain.body.sensors]
@@ -77,9 +82,10 @@ class RobotLink:
         node.stop = RelayWatch(node, self._relay)
         # The more keep a stop, the surer it reaches a relay that is found late.
         self._switch = EmergencySwitch(node, hands_on=True)
-        self._rest_until = self._began
+        self._rest_until = self._now()
         self._cycle = 0
         node.create_timer(1.0 / rate, self._tick)
+        steady_timer(node, LOOK_S, self._look_for_faults)  # simulated time may stand still
 
     def _now(self) -> float:
         return float(self._clock.now().nanoseconds) * 1e-9
@@ -96,8 +102,6 @@ class RobotLink:
         )
         action, _ = self._on_percept(percept)
         self._drive(action, seconds)
-        if not 0.0 <= seconds - self._began < STARTING_S:
-            self._look_for_faults(seconds)
 
     def _drive(self, action: Any, seconds: float) -> None:
         """Send the velocity on; without one, stand still for a moment and then leave the robot."""
@@ -113,9 +117,14 @@ class RobotLink:
             twist.linear.x, twist.linear.y, twist.angular.z = action
         self._velocities.publish(velocity)
 
-    def _look_for_faults(self, seconds: float) -> None:
+    def _look_for_faults(self) -> None:
+        if time.monotonic() < self._looks_from:
+            return
         for sensor in self._sensors:
-            self._faults.set(f"sensor {sensor.name}", sensor.trouble(seconds))
+            self._faults.set(f"sensor {sensor.name}", sensor.trouble(self._now()))
+        reach = {sensor.name: sensor.reach for sensor in self._sensors}
+        for check in wiring.CHECKS:
+            self._faults.set(check.__name__, check(self._node, reach))
         text = ""
         if self._relay is None and self._velocities.get_subscription_count() == 0:
             text = (
@@ -140,12 +149,14 @@ class _SensorInput:
     Attributes:
         name: of the sensor.
         freshness: holds the reading.
+        reach: the longest range that it reads, m, as far as known.
     """
 
     def __init__(
         self, node: Node, sensor: Sensor, mounts: Callable[[str], Mount | None] | None
     ) -> None:
         self.name = sensor.name
+        self.reach = math.inf
         self._node = node
         self._sensor = sensor
         self._clock = node.get_clock()
@@ -165,6 +176,7 @@ class _SensorInput:
     def _take(self, message: Any) -> None:
         mount = self._mount
         self._unplaced = ""
+        self.reach = self._sensor.reach(message)
         if self._mounts is not None:
             mount = self._mounts(message.header.frame_id)
             if mount is None:
@@ -185,15 +197,8 @@ class _SensorInput:
             return f"{what}: {self.freshness.trouble}; set the clocks of all machines"
         if self.freshness.is_fresh(now):
             return ""
-        # The name as remapped: `count_publishers` does not remap what it is given.
-        if self._node.count_publishers(self._subscription.topic_name):
-            return f"{what}: {absence.SILENT}"
-        number = self._node.context.get_domain_id()
-        return (
-            f"{what}: {absence.NOT_PUBLISHED} in ROS domain {number}; start the robot's driver "
-            f"there (ROS_DOMAIN_ID={number}), or remap the topic; let "
-            "ROS_AUTOMATIC_DISCOVERY_RANGE reach the driver if it is on another computer"
-        )
+        why = wiring.unheard(self._node, self._subscription.topic_name, self._sensor.message)
+        return f"{what}: {why}"
 
 
 def _message_class(sensor: Sensor) -> Any:

@@ -94,7 +94,7 @@ class Scan(Sensor):
         ranges = np.asarray(message.ranges, dtype=np.float64)
         angles = message.angle_min + message.angle_increment * np.arange(len(ranges))
         least = message.range_min if message.range_min > 0.0 else 0.0
-        most = message.range_max if self.max_range is None else self.max_range
+        most = self.reach(message)
         if not 0.0 < most < math.inf:
             most = math.nan
 
@@ -124,3 +124,7 @@ class Scan(Sensor):
             else:
                 found += [math.nan, math.nan]
         return found
+
+    def reach(self, message: Any) -> float:
+        """Return the longest range that it reads, m."""
+        return float(message.range_max if self.max_range is None else self.max_range)

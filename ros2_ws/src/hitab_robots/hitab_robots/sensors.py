@@ -94,6 +94,10 @@ class Sensor(ABC):
             mount: where the sensor sits; None: as declared.
         """
 
+    def reach(self, message: Any) -> float:
+        """Return the longest range that it reads, m; infinite if it reads none."""
+        return math.inf
+
 
 def finite(value: float) -> float:
     """Return a number, NaN if it is infinite."""
@@ -218,12 +222,16 @@ class Range(Sensor):
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
         """Return how far it is to what is in front of the sensor."""
-        distance, least, most = message.range, message.min_range, message.max_range
+        distance, least, most = message.range, message.min_range, self.reach(message)
         if distance == -math.inf:
             return [finite(least)]
         if distance >= most:
             return [finite(most)]
         return [finite(distance) if distance >= least else math.nan]
+
+    def reach(self, message: Any) -> float:
+        """Return the longest range that it reads, m."""
+        return float(message.max_range)
 
 
 @dataclass(frozen=True, kw_only=True)

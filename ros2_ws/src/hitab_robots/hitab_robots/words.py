@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from hitab_core import BasicBehavior, Feature, FeatureKind, Target, VocabularyError
@@ -49,7 +50,12 @@ def motion(
     def pulse(body: RobotBody) -> None:
         body.drive(ahead, turn, left)
 
-    return BasicBehavior(name, pulse, description=description or _moving(ahead, turn, left))
+    return BasicBehavior(
+        name,
+        pulse,
+        description=description or _moving(ahead, turn, left),
+        stands_still=not (ahead or turn or left),
+    )
 
 
 def _moving(ahead: float, turn: float, left: float) -> str:
@@ -147,7 +153,18 @@ def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Fea
         more: kind, unit and others of `Feature`.
     """
     more.setdefault("description", f"the value {value}")
-    return Feature(name, lambda body: body[value], required=required, **more)
+    return Feature(name, ValueOf(value), required=required, **more)
+
+
+@dataclass(frozen=True)
+class ValueOf:
+    """Reads one of the robot's values, by its name."""
+
+    name: str
+
+    def __call__(self, body: RobotBody) -> float:
+        """Return the value."""
+        return body[self.name]
 
 
 def nearest_range(name: str, sector: str, *, required: bool = True) -> Feature:

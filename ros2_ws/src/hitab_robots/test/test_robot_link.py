@@ -1,19 +1,23 @@
 """The link of an agent to its robot; the test plays the robot and the engine of the agent."""
 
 import math
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
-from geometry_msgs.msg import TwistStamped
+import rclpy
+from geometry_msgs.msg import PointStamped, Twist, TwistStamped
+from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
-from hitab_core import Domain, HitabError
-from hitab_robots import Robot, RobotLink, Scan, Sector
-from hitab_robots.settings import VELOCITY
+from hitab_core import Automaton, Domain, HitabError, Repertoire, TransitionTree, Use
+from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range
+from hitab_robots.settings import COMMANDS, VELOCITY
+from hitab_robots.velocity_relay import VelocityRelay
 from hitab_ros import GuardedNode, make_node
 from hitab_ros.stamps import as_time
 from hitab_ros.testing import context_of_its_own, spin_until
@@ -34,8 +38,14 @@ class Desk:
             cli_args=["--ros-args", *(word for remap in remaps for word in ("-r", remap))],
             parameter_overrides=[Parameter(k, value=v) for k, v in given.items()],
         )
-        domain = Domain.of("test", "1", body, behaviors=(), features=())
-        self.node.agent = SimpleNamespace(domain=domain)
+        domain = Domain.of(
+            "test",
+            "1",
+            body,
+            behaviors=(motion("Forward", ahead=0.2), motion("Stop")),
+            features=(nearest_range("RangeAhead", "scan.ahead"),),
+        )
+        self.node.agent = SimpleNamespace(domain=domain, repertoire=Repertoire(domain))
         self.node.stands, self.node.stop_changed = lambda: True, lambda: None
         self.robot = make_node("robot", namespace="/robot_1", context=context)
         for node in (self.node, self.robot):
@@ -44,21 +54,29 @@ class Desk:
             LaserScan, "/scan" if remaps else "scan", qos_profile_sensor_data, temporary=True
         )
         self.percepts, self.action = [], ()
+        self.relay = None
         self.link = RobotLink(self.node, "world", self._tick)
 
     def _tick(self, percept):
         self.percepts.append(dict(zip(ROBOT.values, percept.values, strict=True)))
         return self.action, ""
 
+    def start_relay(self, **parameters):
+        given = [Parameter(name, value=value) for name, value in parameters.items()]
+        self.relay = VelocityRelay(
+            namespace="/robot_1", context=self.node.context, parameter_overrides=given
+        )
+        self.executor.add_node(self.relay)
+
     def hear_velocities(self):
         velocities = []
         self.robot.create_subscription(TwistStamped, VELOCITY, velocities.append, 10)
         return velocities
 
-    def scan(self, *ranges, age=0.0, stamp=None):
+    def scan(self, *ranges, age=0.0, stamp=None, range_max=9.0):
         """Publish a scan whose first ray is ahead in its own frame, and the second at its left."""
         message = LaserScan(
-            angle_increment=math.pi / 2, range_min=0.1, range_max=9.0, ranges=ranges
+            angle_increment=math.pi / 2, range_min=0.1, range_max=range_max, ranges=ranges
         )
         if stamp is None:
             stamp = self.robot.get_clock().now().nanoseconds - int(age * 1e9)
@@ -82,7 +100,7 @@ def desk(request):
     with context_of_its_own() as context:
         desk = Desk(context, **getattr(request, "param", {}))
         yield desk
-        for node in (desk.node, desk.robot):
+        for node in filter(None, (desk.relay, desk.node, desk.robot)):
             desk.executor.remove_node(node)
             node.destroy_node()
         desk.executor.shutdown()
@@ -168,3 +186,90 @@ def test_a_body_that_is_no_robots_is_refused():
     refused = pytest.raises(HitabError, match=r'domain "test": the link hitab_robots:RobotLink')
     with context_of_its_own() as context, refused:
         Desk(context, body=object)
+
+
+BASE = f"/robot_1/{COMMANDS}"
+
+
+@pytest.fixture
+def driver(desk):
+    """A process of the robot that HiTAB knows nothing of."""
+    context = Context()
+    rclpy.init(context=context, domain_id=desk.node.context.get_domain_id())
+    yield rclpy.create_node("driver", namespace="/robot_1", context=context)
+    context.try_shutdown()
+
+
+def ignore(message):
+    """Be subscribed."""
+
+
+def test_a_robot_without_a_base_is_said_to_have_none(desk, driver):
+    desk.start_relay()
+    desk.until(lambda: desk.has_fault(f"nobody subscribes to {BASE}"))
+    driver.create_subscription(Twist, COMMANDS, ignore, 10)
+    desk.until(lambda: not desk.has_fault(BASE))
+
+
+@pytest.mark.parametrize(
+    ("stamped", "sent", "taken"), [(False, Twist, TwistStamped), (True, TwistStamped, Twist)]
+)
+def test_a_base_that_does_not_take_what_the_relay_sends_is_named(
+    desk, driver, stamped, sent, taken
+):
+    base = driver.create_subscription(taken, COMMANDS, ignore, 10)
+    desk.start_relay(enable_stamped_cmd_vel=stamped)
+    desk.until(lambda: desk.has_fault(f"{BASE} is sent as geometry_msgs/msg/{sent.__name__}, but"))
+    assert desk.has_fault(f"/robot_1/driver takes geometry_msgs/msg/{taken.__name__};")
+    assert desk.has_fault(
+        f"set the parameter enable_stamped_cmd_vel to {str(not stamped).lower()}"
+    )
+    driver.destroy_subscription(base)
+    driver.create_subscription(sent, COMMANDS, ignore, 10)
+    desk.until(lambda: not desk.has_fault(BASE))
+
+
+def test_who_drives_the_base_past_the_relay_is_named(desk, driver):
+    desk.start_relay()
+    driver.create_subscription(Twist, COMMANDS, ignore, 10)
+    publisher = driver.create_publisher(Twist, COMMANDS, 10)
+    desk.until(
+        lambda: desk.has_fault(f"/robot_1/driver publishes {BASE}, past the velocity_relay")
+    )
+    assert desk.has_fault("remap it to /robot_1/cmd_vel_agent, as TwistStamped")
+    driver.destroy_publisher(publisher)
+    desk.until(lambda: not desk.has_fault(BASE))
+
+
+@pytest.mark.parametrize("desk", [{"remaps": [f"{VELOCITY}:={COMMANDS}"]}], indirect=True)
+def test_an_agent_that_drives_its_base_itself_is_no_second_driver(desk, driver):
+    driver.create_subscription(TwistStamped, COMMANDS, ignore, 10)
+    desk.until(lambda: desk.has_fault("scan"))  # it has looked
+    assert not desk.has_fault(BASE)
+
+
+@pytest.mark.parametrize("desk", [{"use_sim_time": True}], indirect=True)
+def test_simulated_time_that_nobody_publishes_is_said_though_no_time_passes(desk, driver):
+    desk.until(lambda: desk.has_fault("nobody publishes /clock, so the agent never decides"))
+    driver.create_publisher(Clock, "/clock", 1)
+    desk.until(lambda: not desk.has_fault("/clock"))
+
+
+def test_a_sensor_that_is_published_as_another_type_is_said_to_be(desk, driver):
+    desk.robot.destroy_publisher(desk.scans)
+    driver.create_publisher(PointStamped, "scan", 10)
+    wrong = "published as geometry_msgs/msg/PointStamped and not as sensor_msgs/msg/LaserScan"
+    desk.until(lambda: desk.has_fault(f"sensor scan, /robot_1/scan: {wrong}"))
+
+
+def test_a_behavior_that_decides_by_a_range_that_the_sensor_never_measures_is_named(desk):
+    tree = TransitionTree().fit([[2.0], [20.0]], ["Stop", "Forward"])
+    states, features = (Use("Stop"), Use("Forward")), (Use("RangeAhead"),)
+    wander = Automaton("Wander", states, features, {"Start": tree})
+    agent = desk.node.agent
+    agent.repertoire = Repertoire(agent.domain, {"Wander": wander})
+    far = (
+        '"Wander" decides by whether RangeAhead is above 11 m, but sensor scan measures up to 9 m'
+    )
+    desk.until(lambda: desk.has_fault(far), partial(desk.scan, 2.0))
+    desk.until(lambda: not desk.has_fault("Wander"), partial(desk.scan, 2.0, range_max=12.0))

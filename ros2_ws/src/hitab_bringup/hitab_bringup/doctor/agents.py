@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+
+from hitab_msgs.msg import AgentStatus
 
 from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import RosLink, RunRecord, SwarmClient
@@ -36,8 +38,13 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
     if mute := [name for name in record.agents if name not in statuses]:
         told = f"{some(mute)} of {record.swarm} did not answer within {ASK_SECONDS:g} s"
         yield warning("agents", told, f"`hitab logs {mute[0]}` shows why")
-    found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
-    for fault in found:
-        yield warning("agents", fault, f"`hitab status --swarm {name_to_choose(record)}` shows it")
+    found = list(told_by(statuses, f"`hitab status --swarm {name_to_choose(record)}` shows it"))
+    yield from found
     if not mute and not found:
         yield Finding("agents", f"{quantity(len(statuses), 'agent')} of {record.swarm}: no faults")
+
+
+def told_by(statuses: Mapping[str, AgentStatus], way_out: str) -> Iterator[Finding]:
+    """Report the faults of agents, each once with the names of those concerned."""
+    for fault in each_once((name, fault) for name, s in statuses.items() for fault in s.faults):
+        yield warning("agents", fault, way_out)

@@ -112,14 +112,16 @@ def neighbors(started_here: bool) -> Iterator[Finding]:
     Args:
         started_here: whether `hitab up` has started a swarm in this domain.
     """
-    from hitab_client import RosLink
+    from hitab_bringup.doctor.agents import told_by
+    from hitab_client import RosLink, SwarmClient
     from hitab_client.swarm_choice import reported_on
     from hitab_ros import FinalError, refuse_other_definitions
 
     number = domain_ids.chosen_by_user() or 0
     with RosLink(number) as link:
+        agents = SwarmClient(link)
         # Looks the whole time: nobody knows how many there are.
-        link.spin_until(lambda: False, LOOK_SECONDS)
+        link.spin_until(lambda: None if started_here else agents.discover(), LOOK_SECONDS)
         try:
             refuse_other_definitions(link.node)
         except FinalError as wrong:
@@ -133,5 +135,6 @@ def neighbors(started_here: bool) -> Iterator[Finding]:
             f"{who}, started by hand or on another computer",
             "to be alone, choose another ROS_DOMAIN_ID",
         )
+        yield from told_by(agents.statuses, "`hitab status` shows it")
     else:
         yield Finding("nodes", who)

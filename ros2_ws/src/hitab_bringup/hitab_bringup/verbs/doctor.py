@@ -48,7 +48,7 @@ def doctor(json: JsonPath = None) -> None:
 
 
 def _findings() -> Iterator[Finding]:
-    from hitab_bringup.doctor import agents, machine, ros, runs
+    from hitab_bringup.doctor import machine, ros, runs
     from hitab_client import domain_ids
     from hitab_client.run_folder import registered_swarms
 
@@ -64,6 +64,8 @@ def _findings() -> Iterator[Finding]:
     yield from runs.swarms()
     yield from runs.leftovers()
     if loads and all(finding.level != "error" for finding in domain):
+        from hitab_bringup.doctor import agents
+
         number = domain_ids.chosen_by_user() or 0
         # What a killed run has left was started here, too, and is among the leftovers.
         here = [folder for folder, r in registered_swarms() if r.domain_id == number]

@@ -61,6 +61,7 @@ def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
     return (
         f"{agent} {done}; {status.behavior} has "
         f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
+        + (f"; {agent} {status.note}" if status.note else "")
     )
 
 

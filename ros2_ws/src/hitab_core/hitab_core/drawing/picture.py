@@ -36,11 +36,6 @@ _NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e[-+]?\d+)?(?![\w.])")
 _WRAP = 48
 
 
-def draw_automaton(automaton: Automaton, path: Path | str) -> Path:
-    """Draw one automaton into a file; see `draw_automata`."""
-    return draw_automata([automaton], path)
-
-
 def draw_automata(automata: Sequence[Automaton], path: Path | str) -> Path:
     """Draw automata side by side into a file.
 

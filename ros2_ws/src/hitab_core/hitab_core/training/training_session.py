@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from hitab_core.automaton import FLAGS, START, Automaton, as_entered
-from hitab_core.errors import TrainingError, VocabularyError
+from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions
@@ -61,7 +61,11 @@ class TrainingSession:
     recorded in that state; redoing it performs the commanded behavior. After a crash the agent is
     in Start, and everything in the journal can still be undone.
 
+    While a required feature has no value, only what stands still is performed; the agent is
+    otherwise in Start, and stays there until the next command.
+
     Attributes:
+        note: what the demonstrator should know of this, until an example is recorded.
         perception: what the agent perceived lately, and around each command.
         requests: the latest commands it has obeyed that were numbered, before a crash too.
     """
@@ -96,6 +100,7 @@ class TrainingSession:
         self.testing = False
         self.asked = Questions()
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
+        self.note = ""
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -137,16 +142,36 @@ class TrainingSession:
         return _labels(self.log.examples)
 
     def tick(self) -> None:
-        """Perform one timestep."""
+        """Perform one timestep.
+
+        Raises:
+            FeatureValueError: if a required feature has no value.
+        """
         if self.testing:
             self.running.tick()
-        else:
+            return
+        try:
+            if not self.context.repertoire.stands_still(Use.parse(self.running.active)):
+                self._check_needed()
             self.running.pulse()
+        except Exception as error:
+            if self.running.active != START:
+                self.note = f"stands still until the next command: {error}"
+            self.running.stop()
+            self._taken_over = False
+            raise
+
+    def _check_needed(self) -> None:
+        domain, senses = self.context.repertoire.domain, self.context.senses
+        for feature in self.curriculum.features:
+            if domain.feature(feature.name).required:
+                senses.look(feature.bound(self._bindings))
 
     def restart(self) -> None:
         """Stop the active state and return to Start, as at the beginning of an episode."""
         self.running.stop()
         self.running.start()
+        self.note = ""
         self._left = False
         self.perception.restart()
 
@@ -240,7 +265,8 @@ class TrainingSession:
 
         Returns:
             The recorded examples: one, plus a default example unless the behavior is one-shot or
-                was already running.
+                was already running. None of one that stands still if it cannot be recorded; the
+                note says why.
 
         Raises:
             TrainingError: in testing mode, if the behavior is not among the chosen ones, or if
@@ -250,6 +276,22 @@ class TrainingSession:
         """
         if self.testing:
             raise TrainingError(self.is_tested)
+        try:
+            taught = self._record(state, cycle, ago, seen, request)
+            self.note = ""
+        except (FeatureValueError, TrainingError, LibraryError) as error:
+            if not self.context.repertoire.stands_still(state):
+                raise
+            taught = []
+            self.note = f"stands still, but {state} was not recorded: {error}"
+            self.running.add_state(state)
+            self.running.go_to(str(state))
+        self._taken_over = False
+        return taught
+
+    def _record(
+        self, state: Use, cycle: int, ago: float, seen: int, request: Request | None
+    ) -> list[Example]:
         self._check_state(state)
         label = str(state)
         perception, chosen, running = self.perception, self.curriculum.features, self.running
@@ -278,7 +320,6 @@ class TrainingSession:
         if request is not None:
             self.requests.append(request)
         self.log.make(edit)
-        self._taken_over = False
         perception.keep_around(taught[0].command, around)
         perception.enter(label, due)
         running.take_down_flags()
@@ -300,6 +341,7 @@ class TrainingSession:
         """
         automaton = self.automaton()
         self._write({"do": "test"})
+        self.note = ""
         self.running.set_transitions(automaton.transitions)
         if restart:
             self.restart()
@@ -505,6 +547,7 @@ class TrainingSession:
         """Perform the state before an undone command, or the one after a redone command."""
         if edit.entered is None or self._left:
             return
+        self.note = ""
         self.running.raised.discard(str(edit.left))
         self.running.go_to(edit.entered)
         if edit.direction is Direction.UNDO:

@@ -1,0 +1,121 @@
+"""Wiring between an agent and its robot that cannot work, as the ROS graph shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rclpy.node import Node
+
+from hitab_agent import AgentNode
+from hitab_core import some
+from hitab_robots.settings import COMMANDS, VELOCITY
+from hitab_robots.words import ValueOf
+from hitab_ros import absence, names
+
+Reach = Mapping[str, float]
+"""The farthest that a sensor has said it can measure, m, by its name."""
+
+Check = Callable[[AgentNode, Reach], str]
+"""Returns what is wrong and the way out; empty if nothing is."""
+
+
+def stopped_clock(node: AgentNode, reach: Reach) -> str:
+    """Say that simulated time is used and nobody publishes it."""
+    topic = node.resolve_topic_name(names.CLOCK)
+    if not node.get_parameter("use_sim_time").value or node.count_publishers(topic):
+        return ""
+    return (
+        f"use_sim_time is true and nobody publishes {topic}, so the agent never decides; start "
+        "the simulation that publishes it, or set use_sim_time to false"
+    )
+
+
+def deaf_base(node: AgentNode, reach: Reach) -> str:
+    """Say that the base takes another type than it is sent, or is not there."""
+    topic = node.resolve_topic_name(COMMANDS)
+    publishers = node.get_publishers_info_by_topic(topic)
+    sent = {info.topic_type for info in publishers if _is_own(node, info)}
+    if not sent:
+        return ""  # whoever misses the relay says so
+    takers = node.get_subscriptions_info_by_topic(topic)
+    if not takers:
+        return (
+            f"nobody subscribes to {topic}, so the robot cannot move; start the driver of its "
+            f"base, or remap {COMMANDS} to the topic that it subscribes to"
+        )
+    deaf = [info for info in takers if info.topic_type not in sent]
+    if not deaf:
+        return ""
+    taken = sorted({f"{_name_of(info)} takes {info.topic_type}" for info in deaf})
+    other = "false" if any(kind.endswith("Stamped") for kind in sent) else "true"
+    return (
+        f"{topic} is sent as {some(sorted(sent))}, but {some(taken)}; set the parameter "
+        f"enable_stamped_cmd_vel to {other}"
+    )
+
+
+def second_driver(node: AgentNode, reach: Reach) -> str:
+    """Say who sends velocities to the base past the relay."""
+    topic = node.resolve_topic_name(COMMANDS)
+    publishers = node.get_publishers_info_by_topic(topic)
+    others = sorted({_name_of(info) for info in publishers if not _is_own(node, info)})
+    others = [name for name in others if "_UNKNOWN_" not in name]  # discovered in a moment
+    if not others:
+        return ""
+    return (
+        f"{some(others)} publishes {topic}, past the {names.VELOCITY_RELAY}: neither its limits "
+        f"nor the emergency stop hold for that; remap it to {node.resolve_topic_name(VELOCITY)}, "
+        "as TwistStamped"
+    )
+
+
+def far_threshold(node: AgentNode, reach: Reach) -> str:
+    """Say which trained behaviors decide by a range that the sensor never measures."""
+    repertoire, far = node.agent.repertoire, set()
+    for automaton in repertoire.automata.values():
+        for function in automaton.transitions.values():
+            for place, threshold in getattr(function, "thresholds", ()):
+                feature = automaton.features[place]
+                read = repertoire.domain.feature(feature.name).read
+                value = read.name if isinstance(read, ValueOf) else ""
+                sensor = value.partition(".")[0]
+                if value.endswith(".range") and threshold > reach.get(sensor, threshold):
+                    far.add(
+                        f'"{automaton.name}" decides by whether {feature} is above '
+                        f"{threshold:.4g} m, but sensor {sensor} measures up to "
+                        f"{reach[sensor]:.4g} m"
+                    )
+    return f"{'; '.join(sorted(far))}; train it with this sensor" if far else ""
+
+
+CHECKS: tuple[Check, ...] = (stopped_clock, deaf_base, second_driver, far_threshold)
+
+
+def unheard(node: Node, topic: str, message: str) -> str:
+    """Return why no message of this type comes on a topic."""
+    # The name as remapped: the graph knows no other.
+    types = {info.topic_type for info in node.get_publishers_info_by_topic(topic)}
+    if message in types:
+        return absence.SILENT
+    if types:
+        return (
+            f"published as {some(sorted(types))} and not as {message}; remap {topic} to the topic "
+            "of that type, or declare the sensor that reads this one"
+        )
+    number = node.context.get_domain_id()
+    return (
+        f"{absence.NOT_PUBLISHED} in ROS domain {number}; start the robot's driver there "
+        f"(ROS_DOMAIN_ID={number}), or remap the topic; let ROS_AUTOMATIC_DISCOVERY_RANGE reach "
+        "the driver if it is on another computer"
+    )
+
+
+def _is_own(node: Node, info: Any) -> bool:
+    """Whether a publisher is that of the relay, or of an agent that needs none in a simulation."""
+    own = (names.VELOCITY_RELAY, node.get_name())
+    return info.node_namespace == node.get_namespace() and info.node_name in own
+
+
+def _name_of(info: Any) -> str:
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
