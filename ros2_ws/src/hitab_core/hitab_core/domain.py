@@ -308,17 +308,29 @@ class Domain:
 
     @cached_property
     def signature(self) -> str:
-        """A short digest of the vocabulary; domains with equal signatures fit the same library."""
+        """A short digest of the vocabulary."""
+        return self.signature_of(self.behaviors, self.features, self.targets)
+
+    def signature_of(
+        self, behaviors: Iterable[str], features: Iterable[str], targets: Iterable[str]
+    ) -> str:
+        """Return a short digest of those of these words that the domain has.
+
+        What uses no other words fits each domain in which they have the same digest.
+        """
         described = {
             "name": self.name,
             "behaviors": sorted(
-                (b.name, list(b.parameters), b.one_shot) for b in self.behaviors.values()
+                (b.name, list(b.parameters), b.one_shot)
+                for b in map(self.behaviors.get, {*behaviors})
+                if b is not None
             ),
             "features": sorted(
                 (f.name, list(f.parameters), f.kind.value, f.period, list(f.categories))
-                for f in self.features.values()
+                for f in map(self.features.get, {*features})
+                if f is not None
             ),
-            "targets": sorted(self.targets),
+            "targets": sorted(self.targets.keys() & {*targets}),
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
 

@@ -18,7 +18,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.example import ExampleKind
-from hitab_core.library.behavior_library import BehaviorLibrary, accept_edit
+from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.commit import COMMIT, commit
 from hitab_core.library.differences import difference
 from hitab_core.library.durable_files import locked
@@ -267,7 +267,7 @@ def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_u
     library: BehaviorLibrary, teach: Teach
 ) -> None:
     library.save(teach("Wait", [], [("Start", [], "Stop")]))
-    for name, old, new in (("Approach", "GoFast", "GoFsat"), ("Control", "mat: 2", "mat: 9")):
+    for name, old, new in (("Approach", "GoFast", "GoFsat"), ("Control", "mat: 3", "mat: 9")):
         path = library.folder / f"{name}.hfa.yaml"
         path.write_text(path.read_text().replace(old, new))
     other = again(library)
@@ -361,17 +361,17 @@ def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
     first = library.file_digest("Approach")
     path.write_text(path.read_text().replace("4.5", "four"))
     with pytest.raises(LibraryError, match="must be a number"):
-        accept_edit(path, library.domain)
+        again(library).accept_edits("Approach")
     path.write_text(path.read_text().replace("four", "2.5"))
     with pytest.raises(LibraryError, match=f"hitab library accept {path}"):
         again(library).load()
-    assert accept_edit(path, library.domain) == path
+    assert again(library).accept_edits("Approach") == ["Approach"]
     accepted = again(library).file("Approach")
     assert accepted.automaton.examples[2].features == (2.5,)
     assert (accepted.provenance.version, accepted.provenance.earlier) == (2, first)
     assert accepted.provenance.note == "edited by hand"
     before = snapshot(library.folder)
-    accept_edit(path, library.domain)
+    assert again(library).accept_edits("Approach") == []
     assert snapshot(library.folder) == before, "there is nothing more to accept"
 
 

@@ -191,7 +191,7 @@ def test_a_file_that_was_edited_can_be_accepted_by_the_command_that_the_fault_na
     path.write_text(path.read_text().replace('description: ""', 'description: "mine"'))
     agent = make()
     assert f"run: hitab library accept {path}" in agent.faults[0]
-    agent.library.accept_edit("Low")
+    agent.library.accept_edits("Low")
     agent.reload()
     assert agent.faults == ()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -68,6 +68,15 @@ def scale_of(feature: Use, domain: Domain) -> Scale:
     return domain.feature(feature.name).scale
 
 
+def signature_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> str:
+    """Return a digest of the words of a domain that an automaton uses."""
+    return domain.signature_of(
+        (state.name for state in states),
+        (feature.name for feature in features),
+        (target for use in (*states, *features) for target in use.arguments),
+    )
+
+
 def feature_record(use: Use, domain: Domain) -> dict[str, Any]:
     """Return a feature's entry in a file: all that is needed to interpret its values."""
     if use.name in FLAGS:
@@ -103,7 +112,7 @@ def text_of(
         "domain": {
             "name": domain.name,
             "version": domain.version,
-            "signature": domain.signature,
+            "signature": signature_of(automaton.states, automaton.features, domain),
         },
         "parameters": list(automaton.parameters),
         "states": list(automaton.labels),

@@ -12,7 +12,13 @@ from hitab_core.errors import HitabError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import earlier, learn_transitions
-from hitab_core.library.behavior_file import BehaviorFile, feature_record, file_name, scale_of
+from hitab_core.library.behavior_file import (
+    BehaviorFile,
+    feature_record,
+    file_name,
+    scale_of,
+    signature_of,
+)
 from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
 from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.example_check import wrong_with
@@ -101,6 +107,7 @@ class _Reader:
         self._check_parameters()
         states = self._states()
         features, scales = self._features()
+        self._check_meaning(states, features)
         self._stop_if_wrong()  # examples make no sense without these
         readable, readings = self._readings()
         examples = self._examples([str(state) for state in states], scales, readings)
@@ -146,23 +153,29 @@ class _Reader:
             self._complaints.raise_any()
 
     def _check_domain(self) -> None:
-        stated, domain = self._content["domain"], self._domain
-        if stated["name"] != domain.name:
+        stated, domain = self._content["domain"]["name"], self._domain.name
+        if stated != domain:
             # Nothing else can be right, so stop here.
             self._complaints.add(
                 ("domain", "name"),
-                f'was trained in domain "{stated["name"]}", but this is "{domain.name}"; '
+                f'was trained in domain "{stated}", but this is "{domain}"; '
                 "use a library of this domain",
             )
             self._complaints.raise_any()
-        theirs = (stated["version"], stated["signature"])
-        ours = (domain.version, domain.signature)
-        if theirs != ours and not self._accepting:
+
+    def _check_meaning(self, states: Sequence[Use], features: Sequence[Use]) -> None:
+        """Check that what it uses means what it did; other words may have come and gone."""
+        stated, domain = self._content["domain"], self._domain
+        ours = signature_of(states, features, domain)
+        # Files of older formats do not say, and an edited one may use other words than it says.
+        theirs = ours if self._before else stated["signature"] or ours
+        if (stated["version"], theirs) != (domain.version, ours) and not self._accepting:
             self._complaints.add(
                 ("domain",),
-                f'was trained with domain "{domain.name}" version {theirs[0]} (signature '
-                f"{theirs[1]}), but this is version {ours[0]} (signature {ours[1]}); if what it "
-                f"uses still means the same, run: {self._accept}; if not, train it again",
+                f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
+                f"{theirs} of what it uses), but this is version {domain.version} (signature "
+                f"{ours}); if what it uses still means the same, run: {self._accept}; if not, "
+                "train it again",
             )
 
     def _check_name(self, expected: str) -> None:
