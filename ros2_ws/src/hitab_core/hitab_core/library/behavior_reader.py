@@ -175,7 +175,7 @@ class _Reader:
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
                 f"{theirs} of what it uses), but this is version {domain.version} (signature "
                 f"{ours}); if what it uses still means the same, run: {self._accept}; if not, "
-                "train it again",
+                "give it up and train it again",
             )
 
     def _check_name(self, expected: str) -> None:
@@ -238,14 +238,16 @@ class _Reader:
                 self._domain.check_feature(use, self._content["parameters"])
                 scales.append(scale_of(use, self._domain))
             except VocabularyError as error:
-                self._complaints.add(("features", i), f"{error}; correct it, or train again")
+                way = "correct it, or give the behavior up and train it again"
+                self._complaints.add(("features", i), f"{error}; {way}")
                 continue
             for key, value in feature_record(use, self._domain).items():
                 if key != "feature" and record.get(key) != value:
                     self._complaints.add(
                         ("features", i),
                         f'"{key}" of feature "{use}" is {record.get(key)} here but {value} in '
-                        "the domain, so its values mean something else; train it again",
+                        "the domain, so its values mean something else; give it up and train it "
+                        "again",
                     )
         return features, scales
 
