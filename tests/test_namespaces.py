@@ -201,7 +201,9 @@ def test_a_swarm_launched_in_a_namespace_is_found_and_can_be_chosen_by_it(hitab,
             refused = hitab("status")
             assert "choose one with --swarm NAME: /blue, /red" in " ".join(refused.stderr.split())
             refused = hitab("status", "--swarm", "/green")
-            assert 'no swarm answers in namespace "/green"' in " ".join(refused.stderr.split())
+            assert "no swarm answers in namespace /green of ROS" in " ".join(
+                refused.stderr.split()
+            )
 
 
 def test_a_robots_topics_parameters_and_relay_are_as_its_swarm_file_says(

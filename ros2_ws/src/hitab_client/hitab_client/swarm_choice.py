@@ -236,16 +236,17 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
     from hitab_client.agent_presence import SETTLE_SECONDS, AgentPresence
 
     where = f"ROS domain {link.node.context.get_domain_id()}"
-    if not link.spin_until(lambda: any(reported_on(link)), LOOK_SECONDS):
-        raise SwarmError(f"no swarm answers in {where}; start one, such as `hitab up keepaway`")
+
+    def spaces() -> set[str]:
+        there = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
+        return there & {namespace.rstrip("/")} if namespace else there
+
+    if not link.spin_until(spaces, LOOK_SECONDS):
+        which = f"namespace {namespace} of {where}" if namespace else where
+        raise SwarmError(f"no swarm answers in {which}; start one, such as `hitab up keepaway`")
     there: set[str] = set()
-    while there != (there := {topic.rsplit("/", 2)[0] for topic in reported_on(link)}):
+    while there != (there := spaces() or there):
         link.spin_until(lambda: False, SETTLE_SECONDS)
-    if namespace:
-        if namespace.rstrip("/") not in there:
-            known = has([space or "/" for space in there], namespace)
-            raise SwarmError(f'no swarm answers in namespace "{namespace}" of {where} {known}')
-        return namespace.rstrip("/")
     agents = [AgentPresence(link, prefix=space, identity=identity) for space in sorted(there)]
     if len(agents) > 1:
         for some_agents in agents:

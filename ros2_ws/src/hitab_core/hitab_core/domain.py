@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
@@ -312,7 +312,7 @@ class Domain:
         return self.signature_of(self.behaviors, self.features, self.targets)
 
     def signature_of(
-        self, behaviors: Iterable[str], features: Iterable[str], targets: Iterable[str]
+        self, behaviors: Container[str], features: Container[str], targets: Container[str]
     ) -> str:
         """Return a short digest of those of these words that the domain has.
 
@@ -322,15 +322,15 @@ class Domain:
             "name": self.name,
             "behaviors": sorted(
                 (b.name, list(b.parameters), b.one_shot)
-                for b in map(self.behaviors.get, {*behaviors})
-                if b is not None
+                for b in self.behaviors.values()
+                if b.name in behaviors
             ),
             "features": sorted(
                 (f.name, list(f.parameters), f.kind.value, f.period, list(f.categories))
-                for f in map(self.features.get, {*features})
-                if f is not None
+                for f in self.features.values()
+                if f.name in features
             ),
-            "targets": sorted(self.targets.keys() & {*targets}),
+            "targets": sorted(target for target in self.targets if target in targets),
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
 

@@ -161,18 +161,8 @@ class LearningAgent:
             FeatureValueError: if the percept is not a list of numbers, as many as before, or a
                 feature has no value.
         """
-        self._check(percept)
-        before, self._size = self._size, len(percept)
-        try:
-            return self._step(percept, command, heard, ago)
-        except (FeatureValueError, TypeError, ValueError):  # perhaps it was the wrong percept
-            self._size = before
-            raise
-
-    def _step(
-        self, percept: Sequence[float], command: str | None, heard: Sequence[str], ago: float
-    ) -> tuple[float, ...]:
         agent = self.agent
+        self._check(percept)
         self._cycle += 1
         agent.sense(percept, heard, self._cycle, self._cycle * self._period)
         if command is not None:
@@ -181,12 +171,14 @@ class LearningAgent:
                 agent.take_over()
             agent.command(use, ago=ago)
         elif agent.mode is Mode.IDLE or (agent.mode is Mode.TRAINING and not self.examples):
+            self._size = len(percept)
             raise TrainingError(
                 f"{agent.name} does not know what to do; command a behavior with "
                 f'step(percept, command="{next(iter(agent.domain.behaviors), "Name")}")'
                 + ("" if agent.session is not None else ", after train(name)")
             )
         agent.tick()
+        self._size = len(percept)  # not before: what it has not could be what is wrong with it
         return tuple(map(float, agent.act()[0]))
 
     def learn(self) -> Automaton:

@@ -71,9 +71,9 @@ def scale_of(feature: Use, domain: Domain) -> Scale:
 def signature_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> str:
     """Return a digest of the words of a domain that an automaton uses."""
     return domain.signature_of(
-        (state.name for state in states),
-        (feature.name for feature in features),
-        (target for use in (*states, *features) for target in use.arguments),
+        {state.name for state in states},
+        {feature.name for feature in features},
+        {target for use in (*states, *features) for target in use.arguments},
     )
 
 
