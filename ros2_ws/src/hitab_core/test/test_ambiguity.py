@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core.advice.alternatives import alternative_trees
+from hitab_core.advice.alternatives import finished, growing_alternatives
 from hitab_core.advice.ambiguity import ambiguities
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.situations import Origin
@@ -87,7 +87,7 @@ def test_nothing_is_asked_where_one_explanation_is_better():
 def test_nothing_is_asked_where_the_explanations_never_differ():
     seen = [[9.0 + i / 10, 0.0] for i in range(30)] + [[8.0 - i / 10, 1.0] for i in range(30)]
     known = evidence(CHASING)
-    assert len(alternative_trees(known)[1]) == 1
+    assert len(finished(growing_alternatives(known))[1]) == 1
     assert ambiguities(known, readings=seen, here=[True] * 60, compose=True) == []
 
 
@@ -123,7 +123,7 @@ def test_one_situation_serves_all_explanations_that_it_tells_apart():
     scales, names = (BOOLEAN_SCALE,) * 3, ("A", "B", "C")
     rows = [("S", (0.0, 0.0, 0.0), "S", True), ("S", (1.0, 1.0, 1.0), "T", False)]
     known = evidence(rows, scales, names, ("",) * 3)
-    assert len(alternative_trees(known)[1]) == 2
+    assert len(finished(growing_alternatives(known))[1]) == 2
     both = ambiguities(known, readings=[[1.0, 0.0, 0.0]])
     assert len(both) == 1
     apart = ambiguities(known, readings=[[1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
@@ -157,7 +157,7 @@ def test_a_single_direction_is_no_explanation():
         ("S", (3.0, 20.0), "T", False),
         ("S", (9.5, 30.0), "S", True),
     ]
-    assert alternative_trees(evidence(rows, scales, names))[1] == []
+    assert finished(growing_alternatives(evidence(rows, scales, names)))[1] == []
 
 
 def test_only_trees_have_alternatives():
@@ -207,7 +207,7 @@ def test_alternatives_explain_as_well_and_differ_where_is_asked(drawn, readings,
     rows = [("S", tuple(map(float, v)), goes, is_default) for v, goes, is_default in drawn]
     text = f"tree(boolean_first={boolean_first})"
     known = evidence(rows, scales, ("a", "b", "c"), ("",) * 3, text)
-    learned, others = alternative_trees(known)
+    learned, others = finished(growing_alternatives(known))
     for tree in others:
         assert misfits(tree, known) <= misfits(learned, known)
         assert leaves(tree) <= leaves(learned)

@@ -19,8 +19,9 @@ from hitab_core.errors import LibraryError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.library import behavior_schema
 from hitab_core.library.behavior_file import BehaviorFile, text_of
-from hitab_core.library.behavior_reader import read_behavior, read_behavior_file
+from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.provenance import Provenance
+from hitab_core.library.yaml_places import read_text
 
 Teach = Callable[..., Automaton]
 USES = {"Approach": "0" * 64, "Kick": "basic", "GoTo": "basic"}
@@ -374,7 +375,7 @@ def test_a_file_that_cannot_be_read_is_named(
     path = tmp_path / "Control.hfa.yaml"
     make(path)
     with pytest.raises(LibraryError) as refused:
-        read_behavior_file(path, robot)
+        read_behavior(read_text(path), path.name, robot)
     assert "Control.hfa.yaml" in str(refused.value)
     assert complaint in str(refused.value)
 

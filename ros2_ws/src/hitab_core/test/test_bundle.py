@@ -10,7 +10,8 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import Bundle, bundle_digest, install, make_bundle, unpack
+from hitab_core.library.bundle import Bundle, bundle_digest, make_bundle, read_bundle
+from hitab_core.library.edition import Editions
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
@@ -46,6 +47,12 @@ def repacked(*files: tuple[str, str]) -> Bundle:
     return Bundle(files, bundle_digest(files))
 
 
+def install(bundle: Bundle, receiver: BehaviorLibrary) -> list[str]:
+    """Have a library take in a bundle, as the agents that receive one do."""
+    read_bundle(bundle, receiver.editions)
+    return receiver.install(dict(bundle.files))
+
+
 def test_a_bundle_holds_all_that_a_behavior_is_made_of_each_after_what_it_uses(
     bundle: Bundle, library: BehaviorLibrary, repertoire: Repertoire
 ) -> None:
@@ -57,7 +64,8 @@ def test_a_bundle_holds_all_that_a_behavior_is_made_of_each_after_what_it_uses(
 def test_an_unpacked_bundle_gives_the_same_automata(
     bundle: Bundle, robot: Domain, keepaway: Automaton, library: BehaviorLibrary
 ) -> None:
-    automata = unpack(bundle, robot)
+    files = read_bundle(bundle, Editions(robot))
+    automata = {name: file.automaton for name, file in files.items()}
     assert list(automata) == ["Approach", "Control", "Keepaway"]
     assert automata["Keepaway"].examples == keepaway.examples
     assert Repertoire(robot, automata).needed_by("Keepaway") == list(automata)
@@ -98,9 +106,9 @@ def test_a_bundle_that_changed_on_its_way_is_refused(bundle: Bundle, robot: Doma
     (name, text), *rest = bundle.files
     for files in (((name, text + "# more\n"), *rest), tuple(rest), (*rest, (name, text))):
         with pytest.raises(LibraryError, match="it was corrupted in transit; send it again"):
-            unpack(replace(bundle, files=files), robot)
+            read_bundle(replace(bundle, files=files), Editions(robot))
     with pytest.raises(LibraryError, match="it was corrupted in transit"):
-        unpack(replace(bundle, digest="0" * 64), robot)
+        read_bundle(replace(bundle, digest="0" * 64), Editions(robot))
 
 
 def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
@@ -133,13 +141,13 @@ def test_a_behavior_that_is_not_needed_is_refused(
     bundle: Bundle, library: BehaviorLibrary, robot: Domain
 ) -> None:
     with pytest.raises(LibraryError, match='"Keepaway" is not made of Other; pack it again'):
-        unpack(repacked(("Other", library.texts()["Other"]), *bundle.files), robot)
+        read_bundle(repacked(("Other", library.texts()["Other"]), *bundle.files), Editions(robot))
 
 
 def test_a_bundle_for_another_domain_is_refused(bundle: Bundle, robot: Domain) -> None:
     other = Domain.of("boat", "1", robot.body, behaviors=[], features=[])
     with pytest.raises(LibraryError) as refused:
-        unpack(bundle, other)
+        read_bundle(bundle, Editions(other))
     assert str(refused.value).count('was trained in domain "small_robot"') == 3
 
 

@@ -201,12 +201,12 @@ def test_a_drawn_decision_has_the_distribution_that_is_predicted(
     st.booleans(),
 )
 def test_many_decisions_at_once_are_the_same_as_one_by_one(
-    taught: Any, asked: Any, most_probable: bool
+    decide_batch: Any, taught: Any, asked: Any, most_probable: bool
 ) -> None:
     tree = learned(*zip(*taught, strict=True))
     decide = tree.compile(range(4), STATES, most_probable=most_probable)
     one_by_one = [decide([None] * 4, reading(values), lambda d=d: d) for values, d in asked]
-    at_once = tree.decide_batch(*zip(*asked, strict=True), STATES, most_probable=most_probable)
+    at_once = decide_batch(tree, *zip(*asked, strict=True), STATES, most_probable=most_probable)
     assert at_once.tolist() == one_by_one
     if most_probable:
         labels = [list(STATES)[choice] for choice in one_by_one]

@@ -256,10 +256,3 @@ class Physics:
             angle = PI * (2.0 * self.random.random() - 1.0)
             return math.cos(angle), math.sin(angle)
         return dx / distance, dy / distance
-
-    # Queries of the current state.
-
-    def kickable_by(self, player: Mover) -> bool:
-        """Whether ``player`` can kick the ball now."""
-        ball = self.ball
-        return math.hypot(ball.x - player.x, ball.y - player.y) <= self.parameters.kickable

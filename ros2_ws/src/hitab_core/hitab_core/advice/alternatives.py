@@ -71,21 +71,17 @@ def finished(steps: Generator[None, None, T]) -> T:
             return end.value  # type: ignore[no-any-return]
 
 
-def alternative_trees(evidence: Evidence) -> tuple[TransitionTree | None, list[TransitionTree]]:
+def growing_alternatives(
+    evidence: Evidence,
+) -> Generator[None, None, tuple[TransitionTree | None, list[TransitionTree]]]:
     """Return the tree that is learned from examples, and its alternatives, nearest the root first.
 
-    There are none where another classifier is learned.
+    There are none where another classifier is learned. Something else can be done between two
+    trees.
 
     Raises:
         FeatureValueError, VocabularyError, ValueError: as `TransitionTree.fit`.
     """
-    return finished(growing_alternatives(evidence))
-
-
-def growing_alternatives(
-    evidence: Evidence,
-) -> Generator[None, None, tuple[TransitionTree | None, list[TransitionTree]]]:
-    """Return what `alternative_trees` does; something else can be done between two trees."""
     arguments = ClassifierSpec.parse(evidence.classifier).arguments
     boolean_first = bool(arguments.get("boolean_first", True))
     usual = _Choice(boolean_first)

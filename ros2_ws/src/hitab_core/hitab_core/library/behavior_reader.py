@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
@@ -23,20 +22,11 @@ from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schem
 from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.example_check import wrong_with
 from hitab_core.library.provenance import Provenance
-from hitab_core.library.yaml_places import Complaints, Document, read_text, read_yaml
+from hitab_core.library.yaml_places import Complaints, Document, read_yaml
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
 from hitab_core.wording import quantity
-
-
-def read_behavior_file(path: Path, domain: Domain) -> BehaviorFile:
-    """Read a behavior from the file named after it.
-
-    Raises:
-        LibraryError: naming every fault, by line.
-    """
-    return read_behavior(read_text(path), path.name, domain)
 
 
 def read_behavior(
