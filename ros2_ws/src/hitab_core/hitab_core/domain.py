@@ -195,6 +195,8 @@ class Domain:
         link: ``"module:Class"`` of the ROS side of the body, unless it is the standard link to a
             world node (percepts in, actions out).
         taken_out: names of the hand-written automata that were taken out; see `without`.
+        version_of: returns the version of some of its words, where what they mean is data; None:
+            all have the domain's.
     """
 
     name: str
@@ -206,6 +208,7 @@ class Domain:
     automata: Mapping[str, Automaton] = field(default_factory=dict)
     link: str = ""
     taken_out: frozenset[str] = frozenset()
+    version_of: Callable[[Container[str]], str] | None = None
 
     @classmethod
     def of(

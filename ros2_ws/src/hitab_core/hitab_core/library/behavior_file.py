@@ -68,13 +68,15 @@ def scale_of(feature: Use, domain: Domain) -> Scale:
     return domain.feature(feature.name).scale
 
 
-def signature_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> str:
-    """Return a digest of the words of a domain that an automaton uses."""
-    return domain.signature_of(
-        {state.name for state in states},
-        {feature.name for feature in features},
-        {target for use in (*states, *features) for target in use.arguments},
-    )
+def meaning_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> dict[str, str]:
+    """Return the version and the signature of the words of a domain that an automaton uses."""
+    behaviors, read = {state.name for state in states}, {feature.name for feature in features}
+    targets = {target for use in (*states, *features) for target in use.arguments}
+    of = domain.version_of
+    return {
+        "version": domain.version if of is None else of(behaviors | read | targets),
+        "signature": domain.signature_of(behaviors, read, targets),
+    }
 
 
 def feature_record(use: Use, domain: Domain) -> dict[str, Any]:
@@ -111,8 +113,7 @@ def text_of(
         "description": automaton.description,
         "domain": {
             "name": domain.name,
-            "version": domain.version,
-            "signature": signature_of(automaton.states, automaton.features, domain),
+            **meaning_of(automaton.states, automaton.features, domain),
         },
         "parameters": list(automaton.parameters),
         "states": list(automaton.labels),

@@ -15,8 +15,8 @@ from hitab_core.library.behavior_file import (
     BehaviorFile,
     feature_record,
     file_name,
+    meaning_of,
     scale_of,
-    signature_of,
 )
 from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
 from hitab_core.library.digests import checksum, learned_digest
@@ -156,16 +156,18 @@ class _Reader:
     def _check_meaning(self, states: Sequence[Use], features: Sequence[Use]) -> None:
         """Check that what it uses means what it did; other words may have come and gone."""
         stated, domain = self._content["domain"], self._domain
-        ours = signature_of(states, features, domain)
+        ours = meaning_of(states, features, domain)
         # Files of older formats do not say, and an edited one may use other words than it says.
-        theirs = ours if self._before else stated["signature"] or ours
-        if (stated["version"], theirs) != (domain.version, ours) and not self._accepting:
+        knows = stated["signature"] and not self._before
+        same = not knows or stated["signature"] == ours["signature"]
+        same &= stated["version"] in (ours["version"], domain.version)
+        if not same and not self._accepting:
             self._complaints.add(
                 ("domain",),
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
-                f"{theirs} of what it uses), but this is version {domain.version} (signature "
-                f"{ours}); if what it uses still means the same, run: {self._accept}; if not, "
-                "give it up and train it again",
+                f"{stated['signature'] or 'unknown'} of what it uses), but this is version "
+                f"{ours['version']} (signature {ours['signature']}); if what it uses still means "
+                f"the same, run: {self._accept}; if not, give it up and train it again",
             )
 
     def _check_name(self, expected: str) -> None:
