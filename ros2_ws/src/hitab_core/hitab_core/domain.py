@@ -178,10 +178,6 @@ class Body(Protocol):
         """Return this cycle's action, in the domain's own layout, and what to say, if anything."""
 
 
-def _by_name(things: Iterable[Any]) -> dict[str, Any]:
-    return {thing.name: thing for thing in things}
-
-
 @dataclass(frozen=True)
 class Domain:
     """Everything specific to a kind of robot.
@@ -268,7 +264,7 @@ class Domain:
                         f'domain "{name}": "{thing.name}" is a name of the engine\'s own, which '
                         "every automaton has; choose another one"
                     )
-        made = [_by_name(group) for group in groups]
+        made = [{thing.name: thing for thing in group} for group in groups]
         return cls(name, version, body, made[0], made[1], made[2], made[3], link)
 
     def without(self, names: Iterable[str]) -> Domain:
@@ -317,10 +313,7 @@ class Domain:
     def signature_of(
         self, behaviors: Container[str], features: Container[str], targets: Container[str]
     ) -> str:
-        """Return a short digest of those of these words that the domain has.
-
-        What uses no other words fits each domain in which they have the same digest.
-        """
+        """Return a short digest of those of these words that the domain has."""
         described = {
             "name": self.name,
             "behaviors": sorted(

@@ -14,13 +14,18 @@ from hitab_core.advice.nearness import UNKNOWN, Nearness
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning.transition_learning import learn_transition, learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
 COLORS = Scale(FeatureKind.CATEGORICAL, categories=("red", "green", "blue"))
+
+
+def learn_transition(classifier, scales, X, y, default=None, names=None):
+    """Learn the transition function of one state; by default no example is a default one."""
+    return learner(classifier, scales, names)(X, y, default or [False] * len(y))
 
 
 def evidence(rows, scales, classifier="tree"):

@@ -415,7 +415,7 @@ import sys
 from hitab_core.learning import classifier_replacement
 from hitab_core.learning import transition_learning as learning
 from hitab_core.domain import Scale
-tree = learning.learn_transition("tree", [Scale()], [[1.0], [2.0]], ["Stop", "Go"])
+tree = learning.learner("tree", [Scale()])([[1.0], [2.0]], ["Stop", "Go"], [False] * 2)
 decide = tree.compile([0], {"Stop": 0, "Go": 1})
 assert decide([2.0], None, None) == 1
 tree.explain([1.0], ["x"]), tree.digest(), tree.predict([[1.0]])
