@@ -11,7 +11,6 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -71,21 +70,41 @@ def options(
     return [f"server::{name}={value}" for name, value in values.items()]
 
 
-def start(stack: ExitStack, folder: Path, *command: str) -> None:
-    """Start a program that ends with the stack."""
+def start(stack: ExitStack, folder: Path, *command: str, count: int = 1) -> None:
+    """Start a program that ends with the stack, and give it the time to join.
+
+    Args:
+        stack: ends it.
+        folder: in which it runs.
+        command: the program and its arguments.
+        count: how often to start it.
+
+    Raises:
+        SystemExit: if there is no such program, or it has ended, with what it has printed.
+    """
     found = shutil.which(command[0])
     if found is None:
         raise SystemExit(
             f"error: there is no program {command[0]}; docs/rcssserver.md and docs/fidelity.md "
             "say where it comes from"
         )
-    program = subprocess.Popen(
-        [str(Path(found).resolve()), *command[1:]],
-        cwd=folder,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+    printed = folder / f"{Path(found).name}.out"
+    with printed.open("a") as out:
+        for _ in range(count):
+            program = subprocess.Popen(
+                [str(Path(found).resolve()), *command[1:]],
+                cwd=folder,
+                stdout=out,
+                stderr=out,
+            )
+            stack.callback(_end, program)
+    try:
+        status = program.wait(JOIN_SECONDS)
+    except subprocess.TimeoutExpired:
+        return
+    raise SystemExit(
+        f"error: {found} has ended with status {status}:\n{printed.read_text(errors='replace')}"
     )
-    stack.callback(_end, program)
 
 
 def _end(program: subprocess.Popen[bytes]) -> None:
@@ -109,10 +128,9 @@ def start_team(
 ) -> None:
     """Start UT Austin's keepers or takers, whichever ``team`` names."""
     keepers, takers = game
-    for _ in range(keepers if team == "keepers" else takers):
-        arguments = f"-p {port} -k {keepers} -j {takers} -t {team} -e 0 -q {policy}"
-        start(stack, folder, str(player.resolve()), *arguments.split())
-    time.sleep(JOIN_SECONDS)
+    arguments = f"-p {port} -k {keepers} -j {takers} -t {team} -e 0 -q {policy}"
+    count = keepers if team == "keepers" else takers
+    start(stack, folder, str(player.resolve()), *arguments.split(), count=count)
 
 
 def lost_commands(folder: Path) -> int:

@@ -20,7 +20,6 @@ from typing import Annotated
 import typer
 from games import size_of
 from rcss_programs import (
-    JOIN_SECONDS,
     options,
     start,
     start_team,
@@ -76,7 +75,6 @@ def main(
     with tempfile.TemporaryDirectory() as temporary, ExitStack() as stack:
         folder = Path(temporary)
         start(stack, folder, server, *options(port, folder, fullstate, side, others))
-        time.sleep(JOIN_SECONDS)
         start_team(stack, folder, player, port, counts, "keepers", keepers)
         start_team(stack, folder, taker or player, port, counts, "takers")
         time.sleep(START_SECONDS + seconds)

@@ -89,6 +89,15 @@ def test_a_person_orders_by_the_command_line_and_sees_who_obeys(team, view, hita
     assert checked.returncode == 0, checked.stderr
 
 
+def test_a_behavior_goes_to_agents_of_its_domain_and_not_to_their_commander(team, hitab):
+    given = hitab("distribute", "keeper_1", "Freeze")
+    assert given.returncode == 0, given.stderr
+    assert given.stdout == "keeper_2: has it\nkeeper_3: has it\n"
+    refused = hitab("distribute", "captain", "Captain")
+    assert refused.returncode == 1
+    assert "there is no other agent of the domain of captain to send it to" in refused.stderr
+
+
 def test_the_lessons_teach_again_what_is_shipped_to_the_last_digit(home, tmp_path):
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
     swarm = swarm.with_world(paused=True, pace="lockstep")

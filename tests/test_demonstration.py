@@ -317,6 +317,20 @@ def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
     assert begun.link.spin_until(lambda: not begun.world.wait().missing, 30)
 
 
+def test_a_step_over_the_end_of_an_episode_says_that_another_one_has_begun(begun, hitab):
+    still = {"ball": {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}}
+    here = begun.world.changed(lambda: begun.world.place(still, new_episode=True)).episode
+    assert hitab("world", "step", "2").stderr == ""
+    hitab("world", "place", "ball", "x=9.9", "y=0", "vx=2", "vy=0")
+    done = hitab("world", "step", "9")
+    assert done.stdout == "stepped 9 cycles\n"
+    told = " ".join(done.stderr.split())
+    assert told == (
+        f"episode {here} (out) ended, and episode {here + 1} began: everything has a new place, "
+        "and all behaviors are in Start"
+    )
+
+
 def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab):
     put(begun, 8.0)
     begun.agents.command(ONE, "GoFast")

@@ -13,7 +13,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_core import Automaton, load_domain
 from hitab_core.drawing.layout import Box, crosses
 from hitab_core.drawing.picture import lay_out, text_sizes
-from hitab_core.library.behavior_reader import read_behavior_file
+from hitab_core.library.behavior_reader import read_behavior
 from hitab_studio.graph import graph
 
 SOURCES = Path(__file__).parents[1] / "ros2_ws/src"
@@ -23,13 +23,14 @@ SHIPPED = sorted(SOURCES.glob("*_world/libraries/*/*.hfa.yaml"))
 def automaton_in(path: Path) -> Automaton:
     """Read a shipped automaton; that of a commander has a domain from a file beside it."""
     kind = path.parent / KIND_FILE
-    stored = yaml.safe_load(path.read_text(encoding="utf-8"))
+    text = path.read_text(encoding="utf-8")
+    stored = yaml.safe_load(text)
     domain = (
         commander_domain(read_kind(kind))
         if kind.exists()
         else load_domain(stored["domain"]["name"])
     )
-    return read_behavior_file(path, domain).automaton
+    return read_behavior(text, path.name, domain).automaton
 
 
 def points(path: str) -> np.ndarray:

@@ -52,7 +52,7 @@ def test_behaviors_from_when_default_examples_reached_around_circles_mean_what_t
 
     text = library.path("Reach").read_text(encoding="utf-8")
     library.path("Reach").write_text(text.replace("all_around=True", "all_around=False"))
-    library.accept_edit("Reach")
+    library.accept_edits("Reach")
     assert when_on_the_left("Reach") == ["TurnToBall"] * 2
 
 
@@ -70,7 +70,7 @@ def test_behaviors_from_when_trees_did_not_look_ahead_mean_what_they_did(tmp_pat
     path = library.path("ControlBall")
     text = path.read_text(encoding="utf-8")
     path.write_text(text.replace("classifier: tree", "classifier: tree(look_ahead=True)"))
-    library.accept_edit("ControlBall")
+    library.accept_edits("ControlBall")
     assert with_a_taker_at_4_m() == ["Stop"]
 
 

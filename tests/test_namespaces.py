@@ -3,14 +3,21 @@
 import json
 import os
 import signal
+import subprocess
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
-from hitab_client import RosLink, domain_ids
+from hitab_bringup.libraries import prepare
+from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.swarm_processes import processes
+from hitab_client import RosLink, RunFolder, domain_ids
+from hitab_client.identity import new_identity
 from hitab_client.run_folder import running_swarms
 from hitab_ros import qos
 
@@ -24,6 +31,10 @@ world: {{kind: keepaway, pace: lockstep, paused: true}}
 domain: keepaway
 agents: {{keeper_1: {{}}, keeper_2: {{}}, keeper_3: {{}}}}
 {more}
+"""
+CAPTAIN = """\
+kinds: {Captain: {orders: {Rest: nothing}}}
+commanders: {captain: {kind: Captain, commands: [keeper_1, keeper_2, keeper_3]}}
 """
 ROBOTS = """\
 swarm: robots
@@ -146,6 +157,53 @@ def test_two_swarms_with_the_same_names_live_side_by_side(hitab, link, tmp_path)
         if not topic.startswith(("/left/", "/right/")) and topic not in SHARED
     ]
     assert outside == []
+
+
+@contextmanager
+def launched(folder: Path, text: str, namespace: str) -> Iterator[str]:
+    """Start the processes of a swarm as `ros2 launch` does; yield the swarm's identity."""
+    swarm = parse_swarm(text, folder / "swarm.yaml").in_namespace(namespace)
+    run = RunFolder(folder / namespace)
+    run.prepare()
+    prepare(swarm, run.path)
+    identity = new_identity(swarm.name, launched=True)
+    with ExitStack() as stack:
+        for process in processes(swarm, run.path, identity):
+            with (run.path / f"{process.name}.log").open("w") as log:
+                there = subprocess.Popen(process.command, stdout=log, stderr=log)
+            stack.callback(there.wait, SECONDS)
+            stack.callback(there.terminate)
+        yield identity
+
+
+def test_a_swarm_launched_in_a_namespace_is_found_and_can_be_chosen_by_it(hitab, link, tmp_path):
+    text = WORLD.format(swarm="trio", more="hosts: 1\n" + CAPTAIN)
+
+    def agents(*options: str) -> list[str]:
+        def answered() -> bool:
+            told.append(hitab("status", "--json", "-", *options))
+            return told[-1].returncode == 0 and len(json.loads(told[-1].stdout)["agents"]) == 4
+
+        told: list[Any] = []
+        assert link.spin_until(answered, SECONDS), told[-1].stderr
+        return [agent["agent"] for agent in json.loads(told[-1].stdout)["agents"]]
+
+    with launched(tmp_path, text, "red"):
+        assert agents() == ["captain", "keeper_1", "keeper_2", "keeper_3"]
+        assert "captain" in hitab("tree").stdout
+        stepped = hitab("world", "step", "5")
+        assert stepped.stdout == "stepped 5 cycles\n", stepped.stderr
+        with launched(tmp_path, text, "blue") as blue:
+            assert agents("--swarm", "/blue") == agents("--swarm", blue)
+            assert hitab("world", "step", "7", "--swarm", "/blue").stdout == "stepped 7 cycles\n"
+            for swarm, cycle in (("/red", 5), ("/blue", 7)):
+                assert f"cycle {cycle}," in hitab("status", "--swarm", swarm).stdout
+            refused = hitab("status")
+            assert "choose one with --swarm NAME: /blue, /red" in " ".join(refused.stderr.split())
+            refused = hitab("status", "--swarm", "/green")
+            assert "no swarm answers in namespace /green of ROS" in " ".join(
+                refused.stderr.split()
+            )
 
 
 def test_a_robots_topics_parameters_and_relay_are_as_its_swarm_file_says(

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from hitab_core.domain import load_domain
-from hitab_core.library.behavior_reader import read_behavior_file
+from hitab_core.library.behavior_reader import read_behavior
 
 SOURCES = Path(__file__).parents[1] / "ros2_ws/src"
 OF_COMMANDERS = ("captain", "foraging_company", "foraging_squad")  # domains from descriptions
@@ -19,6 +19,7 @@ SHIPPED = [
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_the_stored_digest_of_each_tree_is_that_of_the_learned_one(path):
-    stored = yaml.safe_load(path.read_text(encoding="utf-8"))
-    automaton = read_behavior_file(path, load_domain(stored["domain"]["name"])).automaton
+    text = path.read_text(encoding="utf-8")
+    stored = yaml.safe_load(text)
+    automaton = read_behavior(text, path.name, load_domain(stored["domain"]["name"])).automaton
     assert stored["trees"] == {s: f.digest() for s, f in automaton.transitions.items()}

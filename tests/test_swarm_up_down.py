@@ -120,6 +120,7 @@ def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, swa
     up = hitab("up", write(swarm_home, "broken", BROKEN))
     assert up.returncode == 1
     assert "world ended while starting; the end of" in up.stderr
+    assert "(exit status " in up.stderr
     assert "taker_speed is -1.0; it must not be negative" in up.stderr
     assert "Traceback" not in up.stderr
     assert processes_of(RunFolder.of_swarm("broken")) == []

@@ -31,8 +31,8 @@ class Repertoires(Protocol):
     def repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
         """Return the behaviors that a member is known to have, with their parameters."""
 
-    def is_complete(self, member: AgentDescription) -> bool:
-        """Whether it has no other behaviors."""
+    def may_have(self, member: AgentDescription, behavior: str) -> bool:
+        """Whether it may have this behavior although it is not known to."""
 
 
 def read_kinds(top: Fields, base: Path) -> dict[str, CommanderKind]:
@@ -258,7 +258,7 @@ class CommanderSection:
             return
         use, known = Use.parse(behavior), self._repertoires.repertoire(member)
         if use.name not in known:
-            if not self._repertoires.is_complete(member):
+            if self._repertoires.may_have(member, use.name):
                 return
             self._once(
                 line,

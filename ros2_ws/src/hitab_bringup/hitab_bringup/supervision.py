@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -172,7 +173,11 @@ def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     if exit_code == FINAL and lines:
         return f"{process}: {lines[-1].removeprefix('error: ')} (log: {folder.log(process)})"
     told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (empty)"
-    return f"{process} ended while starting; the end of {folder.log(process)}:\n{told}"
+    # How, as in "exit status 127" or "terminated by SIGSEGV", is only in the supervisor's log.
+    text = (folder.path / "supervisord.log").read_text(encoding="utf-8", errors="replace")
+    how = [f" ({how})" for how in re.findall(rf" exited: {process} \(([^;]*);", text)]
+    end = f"the end of {folder.log(process)}{''.join(how[-1:])}"
+    return f"{process} ended while starting; {end}:\n{told}"
 
 
 def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> list[int]:

@@ -27,6 +27,7 @@ from hitab_bringup.swarm_description import (
 )
 from hitab_bringup.swarm_words import Words
 from hitab_client import DescriptionError
+from hitab_client.run_folder import state_home
 from hitab_commander import CommanderKind
 from hitab_core import NAME, NAME_RULE, has
 from hitab_core.library import SUFFIX, Fields
@@ -45,18 +46,22 @@ SET = {"commander", "roles", "state_dir", "subordinates", "asks_position", "swar
 """Parameters of agents and worlds that a swarm sets by itself."""
 
 
-def read_swarm(path: Path) -> SwarmDescription:
+def read_swarm(path: Path, run_dir: Path | None = None) -> SwarmDescription:
     """Read a swarm description.
+
+    Args:
+        path: of its file.
+        run_dir: its run folder, unless that is the default one.
 
     Raises:
         DescriptionError: naming everything that is wrong, by file and line.
     """
     if path.name.endswith(SUFFIX):
         raise DescriptionError(f"{path}: this is the file of a behavior, not a swarm file")
-    return parse_swarm(read_text(path, error=DescriptionError), path)
+    return parse_swarm(read_text(path, error=DescriptionError), path, run_dir)
 
 
-def parse_swarm(text: str, path: Path) -> SwarmDescription:
+def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDescription:
     r"""Read a swarm description from its text; relative paths start at the folder of ``path``.
 
     Raises:
@@ -75,7 +80,10 @@ def parse_swarm(text: str, path: Path) -> SwarmDescription:
     namespace = read_namespace(top)
     world = _world(top) if "world" in top else None
     common = _Common.of(top, path.parent)
-    words = Words(top)
+    # In a namespace its name, and so its run folder's, is longer.
+    runs = (run_dir,) if run_dir is not None else state_home().glob(f"{name}*")
+    kept = (file for run in runs for file in run.glob(f"libraries/*/*{SUFFIX}"))
+    words = Words(top, frozenset(file.name.removesuffix(SUFFIX) for file in kept))
     hosts = top.integer("hosts", None, least=1)
     groups = _agents(top, common, path.parent, words, hosts is not None)
     commanders = _commanders(top, common, path.parent, words, groups, hosts is not None)

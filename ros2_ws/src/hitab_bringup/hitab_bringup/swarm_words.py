@@ -24,10 +24,12 @@ class Words:
 
     Args:
         top: the top-level fields of the description.
+        kept: names of behaviors in the libraries of earlier runs, which an agent may have.
     """
 
-    def __init__(self, top: Fields) -> None:
+    def __init__(self, top: Fields, kept: frozenset[str] = frozenset()) -> None:
         self._top = top
+        self._kept = kept
         self._domains = [point.name for point in entry_points(group=ENTRY_POINT_GROUP)]
         self._said: set[str] = set()
         self._repertoires: dict[tuple[str, ...], Mapping[str, tuple[str, ...]]] = {}
@@ -82,10 +84,8 @@ class Words:
         except HitabError as error:
             self._complain(fields, "behavior", str(error))
             return
-        names = {*known.behaviors, *known.automata}
-        for folder in libraries:
-            names |= {path.name.removesuffix(SUFFIX) for path in folder.glob(f"*{SUFFIX}")}
-        if use.name not in names:
+        names = {*known.behaviors, *known.automata}.union(*map(_in, libraries))
+        if use.name not in names | self._kept:
             self._complain(fields, "behavior", unknown("behavior", use.name, names))
 
     def check_commander(self, fields: Fields, commander: CommanderDescription) -> None:
@@ -98,7 +98,7 @@ class Words:
             fields.complain(str(error), "behavior")
             return
         known = self.repertoire(commander)
-        if self.is_complete(commander) and use.name not in known:
+        if not (use.name in known or self.may_have(commander, use.name)):
             fields.complain(unknown("behavior", use.name, known), "behavior")
 
     def repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
@@ -114,14 +114,14 @@ class Words:
             self._repertoires[key] = self._read_repertoire(member)
         return self._repertoires[key]
 
-    def is_complete(self, member: AgentDescription) -> bool:
-        """Whether a member has only its `repertoire`.
+    def may_have(self, member: AgentDescription, behavior: str) -> bool:
+        """Whether a member may have a behavior that is not in its `repertoire`.
 
-        A library in the run folder is not known yet, and may hold more.
+        A library in the run folder may hold more than what it was filled from.
         """
         if not isinstance(member, CommanderDescription) and member.domain not in self._domains:
-            return False
-        return bool(_folders(member))
+            return True
+        return not _folders(member) or behavior in self._kept
 
     def _read_repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
         if member.domain not in self._domains:

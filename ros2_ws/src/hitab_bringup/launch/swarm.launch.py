@@ -72,7 +72,8 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
 
 def described(given: Callable[[str], str]) -> SwarmDescription:
     """Return the swarm that the arguments describe, as `hitab up` does."""
-    swarm = read_swarm(find_file(given("swarm"), "swarms", "swarm"))
+    run_dir = Path(given("run_dir")) if given("run_dir") else None
+    swarm = read_swarm(find_file(given("swarm"), "swarms", "swarm"), run_dir)
     if given("namespace"):
         swarm = swarm.in_namespace(given("namespace"))
     if given("use_sim_time") == "true":

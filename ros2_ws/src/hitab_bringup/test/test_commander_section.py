@@ -166,6 +166,30 @@ def test_an_order_must_mean_something_for_every_role_and_be_known_to_all(tmp_pat
     assert 'gives "a" the unknown behavior "GoFsat" (known: ' in str(error.value)
 
 
+def test_what_was_learned_in_an_earlier_run_can_be_ordered_and_performed_at_once(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "library").mkdir()
+    text = (
+        "swarm: team\ndomain: keepaway\nstart_from: library\nbehavior: Home\n"
+        "agents: {a: {}}\nkinds: {Squad: {orders: {Back: Home}}}\n"
+        "commanders:\n  chief: {kind: Squad, commands: a, start_from: library, behavior: Lead}\n"
+    )
+
+    def learned_in(run: Path) -> None:
+        for agent, behavior in (("a", "Home"), ("Squad", "Lead")):
+            (run / "libraries" / agent).mkdir(parents=True)
+            (run / "libraries" / agent / f"{behavior}.hfa.yaml").touch()
+
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
+    with pytest.raises(DescriptionError, match='unknown behavior "Home"'):
+        parse_swarm(text, tmp_path / "team.yaml")
+    learned_in(tmp_path / "run")
+    assert parse_swarm(text, tmp_path / "team.yaml", tmp_path / "run").agents[0].behavior == "Home"
+    learned_in(tmp_path / "home" / "team_left")
+    assert parse_swarm(text, tmp_path / "team.yaml").commanders[0].behavior == "Lead"
+
+
 def test_what_is_wrong_with_a_kind_is_told_where_it_stands():
     head = HEAD.replace("Rest: nothing", "Rest: 3")
     told = complaint(TREE, head)

@@ -249,6 +249,21 @@ def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: P
     assert f"Keepaway: {replaced}" in done("library", "import", "all.yaml", "-l", "other")
 
 
+def test_all_edited_files_of_folders_are_accepted_at_once(lib: Path, tmp_path: Path) -> None:
+    shutil.copytree(lib, tmp_path / "other")
+    for path in (*lib.glob("*.yaml"), *(tmp_path / "other").glob("GotoBall*.yaml")):
+        path.write_text(path.read_text().replace('description: "', 'description: "Ours. '))
+    with pytest.raises(LibraryError):
+        library_of(lib).load()
+
+    text = done("library", "accept", "lib", "other")
+    assert re.findall(r"accepted (\S+)\.hfa", text) == [
+        "lib/ApproachBall", "lib/GotoBall", "lib/ControlBall", "lib/Keepaway", "other/GotoBall"
+    ]  # fmt: skip
+    assert sorted(library_of(lib).load()) == KEEPAWAY
+    assert "lib: nothing to accept" in done("library", "accept", "lib")
+
+
 def test_an_export_replaces_a_file_only_on_request(lib: Path, tmp_path: Path) -> None:
     done("library", "export", "GotoBall", "-l", "lib")
     done("library", "export", "GotoBall", "-l", "lib")  # the same again does no harm

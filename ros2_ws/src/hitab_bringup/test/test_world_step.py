@@ -27,13 +27,13 @@ class World:
 
     step = WorldClient.step
 
-    def state_at(self, cycle: int, seconds: float) -> SimpleNamespace:
+    def state_at(self, cycle: int, seconds: float = 10.0) -> SimpleNamespace:
         if self.cycle < cycle <= self.last:
             if not self.left:
                 raise KeyboardInterrupt
             self.left -= 1
             self.cycle += 1
-        return SimpleNamespace(cycle=self.cycle)
+        return SimpleNamespace(cycle=self.cycle, episode=3)
 
 
 @pytest.fixture

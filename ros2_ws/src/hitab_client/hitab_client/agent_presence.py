@@ -114,6 +114,11 @@ class AgentPresence:
         """Return the names of the agents that have reported so far."""
         return sorted(self.statuses)
 
+    def mates_of(self, agent: str) -> list[str]:
+        """Return the names of the other agents of an agent's domain that have reported so far."""
+        domain = self.statuses[agent].domain
+        return [a for a in self.agents() if a != agent and self.statuses[a].domain == domain]
+
     def await_agents(
         self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
     ) -> list[str]:

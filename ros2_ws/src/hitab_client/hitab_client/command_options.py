@@ -17,7 +17,7 @@ SwarmName = Annotated[
     typer.Option(
         "--swarm",
         envvar="HITAB_SWARM",
-        help="The swarm, if several are up: its name, identity or run folder.",
+        help="The swarm, if several are up: its name, identity, namespace or run folder.",
         show_default=False,
         autocompletion=completion.swarms,
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import date
@@ -68,10 +69,10 @@ def _start(folder: RunFolder, record: RunRecord) -> str:
 
 
 def meant(which: str, among: Iterable[Found]) -> list[Found]:
-    """Return the swarms that match a name or an identity, or else a run folder."""
+    """Return the swarms that match a name, an identity or a namespace, or else a run folder."""
     among = list(among)
     path = Path(which).resolve()
-    named = [found for found in among if which in (found[1].swarm, found[1].identity)]
+    named = [(f, r) for f, r in among if which in (r.swarm, r.identity, r.namespace)]
     return named or [found for found in among if found[0].path == path]
 
 
@@ -84,7 +85,7 @@ def find_running(which: str | None) -> Found | None:
     """Return the named swarm, or the only one that is up; None if none is up.
 
     Args:
-        which: its name, identity or run folder; None: the only one.
+        which: its name, identity, namespace or run folder; None: the only one.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
@@ -113,20 +114,28 @@ def _called(which: str) -> str:
     return f'swarms called "{which}" are up'
 
 
+def is_namespace(which: str) -> bool:
+    """Whether a text is a namespace, such as ``/red``, or ``/`` for none; not a run folder."""
+    return which == "/" or (
+        re.fullmatch(r"(/[A-Za-z_]\w*)+", which) is not None and not Path(which).exists()
+    )
+
+
 def find_meant(which: str | None, domain_id: int | None) -> Found | None:
     """Return the swarm to connect to; see `find_running`.
 
-    None as well for an identity that the registry does not know: its swarm may have been started
-    elsewhere.
+    None as well for an identity or a namespace that the registry does not know: its swarm may have
+    been started elsewhere.
 
     Args:
-        which: its name, identity or run folder; None: the only one.
+        which: its name, identity, namespace or run folder; None: the only one.
         domain_id: ROS domain of the swarm, if none is named; None: any.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
     """
-    if which is not None and is_identity(which) and not meant(which, running_swarms()):
+    elsewhere = which is not None and (is_identity(which) or is_namespace(which))
+    if elsewhere and not meant(str(which), running_swarms()):
         return None
     if which is not None or domain_id is None:
         return find_running(which)
@@ -213,17 +222,43 @@ def reported_on(link: RosLink) -> Iterator[str]:
                 yield topic
 
 
-def look_elsewhere(link: RosLink) -> None:
-    """Look for nodes of a swarm that was started by hand, or on another computer.
+def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> str:
+    """Return the namespace of a swarm that was started by hand, or on another computer.
+
+    Args:
+        link: the node to use.
+        namespace: the one that is meant, see `is_namespace`; empty: any.
+        identity: of the swarm in question; empty: any.
 
     Raises:
-        SwarmError: if there are none.
+        SwarmError: if there are no such nodes, or if they are in several namespaces.
     """
-    if not link.spin_until(lambda: any(reported_on(link)), LOOK_SECONDS):
-        number = link.node.context.get_domain_id()
+    from hitab_client.agent_presence import SETTLE_SECONDS, AgentPresence
+
+    where = f"ROS domain {link.node.context.get_domain_id()}"
+
+    def spaces() -> set[str]:
+        there = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
+        return there & {namespace.rstrip("/")} if namespace else there
+
+    if not link.spin_until(spaces, LOOK_SECONDS):
+        which = f"namespace {namespace} of {where}" if namespace else where
+        raise SwarmError(f"no swarm answers in {which}; start one, such as `hitab up keepaway`")
+    there: set[str] = set()
+    while there != (there := spaces() or there):
+        link.spin_until(lambda: False, SETTLE_SECONDS)
+    agents = [AgentPresence(link, prefix=space, identity=identity) for space in sorted(there)]
+    if len(agents) > 1:
+        for some_agents in agents:
+            some_agents.discover()
+        link.spin_until(lambda: all(a.statuses or a.strangers for a in agents), SETTLE_SECONDS)
+        agents = [a for a in agents if a.statuses] or agents
+    if len(agents) > 1:
+        told = ", ".join(a.prefix or "/" for a in agents)
         raise SwarmError(
-            f"no swarm answers in ROS domain {number}; start one, such as `hitab up keepaway`"
+            f"swarms answer in several namespaces of {where}; {WAY_TO_CHOOSE}: {told}"
         )
+    return agents[0].prefix
 
 
 def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None:

@@ -299,7 +299,7 @@ class SwarmClient(AgentPresence):
             source: agent that has the behavior.
             behavior: its name.
             arguments: targets for its parameters, if it should be started.
-            receivers: agents to send it to; by default all others.
+            receivers: agents to send it to; by default all others of its domain.
             start: make them perform it.
             seconds: how long to wait for the next answer; there is no limit on the total.
             progress: called with the number of answers and of receivers.
@@ -314,7 +314,9 @@ class SwarmClient(AgentPresence):
                 self._present(agent, DISCOVERY_SECONDS)
             else:
                 self.await_agent(agent)
-        meant = [name for name in (receivers or self.agents()) if name != source]
+        meant = [name for name in receivers or self.mates_of(source) if name != source]
+        if not meant:
+            raise SwarmError(f"there is no other agent of the domain of {source} to send it to")
         self._acknowledgements.await_hearing(meant)
         answer = self.ask(
             source,
@@ -322,7 +324,7 @@ class SwarmClient(AgentPresence):
             names.DISTRIBUTE,
             behavior=behavior,
             arguments=list(arguments),
-            receivers=list(receivers),
+            receivers=meant,
             start=start,
         )
         return self._acknowledgements.gather(

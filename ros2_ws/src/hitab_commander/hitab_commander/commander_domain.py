@@ -1,14 +1,16 @@
 """The domain of a kind of commander: its orders are basic behaviors, its group has the features.
 
 It depends on the kind alone, not on the subordinates, so all commanders of one kind can use the
-same library. Its version is a digest of the definitions: if an order or a feature is redefined,
-behaviors trained with the earlier definition are refused.
+same library. A version is a digest of definitions: if an order or a feature is redefined,
+behaviors that use it, trained with the earlier definition, are refused.
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from collections.abc import Container, Iterable
+from dataclasses import asdict, replace
 from functools import partial
+from typing import Any
 
 from hitab_commander.aggregation import spread
 from hitab_commander.commander_body import CommanderBody
@@ -33,7 +35,7 @@ def commander_domain(kind: CommanderKind) -> Domain:
     Raises:
         VocabularyError: if a name is malformed or used twice.
     """
-    return Domain.of(
+    domain = Domain.of(
         kind.name,
         _meaning(kind),
         lambda name: CommanderBody(name, kind),
@@ -42,13 +44,17 @@ def commander_domain(kind: CommanderKind) -> Domain:
         targets=[_target(pick) for pick in kind.targets],
         link=LINK,
     )
+    return replace(domain, version_of=partial(_meaning, kind))
 
 
-def _meaning(kind: CommanderKind) -> str:
+def _meaning(kind: CommanderKind, words: Container[str] | None = None) -> str:
+    def of(defined: Iterable[Any]) -> dict[str, Any]:
+        return {one.name: asdict(one) for one in defined if words is None or one.name in words}
+
     described = {
-        "orders": {order.name: asdict(order) for order in kind.orders},
-        "features": {feature.name: asdict(feature) for feature in kind.features},
-        "targets": {pick.name: asdict(pick) for pick in kind.targets},
+        "orders": of(kind.orders),
+        "features": of(kind.features),
+        "targets": of(kind.targets),
     }
     return checksum(described)[:12]
 

@@ -13,8 +13,11 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind, GroupFeature, Observation, OrderMap, Over, Pick
 from hitab_commander.kind_reader import parse_kind, read_kind
 from hitab_commander.kind_writer import kind_text
+from hitab_core import Automaton, BehaviorLibrary, LibraryError, Scale, Use
 from hitab_core.commanding.order import OTHERS, Order, Report
 from hitab_core.errors import VocabularyError
+from hitab_core.example import Example
+from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library import Fields
 from hitab_core.library.yaml_places import Complaints, read_yaml
 
@@ -96,6 +99,25 @@ def test_a_domain_depends_on_the_kind_alone_and_its_version_on_what_the_words_me
     )
     assert other.signature == first.signature
     assert other.version != first.version
+
+
+def test_what_a_commander_has_learned_outlasts_new_orders_and_features_beside_those_it_uses(
+    tmp_path,
+):
+    text = "commander: Squad\norders: {Go: Search, Rest: nothing}\nfeatures: {Far: {mean: X}}\n"
+    examples = (Example("Start", (1.0,), "Go", number=1, command=1),)
+    learned = learn_transitions(examples, [Scale()])
+    lead = Automaton("Lead", (Use("Go"),), (Use("Far"),), learned, examples=examples)
+
+    def library(text: str) -> BehaviorLibrary:
+        return BehaviorLibrary(tmp_path / "library", commander_domain(kind_of(text, tmp_path)))
+
+    library(text).save(lead)
+    more = text.replace("nothing}", "Stop, Home: Home}").replace("}}", "}, Near: {minimum: X}}")
+    assert list(library(more).load()) == ["Lead"]
+    for changed in (text.replace("Search", "Find"), text.replace("mean", "maximum")):
+        with pytest.raises(LibraryError, match="of what it uses"):
+            library(changed).load()
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
@@ -180,10 +180,6 @@ class Body(Protocol):
         """Return this cycle's action, in the domain's own layout, and what to say, if anything."""
 
 
-def _by_name(things: Iterable[Any]) -> dict[str, Any]:
-    return {thing.name: thing for thing in things}
-
-
 @dataclass(frozen=True)
 class Domain:
     """Everything specific to a kind of robot.
@@ -197,6 +193,8 @@ class Domain:
         link: ``"module:Class"`` of the ROS side of the body, unless it is the standard link to a
             world node (percepts in, actions out).
         taken_out: names of the hand-written automata that were taken out; see `without`.
+        version_of: returns the version of some of its words, where what they mean is data; None:
+            all have the domain's.
     """
 
     name: str
@@ -208,6 +206,7 @@ class Domain:
     automata: Mapping[str, Automaton] = field(default_factory=dict)
     link: str = ""
     taken_out: frozenset[str] = frozenset()
+    version_of: Callable[[Container[str]], str] | None = None
 
     @classmethod
     def of(
@@ -267,7 +266,7 @@ class Domain:
                         f'domain "{name}": "{thing.name}" is a name of the engine\'s own, which '
                         "every automaton has; choose another one"
                     )
-        made = [_by_name(group) for group in groups]
+        made = [{thing.name: thing for thing in group} for group in groups]
         return cls(name, version, body, made[0], made[1], made[2], made[3], link)
 
     def without(self, names: Iterable[str]) -> Domain:
@@ -310,17 +309,26 @@ class Domain:
 
     @cached_property
     def signature(self) -> str:
-        """A short digest of the vocabulary; domains with equal signatures fit the same library."""
+        """A short digest of the vocabulary."""
+        return self.signature_of(self.behaviors, self.features, self.targets)
+
+    def signature_of(
+        self, behaviors: Container[str], features: Container[str], targets: Container[str]
+    ) -> str:
+        """Return a short digest of those of these words that the domain has."""
         described = {
             "name": self.name,
             "behaviors": sorted(
-                (b.name, list(b.parameters), b.one_shot) for b in self.behaviors.values()
+                (b.name, list(b.parameters), b.one_shot)
+                for b in self.behaviors.values()
+                if b.name in behaviors
             ),
             "features": sorted(
                 (f.name, list(f.parameters), f.kind.value, f.period, list(f.categories))
                 for f in self.features.values()
+                if f.name in features
             ),
-            "targets": sorted(self.targets),
+            "targets": sorted(target for target in self.targets if target in targets),
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
 

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Self
 
+import numpy as np
+
 from hitab_core.agent import Agent, Mode
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
@@ -129,6 +131,7 @@ class LearningAgent:
                 "call save() first, or train with discard=True"
             )
         self.agent.begin(curriculum, discard=discard)
+        self._size = None
         return self
 
     def step(
@@ -155,23 +158,27 @@ class LearningAgent:
         Raises:
             TrainingError: if nothing is being trained; if no behavior has been commanded yet.
             VocabularyError: if there is no such behavior or target, naming what there is.
-            FeatureValueError: if the percept has another number of values than before, or a
+            FeatureValueError: if the percept is not a list of numbers, as many as before, or a
                 feature has no value.
         """
         agent = self.agent
-        self._sense(percept, heard)
+        self._check(percept)
+        self._cycle += 1
+        agent.sense(percept, heard, self._cycle, self._cycle * self._period)
         if command is not None:
             use = Use.parse(command)
             if agent.mode is not Mode.TRAINING and agent.session is not None:
                 agent.take_over()
             agent.command(use, ago=ago)
         elif agent.mode is Mode.IDLE or (agent.mode is Mode.TRAINING and not self.examples):
+            self._size = len(percept)
             raise TrainingError(
                 f"{agent.name} does not know what to do; command a behavior with "
                 f'step(percept, command="{next(iter(agent.domain.behaviors), "Name")}")'
                 + ("" if agent.session is not None else ", after train(name)")
             )
         agent.tick()
+        self._size = len(percept)  # not before: what it has not could be what is wrong with it
         return tuple(map(float, agent.act()[0]))
 
     def learn(self) -> Automaton:
@@ -235,12 +242,18 @@ class LearningAgent:
         session = self.agent.session
         return () if session is None else session.examples
 
-    def _sense(self, percept: Sequence[float], heard: Sequence[str]) -> None:
+    def _check(self, percept: Sequence[float]) -> None:
+        try:
+            right = not any(isinstance(v, str) or np.ndim(v) for v in percept)
+        except TypeError:  # it is one number
+            right = False
+        if not right:
+            raise FeatureValueError(
+                f"a percept is a list of numbers, such as [1.0, 0.5], not {percept!r}"
+            )
         if self._size is not None and len(percept) != self._size:
             raise FeatureValueError(
                 f"this percept has {quantity(len(percept), 'value')}, the first one had "
-                f"{self._size}; pass the same values in each step"
+                f"{self._size}; pass the same values in each step; if the first one was wrong, "
+                "begin again with train(name, discard=True)"
             )
-        self._cycle += 1
-        self.agent.sense(percept, heard, self._cycle, self._cycle * self._period)
-        self._size = len(percept)

@@ -4,7 +4,7 @@ import os
 import string
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,13 +14,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hitab_core.automaton import Automaton
-from hitab_core.domain import Domain, Feature, FeatureKind
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.errors import LibraryError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.library import behavior_schema
 from hitab_core.library.behavior_file import BehaviorFile, text_of
-from hitab_core.library.behavior_reader import read_behavior, read_behavior_file
+from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.provenance import Provenance
+from hitab_core.library.yaml_places import read_text
 
 Teach = Callable[..., Automaton]
 USES = {"Approach": "0" * 64, "Kick": "basic", "GoTo": "basic"}
@@ -294,20 +295,20 @@ def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
 
 
 def test_a_file_of_a_newer_hitab_is_refused(text: str, robot: Domain) -> None:
-    complaints = complaints_of(edited(text, "format: 2", "format: 3"), robot)
+    complaints = complaints_of(edited(text, "format: 3", "format: 4"), robot)
     assert len(complaints) == 1
-    assert "has format version 3, but this HiTAB reads up to 2; update HiTAB" in complaints[0]
+    assert "has format version 4, but this HiTAB reads up to 3; update HiTAB" in complaints[0]
 
 
 def test_a_file_of_an_older_hitab_is_brought_up_to_date(
     text: str, robot: Domain, control: Automaton, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    old = edited(text, "format: 2", "format: 0")
-    assert "cannot read (reads: 1, 2)" in complaints_of(old, robot)[0]
+    old = edited(text, "format: 3", "format: 0")
+    assert "cannot read (reads: 1, 2, 3)" in complaints_of(old, robot)[0]
     content = yaml.safe_load(old)
     old = edited(old, content["checksum"], behavior_checksum(content))
     monkeypatch.setattr(
-        behavior_schema, "MIGRATIONS", {0: lambda content: {**content, "format": 2}}
+        behavior_schema, "MIGRATIONS", {0: lambda content: {**content, "format": 3}}
     )
     assert says_the_same(read_behavior(old, "Control.hfa.yaml", robot), control)
 
@@ -374,7 +375,7 @@ def test_a_file_that_cannot_be_read_is_named(
     path = tmp_path / "Control.hfa.yaml"
     make(path)
     with pytest.raises(LibraryError) as refused:
-        read_behavior_file(path, robot)
+        read_behavior(read_text(path), path.name, robot)
     assert "Control.hfa.yaml" in str(refused.value)
     assert complaint in str(refused.value)
 
@@ -404,3 +405,36 @@ def test_a_library_is_read_without_scikit_learn_or_matplotlib() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     assert found.stdout.strip() == "[]"
+
+
+def test_words_can_be_added_to_a_domain_as_long_as_those_in_use_stay_as_they_are(
+    text: str, robot: Domain, control: Automaton
+) -> None:
+    def domain(*behaviors: BasicBehavior, features: Sequence[Feature] = ()) -> Domain:
+        return Domain.of(
+            robot.name,
+            robot.version,
+            robot.body,
+            behaviors=(robot.behaviors | {b.name: b for b in behaviors}).values(),
+            features=[*robot.features.values(), *features],
+            targets=[*robot.targets.values(), Target("dock", lambda body: 2)],
+        )
+
+    def written_by_format_2(text: str) -> str:
+        old = edited(text, "format: 3", "format: 2")
+        old = edited(old, yaml.safe_load(old)["domain"]["signature"], robot.signature)
+        content = yaml.safe_load(old)
+        return edited(old, content["checksum"], behavior_checksum(content))
+
+    grown = domain(BasicBehavior("Beep"), features=[Feature("Battery", float)])
+    unused = domain(BasicBehavior("GoSlow", one_shot=True))
+    for added in (grown, unused):
+        for file in (text, written_by_format_2(text)):
+            assert says_the_same(read_behavior(file, "Control.hfa.yaml", added), control)
+
+    changed = domain(BasicBehavior("Kick", one_shot=False))
+    complaint = complaints_of(text, changed)[0]
+    assert "of what it uses), but this is version 1" in complaint
+    assert "run: hitab library accept Control.hfa.yaml" in complaint
+    accepted = read_behavior(text, "Control.hfa.yaml", changed, accepting=True)
+    assert says_the_same(accepted, control)

@@ -10,7 +10,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import Bundle, bundle_digest, install, make_bundle, read_bundle
+from hitab_core.library.bundle import Bundle, bundle_digest, make_bundle, read_bundle
 from hitab_core.library.edition import Editions
 from hitab_core.repertoire import Repertoire
 
@@ -45,6 +45,12 @@ def bundle(library: BehaviorLibrary, repertoire: Repertoire) -> Bundle:
 
 def repacked(*files: tuple[str, str]) -> Bundle:
     return Bundle(files, bundle_digest(files))
+
+
+def install(bundle: Bundle, receiver: BehaviorLibrary) -> list[str]:
+    """Have a library take in a bundle, as the agents that receive one do."""
+    read_bundle(bundle, receiver.editions)
+    return receiver.install(dict(bundle.files))
 
 
 def test_a_bundle_holds_all_that_a_behavior_is_made_of_each_after_what_it_uses(

@@ -14,7 +14,7 @@ from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_encoding import FeatureEncoding
-from hitab_core.learning.transition_learning import learn_transition
+from hitab_core.learning.transition_learning import learner
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
@@ -23,6 +23,11 @@ COLOR = Scale(FeatureKind.CATEGORICAL, 0.0, ("red", "green", "blue"))
 NEAREST = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
 STATES = {"Start": 0, "Stop": 1, "GoFast": 2}
 TWO = ([[1.0], [2.0]], ["Stop", "GoFast"])
+
+
+def learn_transition(classifier, scales, X, y, default=None, names=None):
+    """Learn the transition function of one state; by default no example is a default one."""
+    return learner(classifier, scales, names)(X, y, default or [False] * len(y))
 
 
 def no_reading(slot):

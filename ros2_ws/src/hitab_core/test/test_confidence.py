@@ -14,13 +14,18 @@ from hitab_core.advice.nearness import UNKNOWN, Nearness
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning.transition_learning import learn_transition, learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
 COLORS = Scale(FeatureKind.CATEGORICAL, categories=("red", "green", "blue"))
+
+
+def learn_transition(classifier, scales, X, y, default=None, names=None):
+    """Learn the transition function of one state; by default no example is a default one."""
+    return learner(classifier, scales, names)(X, y, default or [False] * len(y))
 
 
 def evidence(rows, scales, classifier="tree"):
@@ -136,9 +141,13 @@ def test_an_automaton_is_rated_by_state_and_its_superseded_examples_support_noth
         {**learn_transitions(examples, [METERS]), "Stop": HandWritten(lambda: "Go")},
         examples=examples,
     )
-    evidence_of_go = Evidence.of("Go", shuttle.examples, [METERS], ["Range"])
-    rate = Confidences(shuttle.transitions["Go"], evidence_of_go)
-    assert rate([1.0]) == Confidence(Support(1, 0), 0)
+    evidence = {
+        state: Evidence.of(state, shuttle.examples, [METERS], ["Range"])
+        for state in shuttle.transitions
+    }
+    assert [state for state, of in evidence.items() if of.next_states] == ["Start", "Go"]
+    rated = Confidences(shuttle.transitions["Go"], evidence["Go"])
+    assert rated([1.0]) == Confidence(Support(1, 0), 0)
 
 
 def test_doubts_say_what_is_missing():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -191,9 +192,23 @@ def test_a_file_that_was_edited_can_be_accepted_by_the_command_that_the_fault_na
     path.write_text(path.read_text().replace('description: ""', 'description: "mine"'))
     agent = make()
     assert f"run: hitab library accept {path}" in agent.faults[0]
-    agent.library.accept_edit("Low")
+    agent.library.accept_edits("Low")
     agent.reload()
     assert agent.faults == ()
+
+
+def test_what_no_longer_means_the_same_can_be_given_up_and_trained_again_as_the_fault_says(
+    trained: Agent, make: Make, line: Domain
+) -> None:
+    agent = make(domain=replace(line, version="2"))
+    (fault,) = [fault for fault in agent.faults if "the file of Other, " in fault]
+    at = agent.library.folder
+    assert f"run: hitab library accept {file_of(agent, 'Other')}; if not, give it up and " in fault
+    assert f"give it up with `hitab library delete Other -l {at}`" in fault
+    agent.library.remove("Other")
+    agent.reload()
+    teach(agent, "Other", "Left", "Right")
+    assert sorted(agent.edition.files) == ["Other"]
 
 
 def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -> None:

@@ -10,7 +10,7 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning.transition_learning import learn_transition, learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.use import Use
 
@@ -26,6 +26,11 @@ EXAMPLES = [
     Example("Stop", (1.0, 1.0), "Stop", DEFAULT, number=6),
 ]
 SCALES = [METERS, BOOLEAN_SCALE]
+
+
+def learn_transition(classifier, scales, X, y, default=None, names=None):
+    """Learn the transition function of one state; by default no example is a default one."""
+    return learner(classifier, scales, names)(X, y, default or [False] * len(y))
 
 
 def decisions(function, rows):

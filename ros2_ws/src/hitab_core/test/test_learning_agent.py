@@ -150,6 +150,30 @@ def test_a_percept_that_is_too_short_names_the_feature():
         LearningAgent(domain).train("It").step([1.0], command="Go")
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"x": 1.0, "y": 2.0}, "1.0", ["a", "b"], [[1.0, 2.0]], 3.0, None, [], [1.0]]
+)
+def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_after_it(wrong):
+    domain = plain_domain("pair", ["Go", "Wait"], {"Sum": lambda p: p[0] + p[1]})
+    agent = LearningAgent(domain).train("It")
+    with pytest.raises(FeatureValueError):
+        agent.step(wrong, command="Go")
+    assert agent.examples == ()
+    agent.step([1.0, 2.0], command="Go")
+    agent.step([5.0, 2.0], command="Wait")
+    agent.learn()
+    assert [agent.decide([x, 2.0]) for x in (1.0, 5.0)] == ["Go", "Wait"]
+
+
+def test_a_training_can_begin_again_with_percepts_of_another_length():
+    agent = LearningAgent(cart()).train("Shuttle")
+    agent.step([0.0, 9.0], command="Right")
+    with pytest.raises(FeatureValueError, match=r"begin again with train\(name, discard=True\)"):
+        agent.step([0.0], command="Right")
+    agent.train("Shuttle", discard=True)
+    assert agent.step([0.0], command="Right") == (1.0,)
+
+
 def test_a_feature_whose_function_fails_is_named_with_the_percept():
     domain = plain_domain("ratio", ["Go"], {"Ratio": lambda p: p[0] / p[1]})
     with pytest.raises(FeatureValueError, match=r'"Ratio".*\[1.0, 0.0\]: ZeroDivisionError'):

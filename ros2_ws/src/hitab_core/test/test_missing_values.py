@@ -18,7 +18,7 @@ from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.feature_encoding import FeatureEncoding
 from hitab_core.learning.gain_ratio import gain_and_ratio, two_way_gains
-from hitab_core.learning.transition_learning import learn_transition, takes_missing
+from hitab_core.learning.transition_learning import learner, takes_missing
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_growth import LEAST_FRACTION
 from hitab_core.learning.tree_nodes import Leaf, ThresholdNode, nodes
@@ -47,6 +47,11 @@ PATCHY = st.tuples(
     st.sampled_from([NAN, 0.0, 1.0, 2.0, 3.0]),
 )
 TAUGHT = st.lists(st.tuples(PATCHY, st.sampled_from("ABC")), min_size=1, max_size=12)
+
+
+def learn_transition(classifier, scales, X, y, default=None, names=None):
+    """Learn the transition function of one state; by default no example is a default one."""
+    return learner(classifier, scales, names)(X, y, default or [False] * len(y))
 
 
 def learned(rows: Any, labels: Any, scales: Any = MIXED, **parameters: Any) -> TransitionTree:
@@ -201,12 +206,12 @@ def test_a_drawn_decision_has_the_distribution_that_is_predicted(
     st.booleans(),
 )
 def test_many_decisions_at_once_are_the_same_as_one_by_one(
-    taught: Any, asked: Any, most_probable: bool
+    decide_batch: Any, taught: Any, asked: Any, most_probable: bool
 ) -> None:
     tree = learned(*zip(*taught, strict=True))
     decide = tree.compile(range(4), STATES, most_probable=most_probable)
     one_by_one = [decide([None] * 4, reading(values), lambda d=d: d) for values, d in asked]
-    at_once = tree.decide_batch(*zip(*asked, strict=True), STATES, most_probable=most_probable)
+    at_once = decide_batch(tree, *zip(*asked, strict=True), STATES, most_probable=most_probable)
     assert at_once.tolist() == one_by_one
     if most_probable:
         labels = [list(STATES)[choice] for choice in one_by_one]

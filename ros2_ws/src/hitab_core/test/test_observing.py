@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind
-from hitab_core.learning.transition_learning import learn_transition
+from hitab_core.learning.transition_learning import learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.agent_batch import AgentBatch
@@ -32,6 +32,11 @@ from hitab_core.use import Use
 NAMES = ("First", "Second", "Third")
 STATES = ("A", "B", "C")
 NEAREST = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=2)"
+
+
+def learn_transition(classifier, scales, X, y, default=None, names=None):
+    """Learn the transition function of one state; by default no example is a default one."""
+    return learner(classifier, scales, names)(X, y, default or [False] * len(y))
 
 
 class Touchy:

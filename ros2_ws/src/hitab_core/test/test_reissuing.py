@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from hitab_core import BehaviorLibrary, LibraryError, load_domain
-from hitab_core.library import Bundle, bundle_digest, content_of, reissued, same_behavior
-from hitab_core.library.bundle import install
+from hitab_core.library import content_of, reissued, same_behavior
 
 FORMATS = Path(__file__).parents[4] / "tests" / "data" / "formats" / "library"
 SHIPPED = Path(__file__).parents[2] / "keepaway_world" / "libraries" / "keepaway"
@@ -27,8 +26,7 @@ def test_a_file_is_reissued_with_its_comments_and_can_be_read(folder, tmp_path):
     assert same_behavior(content_of(before, "a"), content_of(after, "b"))
 
     library = BehaviorLibrary(tmp_path, load_domain("keepaway"))
-    files = ((("ApproachBall", texts["ApproachBall"])), ("GotoBall", after))
-    install(Bundle(files, bundle_digest(files)), library)
+    library.install(texts | {"GotoBall": after})
     assert library.file("GotoBall").provenance.version == 7
     assert library.file("GotoBall").provenance.note == "generation 2 restored"
 

@@ -20,7 +20,7 @@ def studio(
     swarm: Annotated[
         str | None,
         typer.Argument(
-            help="The swarm, if several are up: its name, identity or run folder.",
+            help="The swarm, if several are up: its name, identity, namespace or run folder.",
             envvar="HITAB_SWARM",
         ),
     ] = None,

@@ -11,7 +11,7 @@ from hitab_client import RunFolder, RunRecord
 from hitab_client.domain_ids import chosen_by_user
 from hitab_client.identity import BY_HAND, is_identity
 from hitab_client.run_folder import Found, running_swarms
-from hitab_client.swarm_choice import meant
+from hitab_client.swarm_choice import is_namespace, meant
 
 
 @dataclass(frozen=True)
@@ -68,12 +68,12 @@ class Finder:
     identity is given, as on the command line.
 
     Args:
-        swarm: its name, identity or run folder; None: the one that is up, or was chosen.
+        swarm: its name, identity, namespace or run folder; None: the one that is up, or chosen.
         run_folder: of a swarm that may be missing from the list of those that are up.
     """
 
     def __init__(self, swarm: str | None = None, run_folder: Path | None = None) -> None:
-        is_path = swarm is not None and os.sep in swarm
+        is_path = swarm is not None and os.sep in swarm and not is_namespace(swarm)
         self._folder = Path(swarm) if is_path and swarm else run_folder
         self._swarm = None if is_path else swarm
         self._kept = ""
@@ -100,8 +100,9 @@ class Finder:
         if up:
             return self._one_of(up, own or 0)
         self._kept = ""
-        if self._swarm is None:
-            return Target(own or 0, identity=BY_HAND)
+        if self._swarm is None or is_namespace(self._swarm):
+            space = (self._swarm or "").rstrip("/")
+            return Target(own or 0, identity=BY_HAND, namespace=space)
         if is_identity(self._swarm):
             return Target(own or 0, self._swarm, identity=self._swarm)
         return Target(own or 0, self._swarm, problem=f'Swarm "{self._swarm}" is not up.')

@@ -70,6 +70,10 @@ def test_a_swarm_that_was_started_elsewhere_is_meant_if_its_identity_is_given():
     assert Finder(ELSEWHERE)() == Target(0, ELSEWHERE, identity=ELSEWHERE)
 
 
+def test_nodes_that_no_command_has_started_are_meant_in_the_namespace_that_is_given():
+    assert Finder("/red")() == Target(0, identity=BY_HAND, namespace="/red")
+
+
 @pytest.fixture
 def ups(tmp_path, monkeypatch):
     """Return a function that says which swarms are up, by the names of their folders."""

@@ -150,7 +150,7 @@ def distribute(
     targets: Targets = None,
     to: Annotated[
         list[str] | None,
-        typer.Option("--to", help="A receiver. Repeatable. Default: all other agents."),
+        typer.Option("--to", help="A receiver. Repeatable. Default: all others of its domain."),
     ] = None,
     start: Annotated[
         bool, typer.Option("--start", help="Make the receivers perform it, from Start.")
@@ -158,7 +158,7 @@ def distribute(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Send a behavior and everything it uses from one agent to the others.
+    """Send a behavior and everything it uses from one agent to the others of its domain.
 
     Each receiver verifies what it got; the output lists which ones accepted it.
 

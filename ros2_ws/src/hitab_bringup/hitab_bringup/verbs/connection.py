@@ -68,14 +68,14 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     identity is given, or by a verb that only reads.
 
     Args:
-        swarm: its name, identity or run folder.
+        swarm: its name, identity, namespace or run folder.
         reads: whether the verb changes nothing; it has to call `Connection.note_whose`.
 
     Raises:
         SwarmError: if none is up, or several are and none is named.
     """
     from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.swarm_choice import find_meant, look_elsewhere, none_is_up
+    from hitab_client.swarm_choice import find_meant, is_namespace, look_elsewhere, none_is_up
 
     domain_id = chosen_by_user()
     found = find_meant(swarm, domain_id)
@@ -88,12 +88,12 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     from hitab_client.run_processes import RunProcesses
 
     folder, record = found if found else (None, None)
-    identity = record.identity if record else swarm or ("" if reads else BY_HAND)
-    prefix = record.namespace if record else ""
+    namespace = swarm if swarm and is_namespace(swarm) else ""
+    named = record.identity if record else swarm if not namespace else None
+    identity = named or ("" if reads else BY_HAND)
     processes = RunProcesses(record)
     with RosLink(record.domain_id if record else domain_id or 0, console.note) as link:
-        if found is None:
-            look_elsewhere(link)
+        prefix = record.namespace if record else look_elsewhere(link, namespace, identity)
         agents = SwarmClient(
             link,
             record.agents if record else (),

@@ -75,18 +75,30 @@ def _kept(there: Any) -> str:
     return has(sorted(path.name for path in (there.folder / ".versions").glob("*")))
 
 
-def accept(path: Annotated[Path, typer.Argument(help="A behavior file.")]) -> None:
-    """Accept a behavior file that was edited by hand: check it and update its digests.
+def accept(
+    paths: Annotated[list[Path], typer.Argument(help="Behavior files, or folders of them.")],
+) -> None:
+    """Accept behavior files that were edited by hand: check them and update their digests.
 
-    Example:
+    Examples:
 
       hitab library accept my_library/ApproachBall.hfa.yaml
+
+      hitab library accept my_library
     """
     from hitab_bringup.opened_library import open_library
-    from hitab_core.library import accept_edit
+    from hitab_core.library import SUFFIX
 
-    console.say(f"accepted {accept_edit(path, open_library(path.parent).domain)}")
-    _tell_users(path.parent)
+    for path in paths:
+        folder, names = (path, ()) if path.is_dir() else (path.parent, (path.name,))
+        library = open_library(folder)
+        accepted = library.accept_edits(*(name.removesuffix(SUFFIX) for name in names))
+        for name in accepted:
+            console.say(f"accepted {library.path(name)}")
+        if accepted:
+            _tell_users(folder)
+        else:
+            console.say(f"{path}: nothing to accept")
 
 
 def delete(

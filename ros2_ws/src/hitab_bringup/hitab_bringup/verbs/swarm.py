@@ -94,7 +94,7 @@ def up(
     from hitab_client.shipped import find_file
     from hitab_client.swarm_choice import name_to_choose
 
-    description = read_swarm(find_file(swarm, "swarms", "swarm"))
+    description = read_swarm(find_file(swarm, "swarms", "swarm"), run_dir)
     if namespace:
         description = description.in_namespace(namespace)
     if use_sim_time:
@@ -138,7 +138,7 @@ def down(
         str | None,
         typer.Argument(
             metavar="swarm",
-            help="The swarm, if several are up: its name, identity or run folder.",
+            help="The swarm, if several are up: its name, identity, namespace or run folder.",
             autocompletion=completion.swarms,
         ),
     ] = None,

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from hitab_client import WorldClient
 
 LONG_SECONDS = 1.0  # after which the progress of steps is shown
+TOLD_SECONDS = 2.0  # to wait for why an episode has ended
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.")
 
@@ -62,15 +63,22 @@ def step(
     with connection(swarm) as swarm_up:
         world = swarm_up.world
         before = world.wait().missed_deadlines
+        first = world.state_at(0).episode
         try:
-            _step(world, cycles)
+            last = _step(world, cycles).episode
         except KeyboardInterrupt:
             # The world would go on with the rest by itself.
             stopped = world.control("pause").cycle
             console.note(f"interrupted; the world is paused at cycle {stopped}")
             raise typer.Exit(130) from None
         without = _silent(swarm_up) if world.wait().missed_deadlines > before else []
+        ended = _ended(world, range(first, last))
     console.say(f"stepped {quantity(cycles, 'cycle')}")
+    if ended:
+        console.note(
+            f"episode {ended} ended, and episode {last} began: everything has a new place, and "
+            "all behaviors are in Start"
+        )
     for why in without:
         console.note(f"but: {why}")
 
@@ -84,8 +92,19 @@ def _silent(swarm_up: Connection) -> list[str]:
     ]
 
 
-def _step(world: WorldClient, cycles: int) -> None:
-    """Step the world and wait for the end; show the progress if it takes long."""
+def _ended(world: WorldClient, episodes: range) -> str:
+    """Return which episodes have ended, and why, such as ``3 (out)``; "" if none has."""
+
+    def told() -> dict[int, str]:
+        return {episode.number: f" ({episode.ended})" for episode in world.episodes}
+
+    if episodes:
+        world.link.spin_until(lambda: episodes[-1] in told(), TOLD_SECONDS)
+    return ", ".join(f"{number}{told().get(number, '')}" for number in episodes)
+
+
+def _step(world: WorldClient, cycles: int) -> WorldState:
+    """Step the world and return its state; show the progress if it takes long."""
     began = time.monotonic()
     with ExitStack() as stack:
         advance: Callable[[int, int, str], None] | None = None
@@ -97,7 +116,7 @@ def _step(world: WorldClient, cycles: int) -> None:
             if advance is not None:
                 advance(cycles - left, cycles, "Ctrl-C pauses")
 
-        world.step(cycles, left=show)
+        return world.step(cycles, left=show)
 
 
 @app.command()

@@ -66,15 +66,10 @@ def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
 
 def mates_of(swarm: SwarmClient, agent: str, to: Sequence[str]) -> list[str]:
     """Return the teammates, once all are there and free."""
-    there = swarm.await_agents()
+    swarm.await_agents()
     for mate in to or swarm.expected:
         swarm.await_agent(mate)
-    domain = swarm.statuses[agent].domain
-    mates = [
-        mate
-        for mate in (to or there)
-        if mate != agent and (to or swarm.statuses[mate].domain == domain)
-    ]
+    mates = [mate for mate in to or swarm.mates_of(agent) if mate != agent]
     for mate in mates:
         if swarm.statuses[mate].mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             raise SwarmError(

@@ -76,8 +76,8 @@ def growing_alternatives(
 ) -> Generator[None, None, tuple[TransitionTree | None, list[TransitionTree]]]:
     """Return the tree that is learned from examples, and its alternatives, nearest the root first.
 
-    Something else can be done between two trees. There are no alternatives where another
-    classifier is learned.
+    There are none where another classifier is learned. Something else can be done between two
+    trees.
 
     Raises:
         FeatureValueError, VocabularyError, ValueError: as `TransitionTree.fit`.

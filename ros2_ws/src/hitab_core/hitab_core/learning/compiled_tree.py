@@ -284,29 +284,3 @@ def drawn_from(leaf: Draw, ending: Ending, draw: Callable[[Integers], Floats]) -
     """Return which of a leaf's choices each of the agents that have reached it draws."""
     drawn = draw(ending.rows) if ending.drawn is None else ending.drawn
     return np.searchsorted(leaf.cumulative, drawn, side="right")
-
-
-def decide_rows(
-    root: Compiled, X: Floats, draws: Floats, likely: Callable[[int], int] | None = None
-) -> Integers:
-    """Decide for many agents at once, with a tree with `leaf_choice` leaves.
-
-    Args:
-        root: the compiled tree, its slots columns of X.
-        X: shape (n, m), values; NaN if missing.
-        draws: shape (n,), uniform on [0, 1).
-        likely: see `ends`.
-    """
-
-    def draw(rows: Integers) -> Floats:
-        taken: Floats = draws[rows]
-        return taken
-
-    chosen = np.empty(len(X), np.int64)
-    for ending in ends(root, MatrixColumns(X), np.arange(len(X)), draw, likely):
-        leaf = ending.leaf
-        if isinstance(leaf, Draw):
-            chosen[ending.rows] = np.asarray(leaf.choices)[drawn_from(leaf, ending, draw)]
-        else:
-            chosen[ending.rows] = leaf
-    return chosen

@@ -99,34 +99,6 @@ def takes_missing(classifier: str) -> bool:
     return spec.name == TREE or takes_nan(classifier_maker(spec)())
 
 
-def learn_transition(
-    classifier: str,
-    scales: Sequence[Scale],
-    X: ArrayLike,
-    y: Sequence[str],
-    default: Sequence[bool] | None = None,
-    names: Sequence[str] | None = None,
-) -> LearnedTransition:
-    """Learn the transition function of one state.
-
-    Args:
-        classifier: see `learner`.
-        scales: how the values of each of the m features compare.
-        X: shape (n, m), feature values, n at least 1.
-        y: labels of the next states, n of them.
-        default: whether each example is a default one; None: none are.
-        names: names of the features, for errors.
-
-    Raises:
-        FeatureValueError: naming a feature whose value is impossible, or missing if the classifier
-            takes no missing values.
-        VocabularyError: if there is no such classifier.
-        TrainingError: if the classifier cannot learn from these examples.
-    """
-    is_default = [False] * len(y) if default is None else default
-    return learner(classifier, scales, names)(X, y, is_default)
-
-
 def learn_transitions(
     examples: Sequence[Example],
     scales: Sequence[Scale],

@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hitab_core.arrays import Floats, Integers
+from hitab_core.arrays import Floats
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import VocabularyError
 from hitab_core.learning import tree_text
@@ -26,7 +26,6 @@ from hitab_core.learning.compiled_tree import (
     Compiled,
     MatrixColumns,
     compiled,
-    decide_rows,
     decider,
     ends,
     leaf_choice,
@@ -297,48 +296,6 @@ class TransitionTree:
             root, slots, lambda counts: leaf_choice(counts, indices, most_probable=most_probable)
         )
         return tree, likely_state(root, slots, indices) if most_probable else None
-
-    def decide_batch(
-        self,
-        X: ArrayLike,
-        draws: ArrayLike,
-        states: Mapping[str, int] | None = None,
-        *,
-        most_probable: bool = False,
-    ) -> Integers:
-        """Decide for many agents at once, each as `compile` would.
-
-        Args:
-            X: shape (n, m), the feature values of each agent.
-            draws: shape (n,), a number in [0, 1) per agent.
-            states: index of each state, by label; None: as in ``classes_``.
-            most_probable: always take the most probable state.
-
-        Returns:
-            shape (n,), indices of the next states.
-
-        Raises:
-            FeatureValueError: as `fit`.
-            VocabularyError: if the tree leads to a state that is not in ``states``.
-        """
-        if states is None:
-            states = {label: i for i, label in enumerate(self.labels)}
-        tree, likely = self.compile_batch(
-            range(self.n_features_in_), states, most_probable=most_probable
-        )
-        values = feature_values(X, self.scales_, self.feature_names, may_miss=True)
-
-        def likely_in(row: int) -> int:
-            assert likely is not None
-            here: list[Any] = values[row].tolist()
-            return likely(here, here.__getitem__)
-
-        return decide_rows(
-            tree,
-            values,
-            np.asarray(draws, dtype=np.float64),
-            None if likely is None else likely_in,
-        )
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
         """Explain the decision for a full feature vector; ``names`` name its features.

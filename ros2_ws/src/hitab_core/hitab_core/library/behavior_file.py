@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -68,6 +68,17 @@ def scale_of(feature: Use, domain: Domain) -> Scale:
     return domain.feature(feature.name).scale
 
 
+def meaning_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> dict[str, str]:
+    """Return the version and the signature of the words of a domain that an automaton uses."""
+    behaviors, read = {state.name for state in states}, {feature.name for feature in features}
+    targets = {target for use in (*states, *features) for target in use.arguments}
+    of = domain.version_of
+    return {
+        "version": domain.version if of is None else of(behaviors | read | targets),
+        "signature": domain.signature_of(behaviors, read, targets),
+    }
+
+
 def feature_record(use: Use, domain: Domain) -> dict[str, Any]:
     """Return a feature's entry in a file: all that is needed to interpret its values."""
     if use.name in FLAGS:
@@ -102,8 +113,7 @@ def text_of(
         "description": automaton.description,
         "domain": {
             "name": domain.name,
-            "version": domain.version,
-            "signature": domain.signature,
+            **meaning_of(automaton.states, automaton.features, domain),
         },
         "parameters": list(automaton.parameters),
         "states": list(automaton.labels),

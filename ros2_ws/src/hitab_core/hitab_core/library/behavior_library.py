@@ -21,7 +21,6 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.behavior_schema import SUFFIX
 from hitab_core.library.change import LibraryChange, read_version, sound_version, way_back
 from hitab_core.library.contents import Contents
 from hitab_core.library.digests import digest_of
@@ -31,13 +30,6 @@ from hitab_core.library.folder import LibraryFolder
 from hitab_core.library.provenance import Provenance, time_now
 from hitab_core.library.renaming import plan_renaming
 from hitab_core.vocabulary import has
-
-
-def accept_edit(path: Path, domain: Domain) -> Path:
-    """Accept a file edited by hand; see `BehaviorLibrary.accept_edit`."""
-    if not path.name.endswith(SUFFIX):
-        raise LibraryError(f"{path}: is not a behavior file; their names end in {SUFFIX}")
-    return BehaviorLibrary(path.parent, domain).accept_edit(path.name.removesuffix(SUFFIX))
 
 
 class BehaviorLibrary:
@@ -156,10 +148,6 @@ class BehaviorLibrary:
         """Digest of all that was learned, of the behaviors in `files`."""
         return digest_of({name: file.learned for name, file in self.files.items()})
 
-    def file_digest(self, name: str) -> str:
-        """Return the checksum of one behavior's file."""
-        return self.file(name).checksum
-
     # -- writing ----------------------------------------------------------------------------
 
     @contextmanager
@@ -239,27 +227,38 @@ class BehaviorLibrary:
             change.commit()
         return done
 
-    def accept_edit(self, name: str) -> Path:
-        """Accept a file edited by hand: check it and update its digests.
+    def accept_edits(self, *names: str) -> list[str]:
+        """Accept files edited by hand, all or none: check them and update their digests.
 
-        It becomes a new version. Comments added by hand are lost.
+        Each becomes a new version. Comments added by hand are lost.
+
+        Args:
+            names: of the behaviors; none: all.
 
         Returns:
-            Its file.
+            The names of those whose files were not as they had been saved.
 
         Raises:
-            LibraryError: naming what is wrong with it; nothing has changed.
+            LibraryError: naming what is wrong with one; nothing has changed.
         """
-        path = self._folder.file(name)
         with self.change() as change:
-            text = self._folder.text(path)
-            edited = read_behavior(text, path.name, self.domain, accepting=True)
-            if name in change.after:
-                return path  # nothing is wrong with it
-            provenance = replace(edited.provenance, note="edited by hand")
-            change.save(edited.automaton, edited.classifier, provenance, edited=True)
-            change.commit()
-        return path
+            edited = {}
+            for name in names or self._folder.names():
+                path = self._folder.file(name)
+                text = self._folder.text(path)
+                edited[name] = read_behavior(text, path.name, self.domain, accepting=True)
+            accepted = []
+            while edited:  # each after what it uses; if they are recursive, saving refuses them
+                made_of = {name: file.automaton.behaviors_used for name, file in edited.items()}
+                name = min(edited, key=lambda name: len(made_of[name] & made_of.keys()))
+                file = edited.pop(name)
+                if name not in change.after:
+                    provenance = replace(file.provenance, note="edited by hand")
+                    change.save(file.automaton, file.classifier, provenance, edited=True)
+                    accepted.append(name)
+            if accepted:
+                change.commit()
+        return accepted
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
         """Copy files of another library into this one unchanged: all or none.

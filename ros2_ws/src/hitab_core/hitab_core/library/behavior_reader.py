@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
@@ -12,25 +11,22 @@ from hitab_core.errors import HitabError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import earlier, learn_transitions
-from hitab_core.library.behavior_file import BehaviorFile, feature_record, file_name, scale_of
+from hitab_core.library.behavior_file import (
+    BehaviorFile,
+    feature_record,
+    file_name,
+    meaning_of,
+    scale_of,
+)
 from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
 from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.example_check import wrong_with
 from hitab_core.library.provenance import Provenance
-from hitab_core.library.yaml_places import Complaints, Document, read_text, read_yaml
+from hitab_core.library.yaml_places import Complaints, Document, read_yaml
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
 from hitab_core.wording import quantity
-
-
-def read_behavior_file(path: Path, domain: Domain) -> BehaviorFile:
-    """Read a behavior from the file named after it.
-
-    Raises:
-        LibraryError: naming every fault, by line.
-    """
-    return read_behavior(read_text(path), path.name, domain)
 
 
 def read_behavior(
@@ -101,6 +97,7 @@ class _Reader:
         self._check_parameters()
         states = self._states()
         features, scales = self._features()
+        self._check_meaning(states, features)
         self._stop_if_wrong()  # examples make no sense without these
         readable, readings = self._readings()
         examples = self._examples([str(state) for state in states], scales, readings)
@@ -146,23 +143,31 @@ class _Reader:
             self._complaints.raise_any()
 
     def _check_domain(self) -> None:
-        stated, domain = self._content["domain"], self._domain
-        if stated["name"] != domain.name:
+        stated, domain = self._content["domain"]["name"], self._domain.name
+        if stated != domain:
             # Nothing else can be right, so stop here.
             self._complaints.add(
                 ("domain", "name"),
-                f'was trained in domain "{stated["name"]}", but this is "{domain.name}"; '
+                f'was trained in domain "{stated}", but this is "{domain}"; '
                 "use a library of this domain",
             )
             self._complaints.raise_any()
-        theirs = (stated["version"], stated["signature"])
-        ours = (domain.version, domain.signature)
-        if theirs != ours and not self._accepting:
+
+    def _check_meaning(self, states: Sequence[Use], features: Sequence[Use]) -> None:
+        """Check that what it uses means what it did; other words may have come and gone."""
+        stated, domain = self._content["domain"], self._domain
+        ours = meaning_of(states, features, domain)
+        # Files of older formats do not say, and an edited one may use other words than it says.
+        knows = stated["signature"] and not self._before
+        same = not knows or stated["signature"] == ours["signature"]
+        same &= stated["version"] in (ours["version"], domain.version)
+        if not same and not self._accepting:
             self._complaints.add(
                 ("domain",),
-                f'was trained with domain "{domain.name}" version {theirs[0]} (signature '
-                f"{theirs[1]}), but this is version {ours[0]} (signature {ours[1]}); if what it "
-                f"uses still means the same, run: {self._accept}; if not, train it again",
+                f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
+                f"{stated['signature'] or 'unknown'} of what it uses), but this is version "
+                f"{ours['version']} (signature {ours['signature']}); if what it uses still means "
+                f"the same, run: {self._accept}; if not, give it up and train it again",
             )
 
     def _check_name(self, expected: str) -> None:
@@ -225,14 +230,16 @@ class _Reader:
                 self._domain.check_feature(use, self._content["parameters"])
                 scales.append(scale_of(use, self._domain))
             except VocabularyError as error:
-                self._complaints.add(("features", i), f"{error}; correct it, or train again")
+                way = "correct it, or give the behavior up and train it again"
+                self._complaints.add(("features", i), f"{error}; {way}")
                 continue
             for key, value in feature_record(use, self._domain).items():
                 if key != "feature" and record.get(key) != value:
                     self._complaints.add(
                         ("features", i),
                         f'"{key}" of feature "{use}" is {record.get(key)} here but {value} in '
-                        "the domain, so its values mean something else; train it again",
+                        "the domain, so its values mean something else; give it up and train it "
+                        "again",
                     )
         return features, scales
 

@@ -17,7 +17,7 @@ from hitab_core.example import ExampleKind
 from hitab_core.library.yaml_places import Complaints, Document
 from hitab_core.use import NAME_RULE
 
-FORMAT = 2
+FORMAT = 3
 """The format version that is written."""
 
 FLAG = "flag"
@@ -36,7 +36,18 @@ def _with_readings(content: dict[str, Any]) -> dict[str, Any]:
     return {**content, "format": 2, "examples": examples, "readable": [], "readings": []}
 
 
-MIGRATIONS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {1: _with_readings}
+def _of_words_used(content: dict[str, Any]) -> dict[str, Any]:
+    """Convert format 2, whose signature was of all words of the domain, also unused ones."""
+    domain = content.get("domain")
+    if isinstance(domain, dict):
+        domain = {**domain, "signature": ""}
+    return {**content, "format": 3, "domain": domain}
+
+
+MIGRATIONS: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = {
+    1: _with_readings,
+    2: _of_words_used,
+}
 """For each older format, a function that converts a file's content to the next one."""
 
 _NAME = {"type": "string", "pattern": r"^[A-Za-z][A-Za-z0-9_]*\Z"}

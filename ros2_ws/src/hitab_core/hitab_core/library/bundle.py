@@ -78,19 +78,6 @@ def make_bundle(
     return Bundle(made, bundle_digest(made))
 
 
-def install(bundle: Bundle, library: BehaviorLibrary) -> list[str]:
-    """Add the behaviors of a bundle to a library: all or none.
-
-    Returns:
-        The names of the changed behaviors.
-
-    Raises:
-        LibraryError: naming everything wrong; nothing has changed.
-    """
-    read_bundle(bundle, library.editions)
-    return library.install(dict(bundle.files))
-
-
 def plan_bundle(change: LibraryChange, bundle: Bundle) -> Edition:
     """Plan to add the behaviors of a bundle to a library: all or none.
 
