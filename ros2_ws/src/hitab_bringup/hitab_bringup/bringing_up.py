@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_bringup import supervision
+from hitab_bringup.libraries import read_only
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.unsaved_trainings import announcements
@@ -69,8 +70,8 @@ def bring_up(
         folder: for its files.
         progress: called as nodes come up.
         warn: called with whatever a person should know: why it is not in ROS domain 0; commanders
-            that do not hear everybody yet; faults that agents have from the start; trainings that
-            they resume.
+            that do not hear everybody yet; faults that agents have from the start; libraries that
+            are read-only; trainings that they resume.
         say: called with what it does if it is interrupted, which takes a while.
 
     Raises:
@@ -127,6 +128,8 @@ def _brought_up(
             _let_robots_hear(link, agents)
         there = sorted(agents.statuses.items())
         for text in each_once((name, text) for name, s in there for text in s.faults):
+            warn(text)
+        for text in read_only(folder.path):
             warn(text)
         for text in announcements(agents.statuses.values(), folder.path):
             warn(text)
