@@ -117,6 +117,14 @@ class BagFile:
         self._first = min(self._first or received, received)
         self._last = max(self._last, received)
 
+    def flush(self) -> None:
+        """Give everything to the system, so that it survives this process.
+
+        Raises:
+            OSError: if it cannot be written.
+        """
+        self._writer.flush()
+
     def information(self) -> dict[str, Any]:
         """Return what ``metadata.yaml`` says of the bag."""
         begun = {"nanoseconds_since_epoch": self._first}
