@@ -23,17 +23,12 @@ Problem = tuple[str, str, str]
 """What it is about, what is wrong, and the way out."""
 
 
-def wrong_domain() -> Iterator[Problem]:
-    """Yield what is wrong with the ROS domain."""
+def problems() -> Iterator[Problem]:
+    """Yield why ROS would not start, or not as the variables say."""
     said = os.environ.get("ROS_DOMAIN_ID", "")
     if said and not (said.isdecimal() and int(said) < DOMAINS):
         told = f"ROS_DOMAIN_ID={said} is not a number from 0 to {DOMAINS - 1}"
         yield "ROS domain", told, "unset ROS_DOMAIN_ID, or choose a number up to 101"
-
-
-def problems() -> Iterator[Problem]:
-    """Yield why ROS would not start, or not as the variables say."""
-    yield from wrong_domain()
     chosen = os.environ.get("RMW_IMPLEMENTATION", "")
     folders = [Path(name) for name in os.environ.get("LD_LIBRARY_PATH", "").split(":") if name]
     if chosen and folders and not any((f / f"lib{chosen}.so").exists() for f in folders):

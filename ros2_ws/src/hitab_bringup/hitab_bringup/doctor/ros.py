@@ -9,7 +9,7 @@ from pathlib import Path
 from hitab_bringup.doctor.finding import Finding, error, warning
 from hitab_client import domain_ids
 from hitab_client.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
-from hitab_client.ros_environment import is_from_wheels, wrong_domain
+from hitab_client.ros_environment import is_from_wheels, problems
 from hitab_core import quantity
 
 DISTRO = "jazzy"
@@ -85,7 +85,7 @@ def domain() -> Iterator[Finding]:
             "ROS domain", "not chosen: each swarm gets a free one, and commands find it (0 first)"
         )
         return
-    if wrong := list(wrong_domain()):
+    if wrong := [problem for problem in problems() if problem[0] == "ROS domain"]:
         yield error(*wrong[0])
     elif (number := int(said)) >= COMMON:
         yield warning(

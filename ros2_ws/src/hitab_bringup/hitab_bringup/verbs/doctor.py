@@ -57,18 +57,16 @@ def _findings() -> Iterator[Finding]:
 
     yield from machine.python()
     yield from machine.packages()
-    wrong = [error(*problem) for problem in problems()]
-    yield from wrong
-    loads = not wrong
-    for finding in ros.installation() if loads else ():
-        loads = loads and finding.level != "error"
-        yield finding
-    yield from ros.middleware()
-    if not wrong:
-        yield from ros.domain()
+    # Where it cannot start, ROS may end the process that loads it.
+    starts = [error(*problem) for problem in problems()] or [
+        *ros.installation(),
+        *ros.middleware(),
+        *ros.domain(),
+    ]
+    yield from starts
     yield from runs.swarms()
     yield from runs.leftovers()
-    if loads:
+    if all(finding.level != "error" for finding in starts):
         from hitab_bringup.doctor import agents
 
         number = domain_ids.chosen_by_user() or 0

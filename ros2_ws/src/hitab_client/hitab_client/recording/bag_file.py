@@ -170,16 +170,9 @@ class BagFile:
 
 
 def write_metadata_file(folder: Path, information: dict[str, Any]) -> Path:
-    """Write the file that makes a folder with a bag's file a bag; return its path.
-
-    Raises:
-        SwarmError: if it cannot be written.
-    """
+    """Write the file that makes a folder with a bag's file a bag; return its path."""
     path = folder / METADATA_FILE
-    try:
-        path.write_text(_as_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
-    except OSError as error:
-        raise SwarmError(f"{path} cannot be written: {error.strerror}") from None
+    path.write_text(_as_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
     return path
 
 
