@@ -50,6 +50,16 @@ FEATURES = {**domain.DOMAIN.features, "RangeAhead": replace(
     domain.DOMAIN.features["RangeAhead"], read=broken)}
 DOMAIN = replace(domain.DOMAIN, features=FEATURES)
 """
+MISSPELT = """
+from dataclasses import replace
+from diff_drive import domain
+from hitab_robots import nearest_range
+from hitab_core import Feature
+
+MORE = (Feature("Speed", lambda body: body.velocty), nearest_range("RangeLeft", "scan.letf"))
+FEATURES = {**domain.DOMAIN.features, **{feature.name: feature for feature in MORE}}
+DOMAIN = replace(domain.DOMAIN, features=FEATURES)
+"""
 HULL = 0.2  # m
 SECONDS = 60.0
 
@@ -416,6 +426,36 @@ def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(d
     desk.agents.begin(ROBOT, "Wander", features=["Bumped"])
     desk.await_value("Bumped")
     assert desk.agents.command(ROBOT, "Stop").examples == 2
+
+
+def test_misspelt_names_in_features_are_told_by_up_status_doctor_and_perceive(
+    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "misspelt.py").write_text(MISSPELT)
+    description = tmp_path / "lone.yaml"
+    description.write_text("swarm: lone\ndomain: misspelt:DOMAIN\nagents: {robot_1: {}}\n")
+    paths = [str(EXAMPLE), str(tmp_path), os.environ.get("PYTHONPATH", "")]
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(paths))
+    monkeypatch.setenv("COLUMNS", "1000")
+
+    def hitab(*arguments: str) -> str:
+        command = [sys.executable, "-m", "hitab_bringup.main", *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        return done.stdout + done.stderr
+
+    with reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        try:
+            said = {"up": hitab("up", str(description))}
+            for verb in (("status",), ("doctor",), ("perceive", ROBOT, "Speed")):
+                said[verb[0]] = hitab(*verb)
+        finally:
+            hitab("down", "lone")
+    for verb, text in said.items():
+        assert "cannot read" in text, (verb, text)
+        assert "Speed: AttributeError in misspelt.py:7" in text, (verb, text)
+        assert "has no attribute 'velocty'" in text, (verb, text)
+        assert 'RangeLeft: unknown value "scan.letf.range"' in text, (verb, text)
 
 
 def load_domain_of_example() -> Domain:

@@ -126,6 +126,45 @@ def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, swa
     assert processes_of(RunFolder.of_swarm("broken")) == []
 
 
+@pytest.fixture
+def read_only(tmp_path: Path):
+    """Return a folder in which nobody can write, the administrator included."""
+    folder = tmp_path / "read_only"
+    folder.mkdir()
+    if os.geteuid() != 0:
+        folder.chmod(0o555)
+        yield folder
+        return
+    mount = ["mount", "-t", "tmpfs", "-o", "ro", "none", str(folder)]
+    if subprocess.run(mount, check=False).returncode != 0:
+        pytest.skip("the administrator of this container cannot mount")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_read_only_place_for_the_files_of_a_swarm_is_told_with_the_way_out(
+    hitab, swarm_home, read_only
+):
+    description = write(swarm_home, "one", ONE.format(name="one", agent="keeper_1"))
+    new = read_only / "new"
+    for option, folder in (("--run-dir", read_only), ("--run-dir", new), ("--library", new)):
+        up = hitab("up", description, option, str(folder))
+        assert up.returncode == 1, folder
+        told = " ".join(up.stderr.split())
+        assert f"{folder}" in told
+        assert "Read-only file system" in told or "Permission denied" in told
+        assert "; choose another" in told
+        assert "Traceback" not in told
+    assert list(running_swarms()) == []
+
+
+def test_up_says_that_nothing_can_be_saved_to_a_read_only_library(hitab, swarm_home, read_only):
+    description = write(swarm_home, "one", ONE.format(name="one", agent="keeper_1"))
+    up = hitab("up", description, "--library", str(read_only))
+    assert up.returncode == 0, up.stderr
+    assert f"keeper_1: nothing can be saved to {read_only}: it is read-only" in up.stderr
+
+
 def test_a_killed_agent_is_started_again(hitab, swarm_home):
     assert (
         hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,10 +15,14 @@ from typing import Any
 import pytest
 import yaml
 from hitab_msgs.msg import Percept
+from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
+from mcap.records import Channel, Message
+from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import LaserScan
+from waiting import within
 
 from hitab_agent import DifferenceError
 from hitab_bringup.bringing_up import RunningSwarm
@@ -196,6 +203,32 @@ def test_a_recording_that_begins_within_a_training_is_refused(
     )
     with pytest.raises(HitabError, match=r"begins in a training: .*before `hitab train`"):
         train_from_recording(path, tmp_path / "library", ONE)
+
+
+def test_what_was_recorded_is_on_disk_when_the_recorder_is_killed(
+    keepers: RunningSwarm, tmp_path: Path
+) -> None:
+    bag = tmp_path / "killed.mcap"
+
+    def recorded() -> set[str]:
+        topics: dict[int, str] = {}
+        found = set()
+        with bag.open("rb") as file, suppress(EndOfFile):
+            for record in StreamReader(file).records:
+                if isinstance(record, Channel):
+                    topics[record.id] = record.topic
+                elif isinstance(record, Message):
+                    found.add(topics[record.channel_id])
+        return found
+
+    wanted = {"/world/status", *(f"/{agent}/status" for agent in keepers.record.agents)}
+    command = [sys.executable, "-m", "hitab_bringup.main", "record", "-o", str(bag)]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as recorder:
+        try:
+            assert within(SECONDS, lambda: bag.exists() and wanted <= recorded())
+        finally:
+            recorder.kill()
+    assert wanted <= recorded()
 
 
 def test_the_command_records_chosen_topics_too_and_trains_from_what_it_recorded(

@@ -289,6 +289,7 @@ class AgentNode(GuardedNode):
             if percept.restart:
                 agent.restart(percept.seed, percept.episode)
             self._sensed = True
+            self._tick.perceived()
         except Exception as error:
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
@@ -298,16 +299,16 @@ class AgentNode(GuardedNode):
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
         action = NO_ACTION
-        if not self._sensed:
-            pass
-        elif not percept.look:
+        if self._sensed and not percept.look:
             action = self._tick.act()
-        elif percept.restart or self.agent.active_path != self.status.path:
+        elif self._sensed and (percept.restart or self.agent.active_path != self.status.path):
             self.status.publish()
         if self.stop is not None:
             self.stop.cause(self._tick.fault)
             if self.stop.why:
                 action = NO_ACTION
+        if self._sensed and not self.status.message.perceived:
+            self.status.publish_soon()
         if self.agent.unsure != self.status.message.unsure:
             self.status.publish_soon()
             self.shared.diagnostics.soon()

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hitab_agent.guarded_tick import TICK, VALUES
+from hitab_agent.guarded_tick import FEATURES, TICK, VALUES
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_core import Agent
 from hitab_ros import Guard
 from hitab_ros.diagnostics import Diagnosis, Level
 
-MILD = (VALUES, "action ")
+MILD = (FEATURES, VALUES, "action ")
 """How the keys of faults begin with which an agent still acts; with others it may not."""
 
 

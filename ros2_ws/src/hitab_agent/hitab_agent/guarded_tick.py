@@ -8,7 +8,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Sequence
 
-from hitab_core import Agent, HitabError
+from hitab_core import Agent, HitabError, each_once
 from hitab_ros import Guard
 from hitab_ros.answering import what_went_wrong
 
@@ -20,9 +20,11 @@ NO_ACTION: Action = ((), "")
 TICK = "tick"
 """The fault of an agent that does nothing because it cannot perceive, decide or act."""
 
-
 VALUES = "values"
 """The fault of an agent that decides without the values of some features."""
+
+FEATURES = "features"
+"""The fault of an agent whose domain's code raises where it should read features."""
 
 
 class GuardedTick:
@@ -44,6 +46,12 @@ class GuardedTick:
         self._failed_in = ("", "")
         self._agent = agent
         self._guard = guard
+
+    def perceived(self) -> None:
+        """Report features that cannot be read, whether decisions need them or not."""
+        text = failing(self._agent)
+        if self._guard.faults.set(FEATURES, text):
+            self._guard.log(f"{self._agent.name}: {text}", (FEATURES, text))
 
     def act(self) -> Action:
         """Have the agent decide and act; return what it does and says, or nothing if it fails."""
@@ -98,6 +106,14 @@ class GuardedTick:
     def _clear(self) -> None:
         self.fault = ""
         self._guard.faults.clear(TICK)
+
+
+def failing(agent: Agent) -> str:
+    """Return which features the domain's code fails to read, and why; empty: none."""
+    raised = agent.context.senses.failing().items()
+    told = each_once((str(use), what_went_wrong(error)) for use, error in raised)
+    way_out = "correct the domain and start the agent again"
+    return f"cannot read {'; '.join(told)}; {way_out}" if told else ""
 
 
 def _action(values: Sequence[float], say: str) -> Action:

@@ -6,6 +6,7 @@ from typing import Any
 
 from hitab_msgs import srv
 
+from hitab_agent.guarded_tick import failing
 from hitab_core import FLAGS, Agent, Automaton, BasicBehavior, Domain, TrainingError, Use, quantity
 from hitab_core.library import difference, scale_of
 from hitab_ros import GuardedNode, names
@@ -32,6 +33,7 @@ class InspectionServices:
         answer.features = [feature for _, feature, _ in readings]
         answer.values = [value for _, _, value in readings]
         answer.cycle = self._agent.cycle
+        answer.message = failing(self._agent)
         answer.success = True
         return answer
 

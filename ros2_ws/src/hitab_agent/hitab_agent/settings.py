@@ -7,7 +7,6 @@ from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 DESCRIPTIONS = {
     "domain": "name of an installed domain: what the agent can do and perceive",
@@ -65,7 +64,7 @@ class AgentSettings:
                 descriptor.floating_point_range = [limits]
             is_list = isinstance(setting.default, tuple)
             # The type of an empty list could not be seen from it.
-            default = Parameter.Type.STRING_ARRAY if is_list else setting.default
+            default = [""] if is_list else setting.default
             value = node.declare_parameter(setting.name, default, descriptor).value
-            values[setting.name] = tuple(value or ()) if is_list else value
+            values[setting.name] = tuple(filter(None, value)) if is_list else value
         return cls(**values)

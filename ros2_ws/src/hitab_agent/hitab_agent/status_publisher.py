@@ -151,6 +151,7 @@ class StatusPublisher:
         status.unsure_support = agent.caution.support
         status.unsure_distance = agent.caution.distance
         status.cycle = agent.cycle
+        status.perceived = agent.context.senses.perceived
         status.library_digest = agent.library_digest
         faults = self.faults
         status.faults = faults

@@ -172,6 +172,8 @@ def test_the_parameters_of_an_agent_can_be_read_but_not_changed(one):
     assert {"domain", "offer_actions", "action_timeout"} <= {*listed.result.names}
     got = one.ask(GetParameters, "agent/get_parameters", names=["world"])
     assert got.values[0].string_value == "world"
+    every = one.ask(GetParameters, "agent/get_parameters", names=listed.result.names)
+    assert len(every.values) == len(listed.result.names), "for `ros2 param dump`"
     change = Parameter("world", value="moon").to_parameter_msg()
     answer = one.ask(SetParameters, "agent/set_parameters", parameters=[change])
     assert not answer.results[0].successful

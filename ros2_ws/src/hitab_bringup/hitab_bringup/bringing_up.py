@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_bringup import supervision
+from hitab_bringup.libraries import read_only
 from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.unsaved_trainings import announcements
@@ -36,7 +37,7 @@ START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second 
 COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
 DOMAINS_TRIED = 3  # if the names are taken there
 SENSORS_SECONDS = 1.5  # for robots to look for their sensors after they are up
-VALUES_SECONDS = 2.0  # for commanders to get the first values of their subordinates
+VALUES_SECONDS = 2.0  # for agents to perceive, commanders the values of their subordinates
 LARGE = 100  # agents; in a larger swarm a command watches only those that it needs
 STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
 
@@ -69,8 +70,8 @@ def bring_up(
         folder: for its files.
         progress: called as nodes come up.
         warn: called with whatever a person should know: why it is not in ROS domain 0; commanders
-            that do not hear everybody yet; faults that agents have from the start; trainings that
-            they resume.
+            that do not hear everybody yet; faults that agents have from the start; libraries that
+            are read-only; trainings that they resume.
         say: called with what it does if it is interrupted, which takes a while.
 
     Raises:
@@ -122,11 +123,13 @@ def _brought_up(
             warn(text)
         for text in _slow_to_command(record):
             warn(text)
-        _let_commanders_hear(link, agents, [c.name for c in swarm.commanders])
+        _let_agents_perceive(link, agents, [c.name for c in swarm.commanders])
         if not record.world:
             _let_robots_hear(link, agents)
         there = sorted(agents.statuses.items())
         for text in each_once((name, text) for name, s in there for text in s.faults):
+            warn(text)
+        for text in read_only(folder.path):
             warn(text)
         for text in announcements(agents.statuses.values(), folder.path):
             warn(text)
@@ -354,13 +357,16 @@ def _await_all(
     return agents, world
 
 
-def _let_commanders_hear(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:
-    """Give commanders the time to get the first values of their subordinates.
+def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:
+    """Give agents the time to perceive, and commanders to get their subordinates' first values.
 
-    Until then they report that they lack these, which is no fault of a swarm that just starts.
+    Only then are the faults of the others known. Commanders report until then that they lack
+    these values, which is no fault of a swarm that just starts.
     """
+    statuses = agents.statuses
     link.spin_until(
-        lambda: not any(agents.statuses[name].faults for name in commanders), VALUES_SECONDS
+        lambda: all(not s.faults if n in commanders else s.perceived for n, s in statuses.items()),
+        VALUES_SECONDS,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -11,6 +12,7 @@ from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
 from hitab_bringup.unsaved_trainings import bring_back, set_aside
 from hitab_commander import KIND_FILE, ORDERS_FILE, kind_text
+from hitab_core import each_once
 
 LIBRARIES = "libraries.json"
 """File in a run folder: the library of each agent, by name."""
@@ -62,6 +64,15 @@ def libraries_of(folder: Path) -> dict[str, Path]:
         return {agent: Path(library) for agent, library in used.items()}
     except (OSError, ValueError, AttributeError, TypeError):
         return {}
+
+
+def read_only(folder: Path) -> list[str]:
+    """Return sentences about the libraries in a run folder to which nothing can be saved."""
+    return each_once(
+        (agent, f"nothing can be saved to {library}: it is read-only; choose another --library")
+        for agent, library in libraries_of(folder).items()
+        if not os.access(library, os.W_OK | os.X_OK)
+    )
 
 
 def copy_library(source: Path, destination: Path) -> None:

@@ -40,6 +40,7 @@ from hitab_bringup.verbs import (
     world,
 )
 from hitab_client import console, interruptions
+from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError
 
 VERBS = "hitab.verbs"
@@ -66,6 +67,11 @@ class HitabGroup(HelpfulGroup):
             # The reader of our output, such as `head`, has closed it.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(0) from None
+        except OSError as error:
+            if error.filename is None:
+                raise
+            console.error(f"{error.filename}: {error.strerror}; choose another place for it")
+            raise typer.Exit(1) from None
         except Exception as error:
             reword(error)
             raise
@@ -90,6 +96,7 @@ def _say_version(wanted: bool) -> None:
 
 
 def _hitab(
+    context: typer.Context,
     version: Annotated[
         bool,
         typer.Option(
@@ -97,7 +104,9 @@ def _hitab(
         ),
     ] = False,
 ) -> None:
-    """Do nothing by itself."""
+    """Refuse an environment with which ROS would end the process; `hitab doctor` lists it all."""
+    if context.invoked_subcommand != "doctor":
+        refuse_problems()
 
 
 def make_app() -> typer.Typer:

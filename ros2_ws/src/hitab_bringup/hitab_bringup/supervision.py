@@ -79,8 +79,8 @@ def launch(
     Raises:
         SwarmError: if the supervisor does not start.
     """
-    stop(folder)
     folder.prepare()
+    stop(folder)
     prepare(swarm, folder.path)
     socket = folder.socket_path()
     identity = new_identity(swarm.name)

@@ -95,7 +95,9 @@ def test_up_says_that_commands_to_a_large_swarm_take_their_time(monkeypatch):
 
 def test_a_commander_that_lacks_values_only_at_first_has_no_fault_at_the_start():
     faults = {"captain": ["captain decides without what it needs"], "a": ["is lost"]}
-    agents = SimpleNamespace(statuses={n: SimpleNamespace(faults=f) for n, f in faults.items()})
+    agents = SimpleNamespace(
+        statuses={n: SimpleNamespace(faults=f, perceived=True) for n, f in faults.items()}
+    )
     tried = []
 
     def spin_until(done, seconds: float) -> bool:
@@ -104,6 +106,6 @@ def test_a_commander_that_lacks_values_only_at_first_has_no_fault_at_the_start()
             faults["captain"].clear()  # its subordinates have reported
         return True
 
-    bringing_up._let_commanders_hear(SimpleNamespace(spin_until=spin_until), agents, ["captain"])
+    bringing_up._let_agents_perceive(SimpleNamespace(spin_until=spin_until), agents, ["captain"])
     assert tried == [bringing_up.VALUES_SECONDS]
     assert faults == {"captain": [], "a": ["is lost"]}

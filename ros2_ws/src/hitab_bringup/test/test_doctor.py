@@ -15,7 +15,7 @@ from hitab_msgs.msg import AgentStatus
 
 from hitab_bringup.doctor import agents, machine, ros, runs
 from hitab_bringup.main import make_app
-from hitab_client import RosLink, RunFolder, RunRecord, domain_ids
+from hitab_client import RosLink, RunFolder, RunRecord, domain_ids, ros_environment
 from hitab_client.dds_profile import LOOPBACK, RANGE, VARIABLES
 from hitab_client.run_folder import MARK
 from hitab_ros import qos
@@ -114,6 +114,46 @@ def test_another_middleware_and_localhost_only_are_warned_of(monkeypatch):
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
     warned = [finding for finding in ros.middleware() if finding.level == "warning"]
     assert [finding.about for finding in warned] == ["DDS", "discovery"]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("RMW_IMPLEMENTATION", "rmw_none_cpp", "RMW_IMPLEMENTATION=rmw_none_cpp is not installed"),
+        ("ROS_DOMAIN_ID", "abc", "ROS_DOMAIN_ID=abc is not a number from 0 to 232"),
+        ("ROS_DOMAIN_ID", "999", "ROS_DOMAIN_ID=999 is not a number from 0 to 232"),
+        (RANGE, "NEAR", f"{RANGE}=NEAR is none of LOCALHOST, SUBNET"),
+        ("ROS_SECURITY_ENABLE", "true", "but ROS from wheels has no DDS security"),
+    ],
+)
+def test_with_variables_that_ros_cannot_start_with_doctor_goes_on_and_others_refuse(
+    name, value, text, monkeypatch
+):
+    if name == "ROS_SECURITY_ENABLE" and not ros_environment.is_from_wheels():
+        pytest.skip("an installed ROS has DDS security")
+    monkeypatch.setenv(name, value)
+
+    def hitab(*arguments: str) -> tuple[str, str]:
+        command = [sys.executable, "-m", "hitab_bringup.main", *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 1
+        return done.stdout, done.stderr
+
+    found = json.loads(hitab("doctor", "--json", "-")[0])
+    (error,) = [finding for finding in found if finding["level"] == "error"]
+    assert text in error["text"]
+    assert name in error["way_out"]
+    assert found[-1]["about"] == "limits"
+    (told,) = hitab("status")[1].splitlines()
+    assert told == f"error: {error['text']}; {error['way_out']}"
+
+
+def test_a_security_that_ros_refuses_is_told_instead_of_raised(monkeypatch, capfd):
+    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+    monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
+    monkeypatch.setattr(ros_environment, "is_from_wheels", lambda: False)
+    assert doctor() == 1
+    assert "error   ROS            ROS does not start: " in capfd.readouterr().out
 
 
 def test_nodes_that_hitab_up_did_not_start_are_reported(alone, monkeypatch):

@@ -1,5 +1,6 @@
 """With no swarm up, a verb says at once what is known, looks briefly, and names the remedy."""
 
+import re
 import subprocess
 import sys
 
@@ -59,6 +60,27 @@ def test_a_verb_that_needs_a_swarm_fails_with_the_remedy(call, impatient, capfd)
     assert first.startswith("No swarm runs in ROS domain ")
     assert first.endswith(" for one that was started elsewhere ...")
     assert last == ERROR.format(domain_ids.chosen_by_user())
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "perform /blue/keeper_1 Stop",
+        "demonstrate /blue/keeper_1 Stop",
+        "order /blue/captain Stop",
+        "library reload /blue/keeper_1",
+        "perceive ä",
+        "save 1st",
+    ],
+)
+def test_what_cannot_be_the_name_of_an_agent_is_refused(call, impatient, monkeypatch, capfd):
+    monkeypatch.setattr("hitab_client.swarm_choice.look_elsewhere", lambda link: None)
+    with pytest.raises(SystemExit) as ended:
+        make_app()(call.split())
+    assert ended.value.code == 1
+    *_, last = capfd.readouterr().err.splitlines()
+    name = re.search(r"(\S*[/ä1]\S*)", call)[1]
+    assert last.startswith(f'error: "{name}" cannot be the name of an agent: name it without its')
 
 
 def test_all_verbs_that_connect_to_a_swarm_are_tried_here():

@@ -10,6 +10,7 @@ from . import interruptions as interruptions
 from . import machine_load as machine_load
 from . import reaction_time as reaction_time
 from . import recording as recording
+from . import ros_environment as ros_environment
 from . import run_folder as run_folder
 from . import run_processes as run_processes
 from . import shipped as shipped

@@ -52,12 +52,17 @@ class RosLink:
         self._announced: set[str] = set()
         choose_profile(os.environ)
         self._context = Context()
-        rclpy.init(
-            args=["--ros-args", "--disable-external-lib-logs"],
-            context=self._context,
-            domain_id=domain_id,
-            signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
-        )
+        try:
+            rclpy.init(
+                args=["--ros-args", "--disable-external-lib-logs"],
+                context=self._context,
+                domain_id=domain_id,
+                signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
+            )
+        except RuntimeError as error:
+            raise SwarmError(
+                f"ROS does not start: {error}; `hitab doctor` looks for the cause"
+            ) from None
         self.node = GuardedNode(
             name, context=self._context, parameter_overrides=[NO_TYPE_DESCRIPTIONS]
         )

@@ -129,7 +129,7 @@ class RunFolder:
         return Path(tempfile.mkdtemp(prefix="hitab-", dir=short)) / SOCKET
 
     def prepare(self) -> None:
-        """Make the folders.
+        """Make the folders, and see that they can be written.
 
         Raises:
             SwarmError: if that fails.
@@ -137,10 +137,11 @@ class RunFolder:
         try:
             for inner in ("logs", "libraries", "state"):
                 (self.path / inner).mkdir(parents=True, exist_ok=True)
+                tempfile.TemporaryFile(dir=self.path / inner).close()
         except OSError as error:
             raise SwarmError(
-                f"the run folder {self.path} cannot be made ({error.strerror}); choose another "
-                "with --run-dir, or set HITAB_HOME"
+                f"the run folder {self.path} cannot be made or written "
+                f"({error.strerror}); choose another with --run-dir, or set HITAB_HOME"
             ) from None
 
     def read(self) -> RunRecord | None:
@@ -174,7 +175,7 @@ class RunFolder:
 
     def forget(self) -> None:
         """Remove the record and the socket: the swarm is down."""
-        if not self.path.is_dir():
+        if not self.record_file.exists():
             return
         record = self.read()
         self.record_file.unlink(missing_ok=True)

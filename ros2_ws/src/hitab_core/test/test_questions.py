@@ -83,6 +83,20 @@ def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Drive
     assert "contradiction" in cart.kinds(), "undo asks again"
 
 
+def test_a_training_without_features_can_be_asked_about(cart: Driven) -> None:
+    cart.agent.begin(Curriculum("Blind", ()))
+    for _ in range(2):
+        twice(cart)
+    cart.agent.test()
+    cart.at(0.0)
+    cart.agent.take_over()
+    wrong = cart.session.running.active
+    cart.agent.command(Use("Right" if wrong != "Right" else "Left"))
+    while questions := cart.session.questions():
+        assert "where ," not in str(questions)
+        cart.session.answer(questions[0].number)
+
+
 def test_an_answer_is_given_once_and_to_a_question_that_is_open(cart: Driven) -> None:
     twice(cart)
     (question, *_) = cart.session.questions()

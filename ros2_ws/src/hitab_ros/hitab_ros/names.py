@@ -8,7 +8,15 @@ of the swarm, such as ``/red``; empty by default.
 
 from __future__ import annotations
 
-from rclpy.node import Node
+import re
+from typing import TYPE_CHECKING
+
+from hitab_core import HitabError
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+_RELATIVE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*\Z", re.ASCII)
 
 WORLD = "world"
 STATUS_TYPE = "hitab_msgs/msg/AgentStatus"
@@ -94,7 +102,16 @@ def in_swarm(node: Node, *parts: str) -> str:
 
 
 def of_agent(agent: str, name: str, prefix: str = "") -> str:
-    """Return the full name of an agent's topic or service, such as ``/keeper_1/status``."""
+    """Return the full name of an agent's topic or service, such as ``/keeper_1/status``.
+
+    Raises:
+        HitabError: if ROS has no such names.
+    """
+    if _RELATIVE.match(agent) is None:
+        raise HitabError(
+            f'"{agent}" cannot be the name of an agent: name it without its namespace, such as '
+            "keeper_1, and choose its swarm with --swarm; `hitab status` shows all"
+        )
     return f"{prefix}/{agent}/{name}"
 
 

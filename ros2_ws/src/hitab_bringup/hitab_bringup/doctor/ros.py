@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 from hitab_bringup.doctor.finding import Finding, error, warning
 from hitab_client import domain_ids
 from hitab_client.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
+from hitab_client.ros_environment import is_from_wheels, problems
 from hitab_core import quantity
 
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
-DOMAINS = 233
-"""Number of ROS domains; ports for more would be above 65535."""
-
 COMMON = 102
 """Domains whose ports no other program of the system uses."""
 
@@ -31,9 +28,8 @@ def installation() -> Iterator[Finding]:
         yield error("ROS", f"cannot be loaded: {wrong}", "run scripts/setup and use scripts/hitab")
         return
     place = Path(rclpy.__file__).resolve().parents[1]
-    wheels = place.is_relative_to(Path(sys.prefix).resolve())
     distro = os.environ.get("ROS_DISTRO", "") or "of unknown distribution"
-    told = f"{distro}, from {'wheels' if wheels else 'an installation'} ({place})"
+    told = f"{distro}, from {'wheels' if is_from_wheels() else 'an installation'} ({place})"
     if distro == DISTRO:
         yield Finding("ROS", told)
     else:
@@ -89,14 +85,9 @@ def domain() -> Iterator[Finding]:
             "ROS domain", "not chosen: each swarm gets a free one, and commands find it (0 first)"
         )
         return
-    number = domain_ids.chosen_by_user()
-    if number is None or number >= DOMAINS:
-        yield error(
-            "ROS domain",
-            f"ROS_DOMAIN_ID={said} is not a number from 0 to {DOMAINS - 1}",
-            "unset ROS_DOMAIN_ID, or choose a number up to 101",
-        )
-    elif number >= COMMON:
+    if wrong := [problem for problem in problems() if problem[0] == "ROS domain"]:
+        yield error(*wrong[0])
+    elif (number := int(said)) >= COMMON:
         yield warning(
             "ROS domain",
             f"{number}: its ports may be in use by other programs",

@@ -49,28 +49,34 @@ def doctor(json: JsonPath = None) -> None:
 
 def _findings() -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
+    from hitab_bringup.doctor.finding import error
     from hitab_client import domain_ids
+    from hitab_client.ros_environment import problems
     from hitab_client.run_folder import registered_swarms
+    from hitab_core import HitabError
 
     yield from machine.python()
     yield from machine.packages()
-    loads = True
-    for finding in ros.installation():
-        loads = loads and finding.level != "error"
-        yield finding
-    yield from ros.middleware()
-    domain = list(ros.domain())
-    yield from domain
+    # Where it cannot start, ROS may end the process that loads it.
+    starts = [error(*problem) for problem in problems()] or [
+        *ros.installation(),
+        *ros.middleware(),
+        *ros.domain(),
+    ]
+    yield from starts
     yield from runs.swarms()
     yield from runs.leftovers()
-    if loads and all(finding.level != "error" for finding in domain):
+    if all(finding.level != "error" for finding in starts):
         from hitab_bringup.doctor import agents
 
         number = domain_ids.chosen_by_user() or 0
         # What a killed run has left was started here, too, and is among the leftovers.
         here = [folder for folder, r in registered_swarms() if r.domain_id == number]
-        yield from ros.neighbors(any(folder.processes() for folder in here))
-        yield from agents.faults()
+        try:
+            yield from ros.neighbors(any(folder.processes() for folder in here))
+            yield from agents.faults()
+        except HitabError as refused:
+            yield error("ROS", str(refused), "check the variables that begin with ROS_")
     yield from machine.home()
     yield from machine.memory()
     yield from machine.shared_memory()

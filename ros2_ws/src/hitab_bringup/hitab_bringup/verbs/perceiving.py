@@ -55,13 +55,13 @@ def perceive(
     with connection(swarm) as swarm_up:
         words = _Words.asked(swarm_up, agent)
         chosen = list(features or words.all())
-        readings = _read(swarm_up, agent, chosen, words)
+        perceived = _read(swarm_up, agent, chosen, words)
         if watch:
             _watch(swarm_up, agent, chosen, words)
             return
         if json != "-":
-            console.out().print(_rendered(swarm_up, agent, readings))
-        console.write_json(json, _data(swarm_up, agent, readings))
+            console.out().print(_rendered(*perceived))
+        console.write_json(json, _data(agent, *perceived))
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,8 @@ class _Reading:
 
 def _read(
     swarm_up: Connection, agent: str, chosen: Sequence[str], words: _Words
-) -> list[_Reading]:
+) -> tuple[list[_Reading], list[str]]:
+    """Return the features, and the agent's faults."""
     from hitab_msgs.srv import ReadFeatures
 
     from hitab_ros import names
@@ -140,12 +141,14 @@ def _read(
         kind = FeatureKind.BOOLEAN if name in FLAGS else words.kinds.get(name, "")
         found.append(_Reading(automaton, feature, value, kind, words.units.get(name, "")))
     found.sort(key=lambda reading: bool(reading.automaton))
-    return found
+    status = swarm_up.agents.statuses.get(agent)
+    faults = [*(status.faults if status is not None else ()), told.message]
+    return found, [*dict.fromkeys(filter(None, faults))]
 
 
 def _watch(swarm_up: Connection, agent: str, chosen: Sequence[str], words: _Words) -> None:
     def shown() -> Group:
-        return _rendered(swarm_up, agent, _read(swarm_up, agent, chosen, words))
+        return _rendered(*_read(swarm_up, agent, chosen, words))
 
     with console.live(shown()) as update:
         while True:
@@ -153,7 +156,7 @@ def _watch(swarm_up: Connection, agent: str, chosen: Sequence[str], words: _Word
             update(shown())
 
 
-def _rendered(swarm_up: Connection, agent: str, readings: Sequence[_Reading]) -> Group:
+def _rendered(readings: Sequence[_Reading], faults: Sequence[str]) -> Group:
     from rich.console import Group
 
     rows = [
@@ -164,16 +167,11 @@ def _rendered(swarm_up: Connection, agent: str, readings: Sequence[_Reading]) ->
         )
         for one in readings
     ]
-    faults = [console.line(fault, "red") for fault in _faults(swarm_up, agent)]
-    return Group(console.table(("feature", "value", "unit"), rows), *faults)
+    shown = [console.line(fault, "red") for fault in faults]
+    return Group(console.table(("feature", "value", "unit"), rows), *shown)
 
 
-def _faults(swarm_up: Connection, agent: str) -> list[str]:
-    status = swarm_up.agents.statuses.get(agent)
-    return list(status.faults) if status is not None else []
-
-
-def _data(swarm_up: Connection, agent: str, readings: Sequence[_Reading]) -> dict[str, Any]:
+def _data(agent: str, readings: Sequence[_Reading], faults: Sequence[str]) -> dict[str, Any]:
     return {
         "agent": agent,
         "features": [
@@ -186,5 +184,5 @@ def _data(swarm_up: Connection, agent: str, readings: Sequence[_Reading]) -> dic
             }
             for one in readings
         ],
-        "faults": _faults(swarm_up, agent),
+        "faults": faults,
     }

@@ -117,6 +117,14 @@ class BagFile:
         self._first = min(self._first or received, received)
         self._last = max(self._last, received)
 
+    def flush(self) -> None:
+        """Give everything to the system, so that it survives this process.
+
+        Raises:
+            OSError: if it cannot be written.
+        """
+        self._writer.flush()
+
     def information(self) -> dict[str, Any]:
         """Return what ``metadata.yaml`` says of the bag."""
         begun = {"nanoseconds_since_epoch": self._first}
@@ -162,16 +170,9 @@ class BagFile:
 
 
 def write_metadata_file(folder: Path, information: dict[str, Any]) -> Path:
-    """Write the file that makes a folder with a bag's file a bag; return its path.
-
-    Raises:
-        SwarmError: if it cannot be written.
-    """
+    """Write the file that makes a folder with a bag's file a bag; return its path."""
     path = folder / METADATA_FILE
-    try:
-        path.write_text(_as_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
-    except OSError as error:
-        raise SwarmError(f"{path} cannot be written: {error.strerror}") from None
+    path.write_text(_as_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
     return path
 
 

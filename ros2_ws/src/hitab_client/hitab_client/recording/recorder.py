@@ -132,7 +132,7 @@ class Recorder:
         return sorted(self._agents - self._heard)
 
     def look(self) -> None:
-        """Find new topics.
+        """Find new topics; what was recorded until now survives this process.
 
         Raises:
             SwarmError: if the type of a chosen one is not installed.
@@ -154,6 +154,14 @@ class Recorder:
         for agent in self._alone():
             if len(self._agents) < SESSIONS_MAX:
                 self._record_session(agent)
+        if not self.problem:
+            try:
+                self.bag.flush()
+            except OSError as error:
+                self._end(error)
+
+    def _end(self, error: OSError) -> None:
+        self.problem = f"The recording to {self.path} ends here: {error.strerror}"
 
     def _wanted(self, topic: str) -> list[tuple[Any, QoSProfile]]:
         name = topic.rsplit("/", 1)[-1]
@@ -225,7 +233,7 @@ class Recorder:
                 sent = information.get("source_timestamp") or received
                 self.bag.write(self._channels[topic], data, received, sent)
             except OSError as error:
-                self.problem = f"The recording to {self.path} ends here: {error.strerror}"
+                self._end(error)
 
         self._subscriptions[topic] = self._link.node.create_subscription(
             kind, topic, _with_information(take), profile, raw=True, temporary=True, checked=False

@@ -153,7 +153,7 @@ def neighbors(apart: Floats, next_states: Sequence[str], trusted: Booleans) -> N
     if k < 2:
         return Neighbors(names, np.ones((n, k)), np.zeros(n), np.zeros((n, n)), 0.0)
     one_hot = np.eye(k)[own]
-    usual = USUAL_FALL * math.sqrt(len(apart))
+    usual = USUAL_FALL * math.sqrt(max(1, len(apart)))
     mean = np.tensordot(_weights(apart, one_hot), apart, axes=1)
     settings = [_Setting(usual * f, v, s) for f in FALLS for v in LOUDNESS for s in SHARPNESS]
     surprises = np.array([setting.surprise(usual) for setting in settings])

@@ -307,5 +307,6 @@ def _change(
         was, will = case.decides(before, at), case.decides(after, at)
         if was != will:
             shown = _values(case, at.features, [math.nan] * len(at.features))
-            return f"in {place.state}, where {shown}, it goes to {will} instead of {was}"
+            where = f", where {shown}," if shown else ""
+            return f"in {place.state}{where} it goes to {will} instead of {was}"
     return f"{place.state} decides the same as before where you have shown something"

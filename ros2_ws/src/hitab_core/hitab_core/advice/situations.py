@@ -64,7 +64,7 @@ class Perceived:
         """
         m = len(evidence.scales)
         given = np.asarray(readings, np.float64)
-        given = given.reshape(-1, m) if given.size == 0 else given
+        given = given.reshape(len(given), m) if given.size == 0 else given
         where = np.zeros(len(given), np.bool_) if here is None else np.asarray(here, np.bool_)
         if given.ndim != 2 or given.shape[1] != m or where.shape != (len(given),):
             raise ValueError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import Any, ParamSpec
@@ -51,6 +51,7 @@ class Senses:
         "_blank",
         "_body",
         "_domain",
+        "_failing",
         "_made",
         "_missing",
         "_readers",
@@ -64,6 +65,7 @@ class Senses:
         self.values: Values = []
         self.perceived = False
         self.missed: dict[Use, str] = {}
+        self._failing: dict[Use, Exception] | None = None
         self._missing: dict[int, NoValueError] = {}
         self._blank: Values = []
         self._readers: list[Callable[[], float]] = []
@@ -151,7 +153,29 @@ class Senses:
         """
         slot = self._slots.get(use)
         value = None if slot is None else self.values[slot]
-        return self._reader(use)() if value is None else value
+        try:
+            return self._reader(use)() if value is None else value
+        except FeatureValueError:
+            raise
+        except Exception as error:
+            # Nobody needs what lies between a target and itself.
+            if self._failing is not None and len({*use.arguments}) == len(use.arguments):
+                self._failing[use] = error
+            raise
+
+    def failing(self) -> Mapping[Use, Exception]:
+        """Return what the domain's code raises where it reads features, instead of a value.
+
+        Each feature is read in the first percept, and after that those that failed, whoever looked
+        at them.
+        """
+        if not self.perceived:
+            return {}
+        uses = _one_of_each(self._domain) if self._failing is None else self._failing
+        self._failing = {}
+        for use in uses:
+            value_or_nan(self.look, use)
+        return self._failing
 
     def forget(self) -> None:
         """Clear all values, for a new percept."""
@@ -184,6 +208,15 @@ class Senses:
             if self.perceived:
                 raise
             raise FeatureValueError(f"{BLIND} ({error!r})") from error
+
+
+def _one_of_each(domain: Domain) -> Iterator[Use]:
+    """Yield each feature with each target once, not with all combinations of targets."""
+    targets = sorted(domain.targets)
+    for feature in domain.features.values():
+        wanted = len(feature.parameters)
+        for first in range(len(targets) if wanted else 1):
+            yield Use(feature.name, tuple((targets * wanted)[first : first + wanted]))
 
 
 def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) -> float:
