@@ -193,21 +193,29 @@ def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
     assert in_process(world, alone) != keepers_in_process
 
 
+@pytest.mark.parametrize("comes", ["at once", "late"])
 @pytest.mark.parametrize("name", ["captain", pytest.param("keeper_2", marks=pytest.mark.long)])
-def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name):
+def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name, comes):
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
     with temporary_swarm(swarm.with_world(pace="lockstep", paused=True), tmp_path) as running:
         view = CommandView(running.link)
         view.watch(["captain"])
         running.world.control(Control.Request.STEP, cycles=10_000)
         assert running.link.spin_until(lambda: running.world.status.cycle > 20, 60.0)
-        kill(running, name)
+        killed = view.groups["captain"].epoch if name == "captain" else 0
+        successor = kill(running, name)
+        if comes == "late":  # after the deadline
+            os.kill(successor, signal.SIGSTOP)
         assert running.link.spin_until(lambda: not running.world.status.reproducible, 60.0)
         assert running.world.status.missed_deadlines > 0
         running.world.control(Control.Request.PAUSE)
 
         def is_back() -> bool:
-            return not running.world.status.missing and not view.incomplete(["captain"])
+            os.kill(successor, signal.SIGCONT)
+            if running.world.status.missing or view.incomplete(["captain"]):
+                return False
+            # What the killed captain said last says nothing of the one that took its place.
+            return view.groups["captain"].epoch != killed
 
         def steps_until_back() -> bool:
             running.world.step(1, seconds=60.0)
@@ -222,9 +230,14 @@ def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_pa
         assert episode.reproducible, "another run has begun"
 
 
-def kill(running: RunningSwarm, name: str) -> None:
+def pid_of(running: RunningSwarm, name: str) -> int:
     (state,) = [s for s in process_states(running.record) if s["name"] == name]
-    os.kill(state["pid"], signal.SIGKILL)
-    assert running.link.spin_until(
-        lambda: all(s["pid"] != state["pid"] for s in process_states(running.record)), 20.0
-    )
+    return state["pid"]
+
+
+def kill(running: RunningSwarm, name: str) -> int:
+    """Kill a process and return the one that takes its place."""
+    killed = pid_of(running, name)
+    os.kill(killed, signal.SIGKILL)
+    assert running.link.spin_until(lambda: pid_of(running, name) not in (0, killed), 20.0)
+    return pid_of(running, name)

@@ -272,12 +272,11 @@ class WorldClient:
         self.link.spin_until(
             lambda: self.link.node.count_publishers(self._name(names.EPISODES)) > 0, 5.0, 0.01
         )
-        before = len(self.episodes)
-        self.ask(Play, names.PLAY, episodes=episodes, seed=seed)
+        run = self.ask(Play, names.PLAY, episodes=episodes, seed=seed).run
 
         def played() -> list[Episode]:
-            """Return the episodes so far, each once, since a restarted world may repeat one."""
-            return list({e.number: e for e in self.episodes[before:]}.values())
+            """Return the run's episodes so far, each once: a restarted world may repeat one."""
+            return list({e.number: e for e in self.episodes if e.run == run}.values())
 
         while (seen := len(played())) < episodes:
             if progress is not None:

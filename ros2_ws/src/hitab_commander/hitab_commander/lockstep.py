@@ -70,7 +70,7 @@ class Lockstep:
         self._news |= changed
         if not report.round or report.agent not in body.members:
             return changed, None
-        complete = body.roll.take(report.agent, report.round)
+        complete = body.roll.take(report.agent, report.round, look=report.look)
         return changed, self._round() if complete else None
 
     def _round(self) -> Round:

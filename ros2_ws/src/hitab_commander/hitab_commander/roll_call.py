@@ -13,7 +13,9 @@ class RollCall:
     """Records the reports of one round after the other.
 
     A member owes a report in each round until it misses one; from its next report on it owes them
-    again. No clock is involved: a round is over when a later one begins.
+    again. Who missed only rounds in which agents look owes one as soon as agents act: a run that
+    is played without it must cost a deadline, which marks it. No clock is involved: a round is
+    over when a later one begins.
 
     Attributes:
         round: the number of the present round; 0: real time.
@@ -24,6 +26,8 @@ class RollCall:
         self._owing: set[str] = set()
         self._missing: set[str] = set()
         self._complete = False
+        self._looked = False
+        self._missed_looks: set[str] = set()
         self.round = 0
 
     @property
@@ -40,13 +44,25 @@ class RollCall:
         """Switch to real time."""
         self.round = 0
 
-    def take(self, member: str, number: int) -> bool:
-        """Take a member's report of a round; return whether it makes the round complete."""
+    def take(self, member: str, number: int, *, look: bool = False) -> bool:
+        """Take a member's report of a round; return whether it makes the round complete.
+
+        Args:
+            member: that reports.
+            number: of the round.
+            look: whether agents only look in it.
+        """
         if 0 < self.round - number < PAST:
             self._missing.discard(member)  # it is late, and alive
             return False
         if number != self.round:
             self._missing |= self._owing
+            if self._looked:
+                self._missed_looks |= self._owing
+            if not look:
+                self._missing -= self._missed_looks
+                self._missed_looks.clear()
+            self._looked = look
             self._missing.discard(member)
             self._owing = set(self._members - self._missing)
             self.round, self._complete = number, False

@@ -28,6 +28,15 @@ def test_who_lets_a_round_pass_is_not_waited_for_until_it_reports(roll):
     assert not roll.missing
 
 
+def test_who_let_a_pause_pass_is_waited_for_when_play_begins(roll):
+    """Its world waits for it, too: the decision would depend on whose message came first."""
+    roll.take("a", 1, look=True)
+    assert roll.take("a", 2, look=True), "b let round 1 pass"
+    assert not roll.take("a", 3)
+    assert not roll.take("b", 2, look=True), "late, and alive"
+    assert roll.take("b", 3)
+
+
 def test_a_late_report_does_not_bring_back_the_round_that_it_is_about(roll):
     roll.take("a", 5)
     roll.take("b", 5)

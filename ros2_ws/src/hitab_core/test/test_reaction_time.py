@@ -8,7 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, TrainingError, Use, plain_domain
+from hitab_core import (
+    Agent,
+    BehaviorLibrary,
+    FeatureValueError,
+    TrainingError,
+    Use,
+    plain_domain,
+)
 from hitab_core.example import Example
 from hitab_core.training import Curriculum
 
@@ -29,10 +36,11 @@ class Driven:
         library = BehaviorLibrary(self.folder / "library", CART)
         return Agent("cart", CART, library, self.folder / "journal")
 
-    def run(self, cycles: int = 1, *, jumped: bool = False) -> None:
+    def run(self, cycles: int = 1, *, jumped: bool = False, position: float | None = None) -> None:
         for _ in range(cycles):
             self.cycle += 1
-            values = [float(self.cycle), float(self.cycle**2)]
+            where = float(self.cycle) if position is None else position
+            values = [where, float(self.cycle**2)]
             self.agent.sense(values, [], self.cycle, self.cycle * STEP, jumped=jumped)
             self.agent.tick()
 
@@ -63,6 +71,27 @@ def test_a_command_is_recorded_with_the_situation_for_which_it_was_due(cart: Dri
     assert taught.ago == pytest.approx(0.4)
     assert cart.examples()[1] == (2, "Right", 6.0, "Right", "default")
     assert cart.agent.active_path == ["Right"], "it is performed now"
+
+
+@pytest.mark.parametrize("silent", range(1, 11))
+def test_a_sensor_that_was_silent_for_a_moment_does_not_have_a_late_command_refused(
+    cart: Driven, silent: int
+) -> None:
+    """Whichever percept lacks the value, the example is of one near it that has the value."""
+    cart.run(silent - 1)
+    cart.run(position=math.nan)
+    cart.run(10 - silent)
+    taught = cart.command("Right", ago=0.4)
+    assert taught.features == (taught.cycle,)
+    assert abs(taught.cycle - 6) <= 1
+
+
+def test_a_late_command_is_refused_if_the_sensor_was_silent_around_its_time(cart: Driven) -> None:
+    cart.run(1)
+    cart.run(9, position=math.nan)
+    with pytest.raises(FeatureValueError, match="no feature of this training has a value now"):
+        cart.command("Right", ago=0.4)
+    assert not cart.examples()
 
 
 def test_the_time_counts_from_what_the_demonstrator_saw(cart: Driven) -> None:

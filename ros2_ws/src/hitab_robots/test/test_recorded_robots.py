@@ -17,6 +17,7 @@ from sensor_msgs.msg import LaserScan
 from hitab_agent import AgentNode, OfflineAgent, Retracer, Step
 from hitab_client import RosLink
 from hitab_client.recording import Recorder, session_of
+from hitab_client.swarm_client import is_answered
 from hitab_core import Domain
 from hitab_robots import Robot, Scan, Sector, motion, nearest_range
 from hitab_ros import qos
@@ -37,7 +38,13 @@ class Stage:
     """A robot's agent, its scanner, a person, and one who records."""
 
     def __init__(self, context: Any, link: RosLink, folder: Path) -> None:
-        settings = {"domain": "it", "state_dir": str(folder), "relay": False, "rate": 50.0}
+        settings = {
+            "domain": "it",
+            "state_dir": str(folder),
+            "relay": False,
+            "rate": 50.0,
+            "scan.patience": 60.0,  # the scanner is as late as this process, but never silent
+        }
         self.node = AgentNode(
             context=context,
             namespace="/robot_1",
@@ -80,7 +87,9 @@ class Stage:
         command = Command(sequence=self.sent, behavior=behavior, ago=ago)
         self.until(self.commands.get_subscription_count)
         self.commands.publish(command)
-        self.until(lambda: self.node.status.message.last_command_sequence == self.sent)
+        self.until(lambda: is_answered(self.node.status.message, self.sent))
+        status = self.node.status.message
+        assert status.last_refused_sequence != self.sent, status.last_error
 
     def cycles(self, number: int) -> None:
         end = self.node.agent.cycle + number

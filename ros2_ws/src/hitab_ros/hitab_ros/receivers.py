@@ -30,10 +30,13 @@ class Receivers:
         self._ends: frozenset[bytes] = frozenset()
 
     def look(self) -> bool:
-        """Update who receives; return whether that has changed."""
-        before = self.count, self._ends
+        """Update who receives; return whether somebody new does.
+
+        A killed process is given up long after another has taken its place: that is no news.
+        """
+        count, ends = self.count, self._ends
         found = self._node.get_subscriptions_info_by_topic(self._publisher.topic_name)
         # One may be known a moment before it is connected, so both are compared.
         self._ends = frozenset(bytes(end.endpoint_gid) for end in found)
         self.count = self._publisher.get_subscription_count()
-        return (self.count, self._ends) != before
+        return self.count > count or not self._ends <= ends

@@ -38,7 +38,7 @@ class Audience:
         self._hosts = HostRegistry(self._node, self._agents, take)
 
     def look(self) -> bool:
-        """Update which hosts are present; return whether some receiver is another process now.
+        """Update which hosts are present; return whether some receiver is a process just found.
 
         A process that takes the place of a killed one may be found before the other is given up,
         or just when it is.

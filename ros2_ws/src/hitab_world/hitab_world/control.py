@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 from typing import Any, get_type_hints
 
 from hitab_msgs.msg import WorldStatus
@@ -21,6 +22,7 @@ class Control:
         paused: whether it is paused, except for the cycles of ``steps_left``.
         steps_left: cycles to play while paused.
         episodes_left: episodes to play until it pauses; 0: no limit.
+        run: number of the run that was begun last, unlike that of any other.
         held: why it rests whatever the others say, such as an emergency stop; empty: it does not.
             No file stores it.
     """
@@ -30,6 +32,7 @@ class Control:
     paused: bool
     steps_left: int = 0
     episodes_left: int = 0
+    run: int = field(default_factory=time.time_ns)
     held = ""
 
     @property
@@ -59,8 +62,7 @@ class Control:
 
     def take_over(self, other: Control) -> None:
         """Run the world as another process did."""
-        for field in fields(self):
-            setattr(self, field.name, getattr(other, field.name))
+        vars(self).update(vars(other))
 
     @classmethod
     def read(cls, values: Mapping[str, Any]) -> Control:

@@ -48,6 +48,7 @@ class Course:
         """Begin the first episode of a run, reproducible so far."""
         self.attendance.missed_deadlines = 0
         self.in_real_time = False
+        self.control.run += 1
         self.begins = True
         self.begin_episode(0, seed)
 

@@ -212,8 +212,8 @@ class WorldNode(GuardedNode):
         if self.course.disturbed or spinning.stopped:
             return  # nobody is late: there was no time to answer
         self.attendance.give_up_on_late()
+        self._topics.publish_status()  # first: who waits for the state looks at the status then
         self._topics.publish_state()
-        self._topics.publish_status()
 
     def _cycle(self, spinning: Spinner) -> None:
         course = self.course

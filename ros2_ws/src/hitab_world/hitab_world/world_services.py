@@ -126,6 +126,7 @@ class WorldServices:
             )
         course.control.episodes_left = request.episodes
         course.begin_run(request.seed)
+        response.run = course.control.run
         course.control.resume()
         self._topics.report_error("")
         self._topics.publish_status()

@@ -101,6 +101,7 @@ class WorldTopics:
         result = self._world.result()
         self._episodes.publish(
             msg.Episode(
+                run=self._course.control.run,
                 number=result.number,
                 seed=result.seed,
                 cycles=result.cycles,

@@ -44,3 +44,17 @@ def test_who_takes_the_place_of_another_at_once_is_noticed_and_shown_the_world(n
     assert audience.has("a")
     assert audience.look(), "there is as many as before, but another one"
     wait_until(lambda: not audience.look())
+
+
+def test_a_killed_process_that_is_given_up_after_another_took_its_place_changes_nothing(nodes):
+    world, agent = nodes
+    audience = Audience(world, ("a",))
+    killed = agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    wait_until(lambda: world.count_subscribers("/a/percept") == 2)
+    wait_until(lambda: audience.has("a"))
+    wait_until(lambda: not audience.look())
+    agent.destroy_subscription(killed)
+    wait_until(lambda: world.count_subscribers("/a/percept") == 1)
+    assert not audience.look()
+    assert audience.has("a")

@@ -171,7 +171,12 @@ class Perceived:
                     self._column[use]: scale_of(use) for use in features if use not in TIMERS
                 }
                 moments = self._since_entered()
-                due = responded(moments, due, ago, columns, corrects)
+                answered = responded(moments, due, ago, columns, corrects)
+                if not self._shows(answered, features):  # nothing was sensed for a moment
+                    near = [m for m in moments if abs(m.time - due.time) <= ago]
+                    shown = [m for m in near if self._shows(m, features)]
+                    answered = nearest(shown, due.time) if shown else answered
+                due = answered
             if latest is not None and due.time < latest.time:
                 return due
         # The present one, with the values that the next decision would use.
@@ -192,6 +197,11 @@ class Perceived:
         """Return the values of features in a moment; NaN where there is none."""
         return tuple(moment.readings[self._column[feature]] for feature in features)
 
+    def _shows(self, moment: Moment, features: Sequence[Use]) -> bool:
+        """Whether there can be an example of a moment: of some features, one has a value."""
+        values = self.in_moment(moment, features)
+        return not values or not all(map(math.isnan, values))
+
     def values(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
         """Return the values of features in a moment.
 
@@ -205,7 +215,7 @@ class Perceived:
                     f'feature "{feature}" is {value} but must be finite in an example; have it '
                     "return a large number instead, such as the range of its sensor"
                 )
-        if values and all(map(math.isnan, values)):
+        if not self._shows(moment, features):
             raise FeatureValueError(
                 f"no feature of this training has a value now ({', '.join(map(str, features))}); "
                 "check the sensors, or choose other features"
