@@ -22,7 +22,7 @@ from hitab_client.run_folder import running_swarms
 from hitab_ros import qos
 
 SECONDS = 60.0
-SHARED = ("/clock", "/diagnostics", "/parameter_events", "/rosout")
+SHARED = ("/clock", "/diagnostics", "/emergency_stop", "/parameter_events", "/rosout")
 """Topics that ROS wants under these names; the first has this test's subscription only."""
 
 WORLD = """\

@@ -44,7 +44,13 @@ from hitab_ros.stamps import seconds_of
 
 
 class AgentNode(GuardedNode):
-    """One agent of the swarm, in the namespace of its name."""
+    """One agent of the swarm, in the namespace of its name.
+
+    Attributes:
+        has_robot: whether the link of its domain, if it has one, drives a robot.
+    """
+
+    has_robot = True
 
     def __init__(
         self,
@@ -200,7 +206,7 @@ class AgentNode(GuardedNode):
         elif self.agent.domain.link:
             link = link_class(self.agent.domain)
             self._link = link(self, settings.world, self._on_percept)
-            if self.stop is None:
+            if self.stop is None and self.has_robot:
                 self.stop = OwnStop(self, rearms=settings.auto_rearm)
             self.stop_changed()
         else:
@@ -282,7 +288,7 @@ class AgentNode(GuardedNode):
                 percept.values,
                 percept.heard,
                 percept.cycle,
-                seconds_of(percept.stamp),
+                self.seconds_of(percept),
                 # A paused world that shows its cycle again was changed.
                 jumped=percept.look and percept.cycle == agent.cycle,
             )
@@ -293,7 +299,7 @@ class AgentNode(GuardedNode):
         except Exception as error:
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
-            self.superior.round_begins(percept, seconds_of(percept.stamp))
+            self.superior.round_begins(percept, self.seconds_of(percept))
         return self._sensed
 
     def answer(self, percept: msg.Percept) -> Action:
@@ -326,8 +332,12 @@ class AgentNode(GuardedNode):
         if self._offered is not None:
             self._offered.look()
         if self.superior is not None and not percept.lockstep:
-            self.superior.perceived(percept, seconds_of(percept.stamp), changed=changed)
+            self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
         return action
+
+    def seconds_of(self, percept: msg.Percept) -> float:
+        """Return the agent's time, s, used in reports: the time of the world or the robot."""
+        return seconds_of(percept.stamp)
 
     # -- stop of its robot --------------------------------------------------------------------
 

@@ -152,54 +152,54 @@ class Stops:
         if not answer.success:
             raise SwarmError(f"{robot} may not act again: {answer.message}")
 
+    @staticmethod
+    def switch_all(
+        ends: Sequence[Stops],
+        by: str,
+        reason: str = "",
+        *,
+        engaged: bool,
+        seconds: float,
+        tell: Callable[[dict[str, str]], None] = lambda who: None,
+    ) -> dict[str, str]:
+        """Stop whatever acts, or release it, again and again until all have confirmed it.
 
-def switch_all(
-    ends: Sequence[Stops],
-    by: str,
-    reason: str = "",
-    *,
-    engaged: bool,
-    seconds: float,
-    tell: Callable[[dict[str, str]], None] = lambda who: None,
-) -> dict[str, str]:
-    """Stop whatever acts, or release it, again and again until all have confirmed it.
+        Args:
+            ends: of all ROS domains that are meant.
+            by: who wants it, for people.
+            reason: for people.
+            engaged: whether they have to stand still.
+            seconds: how long at most.
+            tell: called with those who have not confirmed it, when that changes.
 
-    Args:
-        ends: of all ROS domains that are meant.
-        by: who wants it, for people.
-        reason: for people.
-        engaged: whether they have to stand still.
-        seconds: how long at most.
-        tell: called with those who have not confirmed it, when that changes.
+        Returns:
+            Those who have not confirmed it, and why not.
+        """
+        lacking: dict[str, str] = {}
+        told: dict[str, str] = {}
+        began = time.monotonic()
+        while time.monotonic() < began + seconds:
+            for end in ends:
+                end.say(by, reason, engaged=engaged)
+            Stops.listen(ends, REPEAT_S)
+            lacking = {k: v for end in ends for k, v in end.unconfirmed(engaged=engaged).items()}
+            if any(end.names() for end in ends) and not lacking and Stops.settled(ends):
+                break
+            if lacking and lacking != told:
+                told = lacking
+                tell(lacking)
+        return lacking
 
-    Returns:
-        Those who have not confirmed it, and why not.
-    """
-    lacking: dict[str, str] = {}
-    told: dict[str, str] = {}
-    began = time.monotonic()
-    while time.monotonic() < began + seconds:
-        for end in ends:
-            end.say(by, reason, engaged=engaged)
-        listen(ends, REPEAT_S)
-        lacking = {k: v for end in ends for k, v in end.unconfirmed(engaged=engaged).items()}
-        if any(end.names() for end in ends) and not lacking and settled(ends):
-            break
-        if lacking and lacking != told:
-            told = lacking
-            tell(lacking)
-    return lacking
+    @staticmethod
+    def listen(ends: Sequence[Stops], seconds: float) -> None:
+        """Hear for so long who is there, and what they say."""
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            for end in ends:
+                end.look()
+                end.spin()
 
-
-def listen(ends: Sequence[Stops], seconds: float) -> None:
-    """Hear for so long who is there, and what they say."""
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
-        for end in ends:
-            end.look()
-            end.spin()
-
-
-def settled(ends: Sequence[Stops]) -> bool:
-    """Whether nobody new was found for a while."""
-    return all(time.monotonic() - end.found_at > SETTLED_S for end in ends)
+    @staticmethod
+    def settled(ends: Sequence[Stops]) -> bool:
+        """Whether nobody new was found for a while."""
+        return all(time.monotonic() - end.found_at > SETTLED_S for end in ends)

@@ -27,6 +27,7 @@ class CommanderNode(AgentNode):
     path of the file that describes its kind (see `hitab_commander.kind_reader`).
     """
 
+    has_robot = False
     _link: CommanderLink | None
 
     def __init__(self, node_name: str = "commander", **options: Any) -> None:

@@ -32,14 +32,13 @@ from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, Relay
 from hitab_robots.velocity import STILL, Drive, Gate, Velocity
 from hitab_ros import GuardedNode, Spinner, Stop, names, qos, run, steady_timer
 from hitab_ros.stamps import as_time, nanoseconds
-from hitab_ros.stop import EMERGENCY
 
 FILE = "emergency_stop.json"
 
 SILENCE = "silence"
 """The cause of that name: the agent's."""
 
-SILENT_S = 1.0
+SILENT_S = 2.0
 """An agent that gives no sign of life for so long, s, does not drive again by itself."""
 
 GONE_S = 10.0
@@ -203,7 +202,7 @@ class VelocityRelay(GuardedNode):
             return  # it is being made, and the robot is held
         machine = self._stop.machine
         self._gate.held = bool(machine.why)
-        self._gate.insists = EMERGENCY in machine.causes
+        self._gate.insists = Stop.EMERGENCY in machine.causes
         self._tick()
 
     def _file_in(self, state_dir: str) -> Path | None:

@@ -18,17 +18,17 @@ from hitab_ros.stop_machine import StopMachine
 PERIOD_S = 0.1
 """Between two reports, s, by the machine's clock. They are signs of life as well."""
 
-EMERGENCY = "emergency stop"
-"""The cause of that name."""
-
 
 class Stop:
     """The stop machine of a robot on a node, driven by the emergency stop and by other causes.
 
     Attributes:
+        EMERGENCY: the name of that cause.
         machine: whether the robot may act.
         switch: of the emergency stop.
     """
+
+    EMERGENCY = "emergency stop"
 
     def __init__(
         self,
@@ -71,7 +71,7 @@ class Stop:
         return why_stopped(names.own_name(self._node), machine.why, machine.causes.values())
 
     def _emergency(self, state: msg.EmergencyStop) -> None:
-        self.machine.cause(EMERGENCY, stopped_by(state))
+        self.machine.cause(self.EMERGENCY, stopped_by(state))
         if not state.engaged and self.machine.why:
             self._log(f"the emergency stop is released by {state.by or 'somebody'}")
         self._keep(state)
@@ -105,7 +105,7 @@ class Stop:
             stamp=as_time(time.time_ns()),
             node=self._node.get_fully_qualified_name(),
             name=names.own_name(self._node),
-            state=int(machine.state),
+            state=machine.state.value,
             causes=list(machine.causes.values()),
             why=machine.why,
             stop=machine.stop,

@@ -20,15 +20,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from enum import IntEnum
+from enum import StrEnum
 
 
-class StopState(IntEnum):
+class StopState(StrEnum):
     """The values are those of `hitab_msgs.msg.StopState`."""
 
-    ARMED = 0
-    STOPPING = 1
-    STOPPED = 2
+    ARMED = "armed"
+    STOPPING = "stopping"
+    STOPPED = "stopped"
 
 
 class StopMachine:

@@ -109,7 +109,7 @@ class WorldNode(GuardedNode):
             stamp=as_time(time.time_ns()),
             node=self.get_fully_qualified_name(),
             name=names.own_name(self),
-            state=StopState.STOPPED if held else StopState.ARMED,
+            state=(StopState.STOPPED if held else StopState.ARMED).value,
             causes=[held] if held else [],
             why=held,
         )

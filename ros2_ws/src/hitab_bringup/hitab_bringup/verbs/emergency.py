@@ -94,14 +94,13 @@ def arm(
 
       hitab arm --all
     """
-    from hitab_client import SwarmError
-    from hitab_client.stops import listen
+    from hitab_client import Stops, SwarmError
 
     if robots and all_robots:
         raise typer.BadParameter("give names of robots or --all, not both")
     refused = []
     with _everywhere() as ends:
-        listen(ends, LOOK_S)
+        Stops.listen(ends, LOOK_S)
         waiting = {robot: why for end in ends for robot, why in end.waiting().items()}
         if not (robots or all_robots):
             for robot, why in waiting.items():
@@ -133,8 +132,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
     Raises:
         SwarmError: if nobody heard it, or not all confirm it.
     """
-    from hitab_client import SwarmError
-    from hitab_client.stops import switch_all
+    from hitab_client import Stops, SwarmError
     from hitab_core import some
 
     def tell(who: dict[str, str]) -> None:
@@ -142,7 +140,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
 
     with _everywhere() as ends:
         by = getpass.getuser()
-        lacking = switch_all(ends, by, reason, engaged=engaged, seconds=CONFIRM_S, tell=tell)
+        lacking = Stops.switch_all(ends, by, reason, engaged=engaged, seconds=CONFIRM_S, tell=tell)
         there = [name for end in ends for name in end.names()]
         where = " or ".join(str(end.domain_id) for end in ends)
     if not there:

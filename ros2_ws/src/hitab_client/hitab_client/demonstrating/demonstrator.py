@@ -99,7 +99,7 @@ class Demonstrator:
             "nothing": self._perform_nothing,
             "save": self._save,
             "arm": self._arm,
-            "hold": self._pause,
+            "stop": self._pause,
         }
 
     @property
@@ -135,8 +135,8 @@ class Demonstrator:
 
     def press(self, action: str) -> None:
         """Take one of the `ACTIONS`; the emergency stop and the choice of the agent at once."""
-        if action in ("stop", "go") or (action == "hold" and not self._is_simulated()):
-            self._switch(engaged=action != "go")
+        if action == "go" or (action == "stop" and not self._is_simulated()):
+            self._switch(engaged=action == "stop")
         elif action in ("previous", "next"):
             self._step(1 if action == "next" else -1)
         else:

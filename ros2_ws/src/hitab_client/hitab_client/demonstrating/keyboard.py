@@ -21,7 +21,7 @@ ACTION_KEYS = {
     "S": "save",
     "[": "previous",
     "]": "next",
-    " ": "hold",
+    " ": "stop",
     "G": "go",
     "R": "arm",
 }

@@ -15,10 +15,9 @@ ACTIONS = {
     "save": "save what was trained",
     "previous": "the previous agent",
     "next": "the next agent",
-    "stop": "EMERGENCY STOP of all robots and simulated worlds",
+    "stop": "EMERGENCY STOP of all robots; where there is but a simulated world, pause or resume it",
     "go": "release them; robots wait",
     "arm": "let the robot act again",
-    "hold": "EMERGENCY STOP of all robots; if there is but a simulated world, pause or resume it",
 }
 """What can be pressed besides behaviors."""
 
