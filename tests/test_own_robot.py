@@ -33,6 +33,7 @@ from hitab_client.swarm_client import SwarmClient
 from hitab_core.domain import Domain, load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_robots.settings import DESCRIPTIONS, OF_SENSOR
+from hitab_robots.velocity_relay import SILENT_S
 from hitab_ros import qos
 from hitab_ros.stamps import seconds_of
 
@@ -343,7 +344,7 @@ def test_an_agent_that_hung_goes_on_only_once_re_armed(desk):
     agent = desk.processes["agent"]
     agent.send_signal(signal.SIGSTOP)
     desk.until(desk.told_to_stand_still)
-    desk.link.spin_until(lambda: False, 1.5)
+    desk.link.spin_until(lambda: False, 1.5 * SILENT_S)
     agent.send_signal(signal.SIGCONT)
     desk.until(lambda: desk.has_fault("gives no sign of life; that is over"))
     assert desk.stays_where_it_is()

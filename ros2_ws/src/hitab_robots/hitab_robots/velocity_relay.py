@@ -38,7 +38,7 @@ FILE = "emergency_stop.json"
 SILENCE = "silence"
 """The cause of that name: the agent's."""
 
-SILENT_S = 2.0
+SILENT_S = 3.0
 """An agent that gives no sign of life for so long, s, does not drive again by itself."""
 
 GONE_S = 10.0

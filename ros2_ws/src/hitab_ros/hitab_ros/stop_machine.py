@@ -81,7 +81,9 @@ class StopMachine:
         else:
             if name not in self.causes:
                 self.stop = max(self._number(), self.stop + 1)
-            self.causes[name] = self.why = why
+            if not self.causes:
+                self.why = why
+            self.causes[name] = why
         self._changed()
 
     def look(self, *, stands: bool) -> None:

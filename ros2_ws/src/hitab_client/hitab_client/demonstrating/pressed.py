@@ -15,7 +15,7 @@ ACTIONS = {
     "save": "save what was trained",
     "previous": "the previous agent",
     "next": "the next agent",
-    "stop": "EMERGENCY STOP of all robots; where there is but a simulated world, pause or resume it",
+    "stop": "EMERGENCY STOP of all robots; in a simulated world alone, pause or resume it",
     "go": "release them; robots wait",
     "arm": "let the robot act again",
 }
