@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from servo_keepers import servo_players
 
 from hitab_world.inprocess import play
 from keepaway_world.parameters import variant
@@ -61,7 +62,9 @@ CASES = (
 def measure(case: Case, episodes: int, seed: int) -> dict[str, Any]:
     """Play a case and return its figures."""
     world = KeepawayWorld(variant("standard", **case.parameters), seed)
-    played = play(world, reference_players(world, case.keepers), episodes)
+    servo = case.keepers == "servo"
+    players = servo_players(world) if servo else reference_players(world, case.keepers)
+    played = play(world, players, episodes)
     ended = Counter(result.ended for result in played)
     return {
         "case": case.title,

@@ -1,23 +1,27 @@
-"""A keeper that goes to where the ball is, not to where it will be.
+"""Keepers that go to where the ball is, not to where it will be.
 
-Modeled on a keeper recorded on the real simulator, simple enough to derive its rules from the
-recording: `ServoKeeper` repeats 623 of its 629 commands. So where its results differ from those on
-the real simulator, the worlds differ.
+They are modeled on a keeper recorded on the real simulator, simple enough to derive its rules from
+the recording: `ServoKeeper` repeats 623 of its 629 commands. So where its results differ from
+those on the real simulator, the worlds differ.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from hitab_world.inprocess import Player
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.body import YELL
 from keepaway_world.interception import Order
 from keepaway_world.kicking import PASS_ARRIVAL_SPEED, off_place
+from keepaway_world.reference.eyes import Eyes
 from keepaway_world.reference.positioning import ARRIVED, open_point
 from keepaway_world.reference.prediction import FULL
 from keepaway_world.reference.view import Seen, View
+from keepaway_world.reference_keepers import DirectBody
+from keepaway_world.world import KeepawayWorld
 
 PRESSED = 5.0  # m: it passes if a taker is nearer
 TURN_WHEN_OFF = math.radians(10.0)
@@ -111,3 +115,48 @@ def _get_open(view: View) -> Order:
     if abs(point - here) < ARRIVED:
         return "turn", wrapped(cmath.phase(ball - here) - me.heading), 0.0
     return _go_to(me, point)
+
+
+class SpeakingBody(DirectBody):
+    """A body for a player that reads the world directly: it hears, acts and speaks."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.heard: Sequence[str] = ()
+        self.say = ""
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        """Take what is heard; the percept is not needed."""
+        super().sense(values, heard)
+        self.heard, self.say = heard, ""
+
+    def act(self) -> tuple[Sequence[float], str]:
+        """Return this cycle's command, and what is said."""
+        return super().act()[0], self.say
+
+
+class ServoPlayer:
+    """Plays a keeper that servoes on the ball; see `hitab_world.inprocess.Player`."""
+
+    def __init__(self, world: KeepawayWorld, name: str) -> None:
+        self.body = SpeakingBody()
+        me = next(k for k in world.physics.keepers if k.name == name)
+        self._eyes = Eyes(world.physics, me)
+        self._keeper = ServoKeeper(me.index)
+
+    def begin(self, seed: int, episode: int) -> None:
+        """Begin an episode; nothing is drawn."""
+        self._eyes.begin()
+        self._keeper.begin()
+
+    def tick(self) -> None:
+        """Decide for this cycle."""
+        order, say = self._keeper.decide(self._eyes.view(), self.body.heard)
+        if order is not None:
+            self._eyes.did(order)
+        self.body.order, self.body.say = order, say
+
+
+def servo_players(world: KeepawayWorld) -> Mapping[str, Player]:
+    """Return servo keepers for all keepers of a world, to play in this process."""
+    return {name: ServoPlayer(world, name) for name in world.agents}
