@@ -22,30 +22,6 @@ LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 PARAMETERS = {"taker_speed": 0.25}
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--long", action="store_true", help="also the tests that take long")
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out the tests that take long, unless they are asked for."""
-    if config.getoption("long"):
-        return
-    left_out = [item for item in items if item.get_closest_marker("long")]
-    config.hook.pytest_deselected(items=left_out)
-    items[:] = [item for item in items if not item.get_closest_marker("long")]
-
-
-@pytest.fixture(scope="session")
-def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Keep away from the user's own swarms, and from those of the domain that the user chose."""
-    folder = tmp_path_factory.mktemp("home")
-    before = {name: os.environ.pop(name, None) for name in ("HITAB_HOME", "ROS_DOMAIN_ID")}
-    os.environ["HITAB_HOME"] = str(folder)
-    yield folder
-    del os.environ["HITAB_HOME"]
-    os.environ.update({name: value for name, value in before.items() if value is not None})
-
-
 @pytest.fixture(scope="session")
 def hitab(home: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Return a function that runs the command in a process of its own, as a user does."""

@@ -13,9 +13,9 @@ ROOT = Path(__file__).resolve().parents[1]
 PLACEHOLDER = "X"
 """Stands for what a text fills in."""
 
-PAGES = ("*.md", "docs/**/*.md")
+PAGES = ("*.md", "docs/**/*.md", "research/*.md")
 COMMENTED = ("ros2_ws/src/**/*.yaml", "ros2_ws/src/**/*.msg", "ros2_ws/src/**/*.srv")
-SOURCES = ("ros2_ws/src/**/*.py", "benchmarks/**/*.py", "examples/**/*.py")
+SOURCES = ("ros2_ws/src/**/*.py", "research/*.py", "examples/**/*.py")
 SCRIPTS = ("setup", "test", "hitab", "env.sh", "lock", "python", "docs")
 
 _STARTS = r"(?:scripts/)?hitab|scripts/(?:setup|test|lock|python|docs)|python -m"

@@ -87,6 +87,19 @@ def test_the_studio_talks_to_a_swarm_through_the_client_alone():
     assert used & set(PACKAGES) == {"hitab_studio", "hitab_client", "hitab_core", "hitab_ros"}
 
 
+def test_nothing_of_the_product_imports_research():
+    root = SOURCES.parents[1]
+    research = {path.stem for path in (root / "research").glob("*.py")}
+    wrong = [
+        f"{path.relative_to(root)} imports {module}"
+        for folder in ("ros2_ws/src", "tests", "examples", "docs")
+        for path in (root / folder).rglob("*.py")
+        for module, _ in imports(path)
+        if module.partition(".")[0] in {*research, "research"}
+    ]
+    assert wrong == []
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_a_package_takes_from_others_only_what_these_make_public(package):
     wrong = []

@@ -1,10 +1,8 @@
 """Foragers and their commanders over real topics: as in one process, and as they were taught."""
 
-import sys
 from pathlib import Path
 
 import pytest
-from hitab_msgs.msg import Order
 
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
@@ -15,29 +13,14 @@ from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_client.shipped import find_file, shipped
 from hitab_client.world_client import WorldClient
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import InProcessHierarchy, Member
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_ros import qos
-from hitab_world.inprocess import cycle, play
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-from foraging import hierarchy  # the swarms that the benchmark compares
+from hitab_world.inprocess import cycle
 
 CYCLES = 300
-SECONDS = 90.0
 LESSONS = ("foraging_search", "foraging_goto", "foraging_carry", "foraging_forage")
-
-
-def swarm(name: str, **parameters):
-    """Return a shipped swarm, in a paused lockstep world."""
-    described = read_swarm(find_file(name, "swarms", "swarm"))
-    assert described.world is not None
-    return described.with_world(
-        pace="lockstep",
-        paused=True,
-        parameters={**described.world.parameters, **parameters},
-    )
 
 
 def places(entities) -> dict[str, tuple[float, float]]:
@@ -52,52 +35,21 @@ def step(world: WorldClient, cycles: int):
 
 
 def test_foragers_do_over_topics_what_they_do_in_one_process(home, tmp_path):
-    described = swarm("foraging")
+    described = read_swarm(find_file("foraging", "swarms", "swarm"))
+    described = described.with_world(pace="lockstep", paused=True)
     with temporary_swarm(described, tmp_path) as running:
         told = places(step(running.world, CYCLES).entities)
         assert running.world.status.missed_deadlines == 0
         seed = running.world.status.seed
     figures = ForagingParameters.from_dict(dict(described.world.parameters))
     world = ForagingWorld(figures, seed)
-    players = hierarchy("flat", world.agents).players
+    library = BehaviorLibrary(shipped("libraries", "foraging"), load_domain("foraging"))
+    players = InProcessHierarchy([Member(n, library, "Forage") for n in world.agents]).players
     for player in players.values():
         player.begin(world.seed, world.episode)
     for _ in range(CYCLES):
         cycle(world, players)
     assert told == places(world.entities())
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("name", "kind"), [("foraging_two_levels", "two_levels"), ("foraging_commanders", "one_level")]
-)
-def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
-    home, tmp_path, name, kind
-):
-    """Foragers bring some home without commanders: what these order is looked at, too."""
-    described = swarm(name, duration=SECONDS)
-    orders: list[Order] = []
-    with temporary_swarm(described, tmp_path) as running:
-        squads = [n for n in running.agents.await_agents() if n.startswith("squad_")]
-        for squad in squads:
-            running.link.subscribe(Order, f"/{squad}/order", orders.append, qos.LATCHED)
-        assert running.link.spin_until(lambda: {o.commander for o in orders} == {*squads}, 30.0)
-        (episode,) = running.world.play(1, seed=1)
-        assert episode.reproducible
-    # One order alone would be the first, which a squad gives before it has decided anything.
-    given = {squad: {o.order for o in orders if o.commander == squad} for squad in squads}
-    assert sum(len(of_one) > 1 for of_one in given.values()) > len(squads) / 2
-    assert set.union(*given.values()) <= {"Forage", "Join", "GiveUp", "Haul", ""}
-    figures = ForagingParameters.from_dict(dict(described.world.parameters))
-    world = ForagingWorld(figures, 1)
-    commanded = hierarchy(kind, world.agents)
-    (result,) = play(world, commanded.players, between=commanded.confer)
-    assert boxes(result.measures) >= 1.0
-    assert dict(zip(episode.measure_names, episode.measures, strict=True)) == result.measures
-
-
-def boxes(measures) -> float:
-    return measures["small"] + measures["large"]
 
 
 @pytest.mark.long

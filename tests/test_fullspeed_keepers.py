@@ -1,8 +1,5 @@
 """Keepers for takers at full speed: what their lessons teach, and that it is what is shipped."""
 
-import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -23,7 +20,6 @@ LESSONS = ("play_ball", "keepaway")
 MOST_EXAMPLES = 60
 FULL_SPEED = {"taker_speed": 1.0, "ball_collides": True}
 LIBRARY = shipped("libraries", "keepaway_fullspeed")
-RECORDS = Path(__file__).parents[1] / "benchmarks" / "records.py"
 
 
 @pytest.fixture(scope="module")
@@ -36,11 +32,6 @@ def learned(home, tmp_path_factory):
             lesson = read_lesson(find_file(f"fullspeed/{name}", "lessons", "lesson"))
             report = LessonPlayer(lesson, running.agents, running.world).play()
         return examples_of(Path(report.path).parent)
-
-
-def ran(script: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(script), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=100)
 
 
 @pytest.mark.long
@@ -66,41 +57,3 @@ def test_they_last_longer_than_keepers_that_know_distances_only():
         return sum(played.cycles for played in play(world, players, 6, cycles_max=200))
 
     assert cycles("keepaway_fullspeed") >= 1.3 * cycles("keepaway_predictive")
-
-
-def test_the_records_compare_trained_keepers_and_rules_over_the_same_episodes(tmp_path):
-    path = tmp_path / "r.json"
-    done = ran(
-        RECORDS, "--episodes", "2", "--longest", "4", "--sight", "full", "--json", str(path)
-    )
-    assert done.returncode == 0, done.stderr
-    figures = json.loads(path.read_text())["full"]
-    assert [len(team["seconds"]) for team in figures.values()] == [2, 2]
-    assert "trained (31 examples) - rules (near 4.5, slack 0.2):" in done.stdout
-
-    plot, server = tmp_path / "r.png", tmp_path / "server.json"
-    server.write_text('{"each_seconds": [3.0, 40.0, 700.0]}')
-    drawn = ran(RECORDS.with_name("records_plot.py"), path, "--full", server, "--plot", plot)
-    assert drawn.returncode == 0, drawn.stderr
-    assert plot.read_bytes().startswith(b"\x89PNG")
-
-
-def test_the_plot_of_the_records_names_a_file_that_it_cannot_read(tmp_path):
-    wrong = ran(RECORDS.with_name("records_plot.py"), tmp_path / "no.json", "--plot", "r.png")
-    assert wrong.returncode == 2
-    assert "cannot be read" in " ".join(wrong.stderr.replace("│", "").split())
-
-
-@pytest.mark.parametrize(
-    ("options", "named"),
-    [
-        (("--sight", "none"), "none"),
-        (("--game", "1v2"), '"1v2" is no game; give 2 to 9 keepers'),
-        (("--side", "1"), "width is 1"),
-    ],
-)
-def test_the_records_refuse_what_there_is_not(options, named):
-    done = ran(RECORDS, *options)
-    assert done.returncode == 2
-    assert named in done.stderr
-    assert "Traceback" not in done.stderr

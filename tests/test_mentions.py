@@ -123,7 +123,7 @@ def of_scripts(mention: Mention) -> bool:
 
 
 @pytest.mark.parametrize("mention", list(filter(of_scripts, FOUND)), ids=str)
-def test_every_script_and_benchmark_that_is_mentioned_takes_its_options(mention):
+def test_every_script_that_is_mentioned_takes_its_options(mention):
     script, *words = mention.words
     assert (ROOT / script).is_file()
     if script == "scripts/test":  # what follows is for pytest
@@ -133,7 +133,7 @@ def test_every_script_and_benchmark_that_is_mentioned_takes_its_options(mention)
         script, *words = words
         if not script.endswith(".py"):
             return
-        if not script.startswith(("benchmarks/", "examples/")):
+        if not script.startswith(("research/", "examples/")):
             return  # one of the reader's own
     text = (ROOT / script).read_text(encoding="utf-8")
     for option in (word.partition("=")[0] for word in words if word.startswith("--")):

@@ -19,17 +19,17 @@ FOLDERS = {path.name for path in (*ROOT.iterdir(), *SOURCES.iterdir()) if path.i
 
 PYTHON = {
     path.name
-    for folder in ("ros2_ws/src", "tests", "benchmarks", "examples", "docs")
+    for folder in ("ros2_ws/src", "tests", "research", "examples", "docs")
     for path in (ROOT / folder).rglob("*.py")
 }
-OF_SCRIPTS = {"--check", "--quiet", "--long", "--upgrade"}
-OF_BENCHMARKS = {
+OF_SCRIPTS = {"--check", "--quiet", "--long", "--upgrade", "--research"}
+OF_RESEARCH = {
     option
-    for path in (ROOT / "benchmarks").glob("*.py")
+    for path in (ROOT / "research").glob("*.py")
     for option in re.findall(r'"(--[a-z][a-z-]*)"', path.read_text())
 } | {
     f"--{name.replace('_', '-')}"  # typer derives it from the parameter
-    for path in (ROOT / "benchmarks").glob("*.py")
+    for path in (ROOT / "research").glob("*.py")
     for name in re.findall(r"^ +(\w+): Annotated\[", path.read_text(), re.MULTILINE)
 }
 
@@ -91,7 +91,7 @@ def test_every_file_that_is_named_is_there(page):
 
 @pytest.mark.parametrize("page", TEXTS)
 def test_every_option_that_is_named_is_one(page):
-    known = ALL_OPTIONS | OF_OTHERS | OF_SCRIPTS | OF_BENCHMARKS
+    known = ALL_OPTIONS | OF_OTHERS | OF_SCRIPTS | OF_RESEARCH
     named = {o for text in quoted(page) for o in re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)}
     assert named - known == set()
 

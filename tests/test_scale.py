@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,59 +11,72 @@ from hitab_msgs import msg
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
+from hitab_client.shipped import shipped
 
-BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 AGENTS = 60
 SECONDS = 60.0
+SWARM = f"""
+swarm: scale
+domain: foraging
+start_from: {shipped("libraries", "foraging")}
+behavior: Search
+hosts: 2
+world:
+  kind: foraging
+  parameters: {{foragers: {AGENTS}, width: 200.0, height: 200.0}}
+agents:
+  forager: {{count: {AGENTS}}}
+kinds:
+  Leader: {{orders: {{Search: Search, RotateLeft: RotateLeft, Stop: Stop}}}}
+commanders:
+  squad: {{kind: Leader, commands: {{forager: 5}}}}
+  company: {{kind: Leader, commands: {{squad: 4}}}}
+  root: {{kind: Leader, commands: company}}
+"""
 
 
 @pytest.fixture(scope="module")
 def swarm(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Return a swarm of the benchmark: agents and commanders of three levels in two hosts."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PYTHONPATH", str(BENCHMARKS))
-        patch.syspath_prepend(str(BENCHMARKS))
-        import swarms
-
-        folder = tmp_path_factory.mktemp("scale")
-        description = parse_swarm(swarms.description(AGENTS, 2), folder / "scale.yaml")
-        with temporary_swarm(description, folder / "run") as running:
-            yield running
-    sys.modules.pop("swarms", None)
+    """Return a swarm of agents and commanders of three levels in two hosts."""
+    folder = tmp_path_factory.mktemp("scale")
+    description = parse_swarm(SWARM, folder / "scale.yaml")
+    with temporary_swarm(description, folder / "run") as running:
+        yield running
 
 
 def performed(swarm: RunningSwarm) -> set[str]:
     return {
         status.behavior
         for name, status in swarm.agents.statuses.items()
-        if name.startswith("ant_")
+        if name.startswith("forager_")
     }
 
 
 def test_an_order_at_the_root_reaches_every_agent(swarm: RunningSwarm) -> None:
     assert len(swarm.agents.statuses) == AGENTS + 12 + 3 + 1
-    for order in ("Patrol", "Wait", "Explore"):
+    for order in ("RotateLeft", "Stop", "Search"):
         swarm.agents.perform("root", order)
         assert swarm.link.spin_until(lambda order=order: performed(swarm) == {order}, SECONDS)
 
 
 def test_hosted_agents_act_in_the_world(swarm: RunningSwarm) -> None:
-    swarm.agents.perform("root", "Explore")
-    assert swarm.link.spin_until(lambda: performed(swarm) == {"Explore"}, SECONDS)
+    swarm.agents.perform("root", "Search")
+    assert swarm.link.spin_until(lambda: performed(swarm) == {"Search"}, SECONDS)
     deciding = swarm.agents.statuses
-    ants = [f"ant_{i + 1}" for i in range(AGENTS)]
-    assert swarm.link.spin_until(lambda: all(deciding[n].active_path for n in ants), SECONDS)
+    foragers = [f"forager_{i + 1}" for i in range(AGENTS)]
+    assert swarm.link.spin_until(lambda: all(deciding[n].active_path for n in foragers), SECONDS)
     assert not swarm.world.status.missing
-    # Where all walk and turn, nobody stays where he was.
+    # Where all search, nobody stays where he was.
     states: list[msg.WorldState] = []
     swarm.link.subscribe(msg.WorldState, "/world/state", states.append, 10)
 
     def moved() -> bool:
         if len(states) < 2:
             return False
-        pairs = zip(states[0].entities, states[-1].entities, strict=True)
-        moving = [(a.x, a.y, a.heading) != (b.x, b.y, b.heading) for a, b in pairs]
-        return len(moving) >= AGENTS and all(moving)
+        first, last = (
+            {e.name: (e.x, e.y, e.heading) for e in states[i].entities} for i in (0, -1)
+        )
+        return all(first[name] != last[name] for name in foragers)
 
     assert swarm.link.spin_until(moved, SECONDS)
 
@@ -76,27 +88,27 @@ def test_each_agent_is_a_node_with_topics_and_services_of_its_own(swarm: Running
         return {name for name, _ in node.get_service_names_and_types()}
 
     nodes = {f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces()}
-    assert {f"/ant_{i + 1}/agent" for i in range(AGENTS)} <= nodes
+    assert {f"/forager_{i + 1}/agent" for i in range(AGENTS)} <= nodes
     # They are made when the first client asks.
-    assert "/ant_60/perform" not in services()
-    swarm.agents.perform("ant_60", "Walk")
-    assert "/ant_60/save" in services()
-    assert "/ant_59/save" not in services()
-    assert swarm.link.spin_until(lambda: "Walk" in performed(swarm), SECONDS)
-    assert "Patrol" in swarm.agents.vocabulary("ant_60").behaviors
+    assert "/forager_60/perform" not in services()
+    swarm.agents.perform("forager_60", "Forward")
+    assert "/forager_60/save" in services()
+    assert "/forager_59/save" not in services()
+    assert swarm.link.spin_until(lambda: "Forward" in performed(swarm), SECONDS)
+    assert "RotateLeft" in swarm.agents.vocabulary("forager_60").behaviors
     with pytest.raises(SwarmError, match="unknown behavior"):
-        swarm.agents.perform("ant_59", "Fly")
+        swarm.agents.perform("forager_59", "Fly")
 
 
 def test_one_hosted_agent_is_trained_while_the_others_go_on(swarm: RunningSwarm) -> None:
-    swarm.agents.perform("root", "Patrol")
-    assert swarm.link.spin_until(lambda: performed(swarm) == {"Patrol"}, SECONDS)
-    swarm.agents.begin("ant_7", "Stroll", features=["Heading"])
-    assert swarm.agents.command("ant_7", "Walk").examples == 2
-    swarm.agents.set_mode("ant_7", "testing", restart=True)
+    swarm.agents.perform("root", "RotateLeft")
+    assert swarm.link.spin_until(lambda: performed(swarm) == {"RotateLeft"}, SECONDS)
+    swarm.agents.begin("forager_7", "Stroll", features=["HoldsABox"])
+    assert swarm.agents.command("forager_7", "Forward").examples == 2
+    swarm.agents.set_mode("forager_7", "testing", restart=True)
     assert swarm.link.spin_until(
-        lambda: list(swarm.agents.statuses["ant_7"].active_path) == ["Walk"], SECONDS
+        lambda: list(swarm.agents.statuses["forager_7"].active_path) == ["Forward"], SECONDS
     )
-    swarm.agents.save("ant_7")
-    swarm.agents.perform("ant_7", "Patrol")
-    assert swarm.link.spin_until(lambda: performed(swarm) == {"Patrol"}, SECONDS)
+    swarm.agents.save("forager_7")
+    swarm.agents.perform("forager_7", "RotateLeft")
+    assert swarm.link.spin_until(lambda: performed(swarm) == {"RotateLeft"}, SECONDS)

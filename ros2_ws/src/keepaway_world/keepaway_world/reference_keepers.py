@@ -1,7 +1,7 @@
 """Reference keepers that play whole episodes in one process, for comparison.
 
-These are UT Austin's keepers, with one of `POLICIES` for the ball, and ``servo`` keepers, which go
-to where the ball is. Their decisions are in `keepaway_world.reference`.
+These are UT Austin's keepers, with one of `POLICIES` for the ball. Their decisions are in
+`keepaway_world.reference`.
 """
 
 from __future__ import annotations
@@ -21,11 +21,9 @@ from keepaway_world.reference.policies import HOLD, POLICIES, Policy, by_distanc
 from keepaway_world.reference.positioning import get_open, open_point
 from keepaway_world.reference.prediction import Predictor, as_sent
 from keepaway_world.reference.reaching import Reach
-from keepaway_world.reference.servo import ServoKeeper
 from keepaway_world.reference.view import View
 from keepaway_world.world import KeepawayWorld
 
-SERVO = "servo"
 FORWARD = 1.0  # they play towards +x
 HOLD_RATIO = 0.7  # of the kickable margin: distance of a held ball from the body
 
@@ -74,31 +72,29 @@ class ReferenceKeeper:
         return handling.pass_to(complex(receiver.x, receiver.y))
 
 
-class _Mouthpiece:
-    """A body for a player that reads the world directly: it only hears and acts."""
+class DirectBody:
+    """A body for a player that reads the world directly: it only acts."""
 
     def __init__(self) -> None:
-        self.heard: Sequence[str] = ()
         self.order: Order | None = None
-        self.say = ""
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take what is heard; the percept is not needed."""
-        self.heard, self.order, self.say = heard, None, ""
+        """Begin a cycle; neither the percept nor what is heard is needed."""
+        self.order = None
 
     def act(self) -> tuple[Sequence[float], str]:
         """Return this cycle's command."""
         if self.order is None:
-            return [], self.say
+            return [], ""
         kind, amount, direction = self.order
-        return [_KINDS[kind], amount, direction], self.say
+        return [_KINDS[kind], amount, direction], ""
 
 
 class ReferencePlayer:
     """Plays a keeper by a reference policy; see `hitab_world.inprocess.Player`."""
 
     def __init__(self, world: KeepawayWorld, name: str, policy: Policy) -> None:
-        self.body = _Mouthpiece()
+        self.body = DirectBody()
         self._world = world
         self._name = name
         self._random = Random()
@@ -119,41 +115,17 @@ class ReferencePlayer:
         self.body.order = order
 
 
-class ServoPlayer:
-    """Plays a keeper that servoes on the ball; see `hitab_world.inprocess.Player`."""
-
-    def __init__(self, world: KeepawayWorld, name: str) -> None:
-        self.body = _Mouthpiece()
-        me = next(k for k in world.physics.keepers if k.name == name)
-        self._eyes = Eyes(world.physics, me)
-        self._keeper = ServoKeeper(me.index)
-
-    def begin(self, seed: int, episode: int) -> None:
-        """Begin an episode; nothing is drawn."""
-        self._eyes.begin()
-        self._keeper.begin()
-
-    def tick(self) -> None:
-        """Decide for this cycle."""
-        order, say = self._keeper.decide(self._eyes.view(), self.body.heard)
-        if order is not None:
-            self._eyes.did(order)
-        self.body.order, self.body.say = order, say
-
-
 def reference_players(world: KeepawayWorld, policy: str) -> Mapping[str, Player]:
     """Return players for all keepers of a world.
 
     Args:
         world: to play in, in this process.
-        policy: a name of `POLICIES`, or ``servo``.
+        policy: a name of `POLICIES`.
 
     Raises:
         ValueError: if there is no such policy.
     """
-    if policy == SERVO:
-        return {name: ServoPlayer(world, name) for name in world.agents}
     if policy not in POLICIES:
-        there = ", ".join(sorted((*POLICIES, SERVO)))
+        there = ", ".join(sorted(POLICIES))
         raise ValueError(f'there is no reference policy "{policy}" (known: {there})')
     return {name: ReferencePlayer(world, name, POLICIES[policy]) for name in world.agents}

@@ -2,9 +2,7 @@
 
 import csv
 import gzip
-import json
 import math
-import re
 from collections import Counter
 from pathlib import Path
 from random import Random
@@ -17,16 +15,11 @@ from keepaway_world.physics import Physics
 from keepaway_world.reference.eyes import Eyes
 from keepaway_world.reference.policies import HOLD, POLICIES, hand
 from keepaway_world.reference.positioning import in_lane, open_point
-from keepaway_world.reference.servo import ServoKeeper
 from keepaway_world.reference.takers import ReferenceTaker
 from keepaway_world.reference.view import Seen, View
 from keepaway_world.reference_keepers import ReferenceKeeper, reference_players
 from keepaway_world.world import KeepawayWorld
 
-BALL = re.compile(r"\(\(b\) (\S+) (\S+) (\S+) (\S+)\)")
-PLAYER = re.compile(r"\(\(p \w \d \S+\) (\S+) (\S+) (\S+) (\S+) (\S+) ")
-CALL = re.compile(r'\(hear \d+ \S+ our \d "p(\d)"')
-COMMAND = re.compile(r"\((dash|turn|kick) (\S+?)(?: (\S+))?\)")
 DATA = Path(__file__).parent / "data"
 UT = variant("standard", taker_policy="reference", sight="quantised")
 
@@ -140,52 +133,6 @@ def test_players_that_see_what_the_simulator_shows_decide_as_uts_do():
     assert found["taking"] > 0.96
 
 
-def test_the_servo_keeper_does_what_the_recorded_one_did():
-    """Client 0 of the transcript; what it hears belongs to the cycle in which it is heard."""
-    world = Physics(variant("standard"), Random(0))
-    eyes, keeper = Eyes(world, world.keepers[0]), ServoKeeper(1)
-    same = cycles = 0
-    for state, heard, done in transcript():
-        for mover, (x, y, vx, vy, body) in zip(world.movers, state, strict=True):
-            world.put(mover, x, -y, -math.radians(body), vx, -vy)
-        order, _ = keeper.decide(eyes.view(), heard)
-        cycles += 1
-        same += order is done if None in (order, done) else agree(order, done, 1.0)
-    assert cycles == 629
-    assert same / cycles > 0.98
-
-
-def transcript():
-    """Yield what client 0 perceived and did in each cycle of play: (x, y, vx, vy, body) of all."""
-    perceived, done = None, None
-    with gzip.open(DATA / "keepaway_transcript.jsonl.gz", "rt") as file:
-        for line in file:
-            record = json.loads(line)
-            text = record["msg"]
-            if record["client"] != 0:
-                continue
-            if text.startswith("(fullstate"):
-                if perceived is not None:
-                    yield *perceived, done
-                perceived, done = None, None
-                if "pmode play_on" in text:
-                    perceived = (
-                        [(*map(float, BALL.search(text).groups()), 0.0)]
-                        + [tuple(map(float, found)) for found in PLAYER.findall(text)],
-                        [],
-                    )
-            elif perceived is None:
-                continue
-            elif found := CALL.match(text):
-                perceived[1].append(f"pass {found[1]}")
-            elif record["dir"] == "send" and (found := COMMAND.match(text)):
-                kind, amount, direction = found[1], float(found[2]), float(found[3] or 0.0)
-                amount = -math.radians(amount) if kind == "turn" else amount
-                done = kind, amount, -math.radians(direction)
-        if perceived is not None:
-            yield *perceived, done
-
-
 def view(keepers, takers, ball=(0.0, 0.0)) -> View:
     """Return what the first keeper takes the field to be, all at rest."""
     seen = [Seen(f"keeper_{i}", x, y, 0.0, 0.0) for i, (x, y) in enumerate(keepers)]
@@ -216,7 +163,7 @@ def test_a_player_gets_open_where_it_is_least_crowded_and_can_be_passed_to():
     assert blocked != point
 
 
-@pytest.mark.parametrize("policy", [*sorted(POLICIES), "servo"])
+@pytest.mark.parametrize("policy", sorted(POLICIES))
 def test_the_same_seed_gives_the_same_episodes(policy):
     def played():
         world = KeepawayWorld(UT, seed=5)
@@ -265,6 +212,6 @@ def test_in_one_of_three_cycles_a_player_reckons_where_the_ball_is():
 
 def test_an_unknown_policy_is_refused_with_those_that_there_are():
     with pytest.raises(
-        ValueError, match=r'no reference policy "best" \(known: hand, hold, rand, servo\)'
+        ValueError, match=r'no reference policy "best" \(known: hand, hold, rand\)'
     ):
         reference_players(KeepawayWorld(UT), "best")

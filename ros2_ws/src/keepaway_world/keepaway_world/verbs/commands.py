@@ -26,7 +26,7 @@ Keepers = Annotated[
     str,
     typer.Option(
         help="trained; or, for comparison, UT Austin's, by their policy for the ball: "
-        "hand (hand-coded), rand (random) or hold; or servo, which run to where the ball is."
+        "hand (hand-coded), rand (random) or hold."
     ),
 ]
 Collisions = Annotated[

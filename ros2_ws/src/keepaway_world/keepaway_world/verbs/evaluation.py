@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
-KEEPERS = (TRAINED, "hand", "rand", "hold", "servo")  # the others are reference policies
+KEEPERS = (TRAINED, "hand", "rand", "hold")  # the others are reference policies
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
 PATIENCE_SECONDS = 30.0  # for a server to start to play
 CHUNK = 5  # episodes between progress updates, in-process
@@ -174,12 +174,11 @@ def evaluate_reference(
     """Play episodes with reference keepers, in this process.
 
     Args:
-        policy: for the ball: ``hand``, ``rand``, ``hold`` or ``servo``.
+        policy: for the ball: ``hand``, ``rand`` or ``hold``.
         episodes: number of episodes.
         seed: of the run; the same seed gives the same episodes.
         parameters: of the game; the defaults are those of the measurements on the real simulator:
-            UT Austin's keepers with UT's takers and quantised sight, servo keepers with full
-            sight.
+            UT's takers and quantised sight.
         advance: called with the number of episodes played.
     """
     began = time.monotonic()
@@ -210,7 +209,7 @@ def reference_game(
     from keepaway_world.reference_keepers import reference_players
     from keepaway_world.world import KeepawayWorld
 
-    defaults = {"taker_policy": "reference", "sight": "quantised"} if policy != "servo" else {}
+    defaults = {"taker_policy": "reference", "sight": "quantised"}
     try:
         figures = variant("standard", **{**defaults, **parameters})
     except ValueError as error:

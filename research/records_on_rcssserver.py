@@ -1,0 +1,113 @@
+"""Plays trained keepers on a real rcssserver against UT Austin's takers at full speed.
+
+The counterpart of `records.py` for the real simulator; collisions on. It needs two programs that
+are not part of this project: rcssserver 19 and the `keepaway_player` of UT Austin's keepaway 0.6.
+
+research/records_on_rcssserver.py --player keepaway_player --episodes 20
+research/records_on_rcssserver.py --player keepaway_player --sight full --game 4v3 --side 25
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from games import size_of
+from rcss_programs import options, start, start_team, tell_episodes, tell_lost_commands
+
+from hitab_client.shipped import shipped
+from hitab_world.inprocess import perform, play
+from keepaway_world.rcss import sentences
+from keepaway_world.rcss.rcss_world import RcssWorld
+from keepaway_world.rcss.server_settings import settings_from_dict
+from keepaway_world.verbs.evaluation import read_trained
+
+NOISY, FULL = SIGHTS = ("noisy", "full")
+VISIBLE_ANGLE = {  # degrees
+    FULL: 360,  # as for UT's keepers; it does not matter
+    NOISY: 541,  # our keepers see all around them in every cycle
+}
+PATIENCE_SECONDS = 60.0  # for programs to start, and for an episode to begin
+
+
+def join(world: RcssWorld) -> None:
+    """Have the world's keepers join the server: the first team is the keepers'."""
+    joined = sentences.BEFORE_PLAY.format(world.server.where)
+    deadline = time.monotonic() + PATIENCE_SECONDS
+    while world.waiting != joined:
+        if time.monotonic() > deadline:
+            raise SystemExit(f"error: {world.waiting}")
+        world.idle()
+        time.sleep(0.001)
+
+
+def main(
+    player: Annotated[Path, typer.Option(help="UT Austin's program keepaway_player.")],
+    server: Annotated[str, typer.Option(help="The rcssserver program.")] = "rcssserver",
+    sight: Annotated[
+        str, typer.Option(help="noisy: all see what the server shows; full: everything.")
+    ] = NOISY,
+    game: Annotated[str, typer.Option(help="Keepers against takers, as in 4v3.")] = "3v2",
+    side: Annotated[int, typer.Option(help="Of the square box, m.", min=10)] = 20,
+    episodes: Annotated[int, typer.Option(help="How many.", min=2)] = 20,
+    port: Annotated[int, typer.Option(help="Port of the server.")] = 6600,
+    library: Annotated[Path | None, typer.Option(help="Folder of a trained library.")] = None,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+) -> None:
+    """Play episodes and print hold time, passes and how they ended; Ctrl-C prints those so far."""
+    if sight not in SIGHTS:
+        raise typer.BadParameter(f'there is no "{sight}" (known: {", ".join(SIGHTS)})')
+    counts = size_of(game)
+    full = sight == FULL
+    settings, figures = settings_from_dict(
+        {
+            "port": port,
+            "our_takers": False,
+            "kick_off": True,
+            "percepts": "fullstate" if full else "see",
+            "sight": "full" if full else "quantised",
+            "keepers": counts[0],
+            "takers": counts[1],
+        }
+    )
+    trained = read_trained(library or shipped("libraries", "keepaway_fullspeed"), "Keepaway")
+    with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
+        folder = Path(name)
+        start(
+            stack,
+            folder,
+            server,
+            *options(port, folder, full, side, {"visible_angle": VISIBLE_ANGLE[sight]}),
+        )
+        world = stack.enter_context(
+            closing(RcssWorld(settings, figures, patience=PATIENCE_SECONDS))
+        )
+        join(world)
+        start_team(stack, folder, player, port, counts, "takers")
+        played = []
+        players = perform(world, trained.repertoire, trained.behavior)
+        try:
+            for number in range(episodes):
+                played += play(world, players, 1, first=number)
+                seconds = played[-1].seconds
+                print(f"  episode {number + 1} of {episodes}: {seconds:.1f} s", flush=True)
+        except KeyboardInterrupt:
+            print("  interrupted; these are the figures so far")
+        tell_lost_commands(folder)
+    if not played:
+        raise typer.Abort
+    tell_episodes(
+        f"trained keepers on rcssserver, {game} in {side} m, {sight}",
+        [one.seconds for one in played],
+        [one.measures["passes"] for one in played],
+        sum(one.ended == "out" for one in played),
+        json,
+    )
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,214 @@
+"""Measures how soon a base that holds its last Twist stands still, for each cause of a stop.
+
+An agent turns a robot, and at a random moment it, or its relay, is killed (SIGKILL) or hangs
+(SIGSTOP); its scanner falls silent; or somebody who is connected already engages the emergency
+stop, with a publisher that latches or with one that does not. The time runs until the base has
+zero for good. Then the cause is ended and nothing may move until the robot is re-armed; a robot
+that does is counted. The base is a subscription in this process, which remembers when each Twist
+came.
+
+    scripts/python research/robot_stop.py --trials 20
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from statistics import mean, stdev
+from typing import Annotated, Any
+
+import psutil
+import typer
+from geometry_msgs.msg import Twist
+from hitab_msgs.msg import EmergencyStop
+from rich.console import Console
+from rich.table import Table
+
+from hitab_client import RosLink, Stops, SwarmClient, SwarmError
+from hitab_client.domain_ids import reserved
+from hitab_ros import names
+
+EXAMPLE = Path(__file__).resolve().parents[1] / "examples/diff_drive"
+ROBOT = "robot_1"
+CAUSES = (
+    "agent killed",
+    "agent hangs",
+    "relay killed",
+    "relay hangs",
+    "scanner silent",
+    "emergency stop, latched",
+    "emergency stop, volatile",
+)
+START_S = 60.0
+HELD_S = 1.5
+"""How long the base must have had zero since, s."""
+
+
+class Base:
+    """A base that does what it was told last, however long ago that is."""
+
+    def __init__(self, link: RosLink) -> None:
+        self.link = link
+        self.told: list[tuple[float, bool]] = []  # when, and whether to move
+        link.node.create_subscription(Twist, f"/{ROBOT}/cmd_vel", self._take, 100)
+
+    def _take(self, velocity: Twist) -> None:
+        moves = velocity.linear.x != 0.0 or velocity.angular.z != 0.0
+        self.told.append((time.monotonic(), moves))
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves."""
+        return bool(self.told) and self.told[-1][1]
+
+    def until(self, moves: bool) -> None:
+        """Wait until it moves, or stands still for good."""
+
+        def done() -> bool:
+            settled = time.monotonic() - self.last_change() >= (0.0 if moves else HELD_S)
+            return self.moves is moves and settled
+
+        if not self.link.spin_until(done, START_S, 0.01):
+            raise SystemExit(f"the base does {'not move' if moves else 'not stand still'}")
+
+    def last_change(self) -> float:
+        """Return when it began to do what it does."""
+        began = self.told[-1][0] if self.told else 0.0
+        for when, moves in reversed(self.told):
+            if moves is not self.moves:
+                break
+            began = when
+        return began
+
+
+def trial(
+    link: RosLink, how: str, random_number: random.Random, environment: Any
+) -> tuple[float, bool]:
+    """Return how long the base moved on, s, and whether it moved again by itself."""
+    with ExitStack() as stack:
+        state = stack.enter_context(tempfile.TemporaryDirectory())
+
+        def start(module: str, *parameters: str) -> psutil.Process:
+            command = [sys.executable, "-m", module, "--ros-args", "-r", f"__ns:=/{ROBOT}"]
+            command += [word for parameter in parameters for word in ("-p", parameter)]
+            process = psutil.Popen(command, env=environment, stderr=subprocess.DEVNULL)
+            stack.callback(end, process)
+            return process
+
+        def start_agent() -> psutil.Process:
+            return start(
+                "hitab_agent.agent_main",
+                *("domain:=diff_drive.domain:DOMAIN", f"state_dir:={state}", "swarm:=benchmark"),
+            )
+
+        scanner = start("diff_drive.simulated_robot")
+        agent = start_agent()
+        base, agents = Base(link), SwarmClient(link, [ROBOT])
+        stops = Stops(link)
+        plain = link.node.create_publisher(EmergencyStop, names.EMERGENCY_STOP, 10)
+        agents.await_agent(ROBOT, START_S)
+        arm(stops, link)
+        agents.begin(ROBOT, "Turn", features=["RangeAhead"])
+        until_obeyed(agents, link)
+        base.until(moves=True)
+        link.spin_until(lambda: False, 0.5 + random_number.random())
+        relay = next(iter(agent.children()), agent)
+        began = time.monotonic()
+        match how:
+            case "agent killed":
+                agent.kill()
+            case "agent hangs":
+                agent.suspend()
+            case "relay killed":
+                relay.kill()
+            case "relay hangs":
+                relay.suspend()
+            case "scanner silent":
+                scanner.suspend()
+            case "emergency stop, latched":
+                stops.switch.set(True, "benchmark")
+            case "emergency stop, volatile":
+                plain.publish(EmergencyStop(engaged=True, by="benchmark"))
+        base.until(moves=False)
+        stopped = base.last_change()
+        match how:
+            case "agent killed":
+                agent.wait()
+                start_agent()
+            case "agent hangs":
+                agent.resume()
+            case "scanner silent":
+                scanner.resume()
+        stops.switch.set(False, "benchmark")
+        link.spin_until(lambda: False, 3.0)
+        return stopped - began, base.last_change() != stopped or base.moves
+
+
+def end(process: psutil.Process) -> None:
+    """End a process, if it still is there."""
+    with suppress(psutil.NoSuchProcess):
+        process.kill()
+    process.wait()
+
+
+def until_obeyed(agents: SwarmClient, link: RosLink) -> None:
+    """Command it to turn; it is refused until the scanner has said something."""
+    deadline = time.monotonic() + START_S
+    while True:
+        try:
+            agents.command(ROBOT, "TurnLeft")
+            return
+        except SwarmError:
+            if time.monotonic() > deadline:
+                raise
+            link.spin(0.1)
+
+
+def arm(stops: Stops, link: RosLink) -> None:
+    """Let the robot act, as soon as nothing speaks against it."""
+    deadline = time.monotonic() + START_S
+    while True:
+        try:
+            return stops.arm(ROBOT, START_S)
+        except SwarmError:
+            if time.monotonic() > deadline:
+                raise
+            link.spin(0.1)
+
+
+def main(
+    trials: Annotated[int, typer.Option(help="Trials of each kind.", min=2)] = 10,
+    seed: Annotated[int, typer.Option(help="For the moments of the stops.")] = 1,
+) -> None:
+    """Measure how soon a base that holds its last Twist stands still."""
+    console = Console()
+    table = Table("stopped by", "trials", "mean ± s.e., s", "longest, s", "moved again")
+    with reserved() as domain_id:
+        environment = {
+            **os.environ,
+            "ROS_DOMAIN_ID": str(domain_id),
+            "PYTHONPATH": os.pathsep.join([str(EXAMPLE), os.environ.get("PYTHONPATH", "")]),
+        }
+        for how in CAUSES:
+            random_number = random.Random(seed)
+            took, again = [], 0
+            for number in range(trials):
+                with RosLink(domain_id) as link:
+                    seconds, moved_again = trial(link, how, random_number, environment)
+                took.append(seconds)
+                again += moved_again
+                console.print(f"{how}, trial {number + 1} of {trials}: {seconds:.3f} s")
+            error = stdev(took) / len(took) ** 0.5
+            row = (f"{mean(took):.3f} ± {error:.3f}", f"{max(took):.3f}", str(again))
+            table.add_row(how, str(trials), *row)
+    console.print(table)
+
+
+if __name__ == "__main__":
+    typer.run(main)

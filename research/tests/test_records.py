@@ -1,0 +1,53 @@
+"""The records at full speed: trained keepers beside rules, over the same episodes."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+RECORDS = Path(__file__).parents[1] / "records.py"
+
+
+def ran(script: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(script), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100)
+
+
+def test_the_records_compare_trained_keepers_and_rules_over_the_same_episodes(tmp_path):
+    path = tmp_path / "r.json"
+    done = ran(
+        RECORDS, "--episodes", "2", "--longest", "4", "--sight", "full", "--json", str(path)
+    )
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(path.read_text())["full"]
+    assert [len(team["seconds"]) for team in figures.values()] == [2, 2]
+    assert "trained (31 examples) - rules (near 4.5, slack 0.2):" in done.stdout
+
+    plot, server = tmp_path / "r.png", tmp_path / "server.json"
+    server.write_text('{"each_seconds": [3.0, 40.0, 700.0]}')
+    drawn = ran(RECORDS.with_name("records_plot.py"), path, "--full", server, "--plot", plot)
+    assert drawn.returncode == 0, drawn.stderr
+    assert plot.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_plot_of_the_records_names_a_file_that_it_cannot_read(tmp_path):
+    wrong = ran(RECORDS.with_name("records_plot.py"), tmp_path / "no.json", "--plot", "r.png")
+    assert wrong.returncode == 2
+    assert "cannot be read" in " ".join(wrong.stderr.replace("│", "").split())
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (("--sight", "none"), "none"),
+        (("--game", "1v2"), '"1v2" is no game; give 2 to 9 keepers'),
+        (("--side", "1"), "width is 1"),
+    ],
+)
+def test_the_records_refuse_what_there_is_not(options, named):
+    done = ran(RECORDS, *options)
+    assert done.returncode == 2
+    assert named in done.stderr
+    assert "Traceback" not in done.stderr
