@@ -2,7 +2,9 @@
 
 import multiprocessing
 import os
+import shutil
 import signal
+import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -183,6 +185,17 @@ def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(
         request.getfixturevalue("busy")
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
     assert over_topics(swarm.with_world(pace="lockstep"), tmp_path) == keepers_in_process
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+def test_lost_datagrams_cost_no_deadlines(home, tmp_path, keepers_in_process, monkeypatch):
+    """Two that were lost in one cycle cost one: each was sent again only after 3 s."""
+    lossy = tmp_path / "lossy_sender.so"
+    source = Path(__file__).with_name("lossy_sender.c")
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", lossy, source, "-ldl"], check=True)
+    monkeypatch.setenv("LD_PRELOAD", str(lossy))
+    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
+    assert over_topics(swarm.with_world(pace="lockstep"), tmp_path / "run") == keepers_in_process
 
 
 def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):

@@ -47,10 +47,7 @@ class RollCall:
     def take(self, member: str, number: int, *, look: bool = False) -> bool:
         """Take a member's report of a round; return whether it makes the round complete.
 
-        Args:
-            member: that reports.
-            number: of the round.
-            look: whether agents only look in it.
+        In some rounds the agents only ``look``.
         """
         if 0 < self.round - number < PAST:
             self._missing.discard(member)  # it is late, and alive
