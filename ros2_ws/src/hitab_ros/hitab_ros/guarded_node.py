@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import functools
 from collections.abc import Callable
 from typing import Any
@@ -15,6 +17,9 @@ from hitab_ros.guard import Guard
 
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
 """Turns off a service that every node has and nothing uses."""
+
+_MMAP_THRESHOLD = -3  # M_MMAP_THRESHOLD of glibc's mallopt
+_LARGE = 1_000_000  # bytes
 
 
 class GuardedNode(Node):
@@ -36,6 +41,7 @@ class GuardedNode(Node):
     def __init__(self, node_name: str, **options: Any) -> None:
         self.guard = Guard(lambda text: self.get_logger().warning(text))
         self.guard.faults.changed = self._tell_of_faults
+        _return_large_blocks()
         options = {"enable_rosout": False, "start_parameter_services": False, **options}
         super().__init__(node_name, **options)
 
@@ -56,14 +62,20 @@ class GuardedNode(Node):
         *args: Any,
         checked: bool = True,
         temporary: bool = False,
+        raw: bool = False,
         **options: Any,
     ) -> Any:
-        """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped."""
-        guarded = self.guard.wrap_topic(f"topic {topic}", callback, checked=checked)
+        """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped.
+
+        Messages of more than `hitab_ros.checks.BYTES_MAX` are dropped before they are read, unless
+        ``raw`` has the callback take their bytes.
+        """
+        kind = None if raw else msg_type
+        guarded = self.guard.wrap_topic(f"topic {topic}", kind, callback, checked=checked)
         if temporary:
             events = SubscriptionEventCallbacks(use_default_callbacks=False)
             options = {"event_callbacks": events, **options}
-        return super().create_subscription(msg_type, topic, guarded, *args, **options)
+        return super().create_subscription(msg_type, topic, guarded, *args, raw=True, **options)
 
     def create_publisher(
         self, msg_type: Any, topic: str, *args: Any, temporary: bool = False, **options: Any
@@ -133,6 +145,16 @@ class GuardedNode(Node):
 
         client.call_async = call  # type: ignore[method-assign]
         return client
+
+
+@functools.cache
+def _return_large_blocks() -> None:
+    """Have the C library return large blocks to the system when they are freed.
+
+    It would keep them after the first ones, so that a process stays as large as it has been.
+    """
+    with contextlib.suppress(AttributeError):  # another C library than glibc
+        ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _LARGE)
 
 
 def name_of(callback: Callable[..., Any]) -> str:
