@@ -14,8 +14,9 @@ from typing import Any
 VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """The variables that older and newer versions of Fast DDS read."""
 
-BY_FILE = "RMW_FASTRTPS_USE_QOS_FROM_XML"
-"""The variable without which ROS keeps every payload as large as it has been once."""
+GIVES_BACK = {"RMW_FASTRTPS_USE_QOS_FROM_XML": "1", "MALLOC_MMAP_THRESHOLD_": "1000000"}
+"""Without the first, a payload stays as large as it has been, whatever the profile says; without
+the other, the C library keeps large blocks that were freed."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 HERE, BY_PROFILE = "LOCALHOST", "SYSTEM_DEFAULT"
@@ -56,7 +57,7 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
         profile, environment[RANGE] = NETWORK, HERE if stays else said
     for name in VARIABLES:
         environment[name] = str(profile)
-    environment[BY_FILE] = "1"
+    environment.update(GIVES_BACK)
 
 
 def is_users_own(environment: Mapping[str, str]) -> bool:

@@ -465,7 +465,8 @@ def test_the_history_grows_with_what_was_done_and_not_with_its_square() -> None:
     def size(commands: int) -> int:
         log = ExampleLog()
         for i in range(commands):
-            log.add([Example("A", (0.0,), "B", ExampleKind.DEMONSTRATED, i + 1, i + 1)])
+            taught = Example("A", (0.0,), "B", ExampleKind.DEMONSTRATED, i + 1, i + 1)
+            log.make(log.addition([taught]))
         for i in range(0, commands, 2):
             log.make(log.deletion([i + 1]))
         for _ in range(commands):

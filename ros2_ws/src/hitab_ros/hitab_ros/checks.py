@@ -75,18 +75,6 @@ def check(message: Any) -> None:
         one(message)
 
 
-def check_size(data: bytes) -> None:
-    """Check a message of any type before it is read.
-
-    Raises:
-        BadMessage: if it is too large.
-    """
-    if len(data) > BYTES_MAX:
-        raise BadMessage(
-            f"it has {len(data):,} bytes; the limit is {BYTES_MAX:,}; send less at once"
-        )
-
-
 def too_far_ahead(number: int) -> bool:
     """Whether a number made from the time of day is too far in the future for a clock error."""
     return number > time.time_ns() + int(AHEAD_S * 1e9)

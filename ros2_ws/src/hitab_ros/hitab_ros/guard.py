@@ -17,7 +17,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.checks import BadMessage, check, check_size
+from hitab_ros.checks import BYTES_MAX, BadMessage, check
 from hitab_ros.faults import Faults
 from hitab_ros.sparing_log import SparingLog
 
@@ -132,7 +132,10 @@ class Guard:
             message, *information = arguments[0] if type(arguments[0]) is tuple else arguments
             try:
                 if kind is not None:
-                    check_size(message)
+                    if (size := len(message)) > BYTES_MAX:
+                        raise BadMessage(
+                            f"it has {size:,} bytes; the limit is {BYTES_MAX:,}; send less at once"
+                        )
                     message = deserialize_message(message, kind)
                 if checked:
                     check(message)

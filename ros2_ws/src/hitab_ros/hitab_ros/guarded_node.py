@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import functools
 from collections.abc import Callable
 from typing import Any
@@ -17,9 +15,6 @@ from hitab_ros.guard import Guard
 
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
 """Turns off a service that every node has and nothing uses."""
-
-_MMAP_THRESHOLD = -3  # M_MMAP_THRESHOLD of glibc's mallopt
-_LARGE = 1_000_000  # bytes
 
 
 class GuardedNode(Node):
@@ -41,7 +36,6 @@ class GuardedNode(Node):
     def __init__(self, node_name: str, **options: Any) -> None:
         self.guard = Guard(lambda text: self.get_logger().warning(text))
         self.guard.faults.changed = self._tell_of_faults
-        _return_large_blocks()
         options = {"enable_rosout": False, "start_parameter_services": False, **options}
         super().__init__(node_name, **options)
 
@@ -145,16 +139,6 @@ class GuardedNode(Node):
 
         client.call_async = call  # type: ignore[method-assign]
         return client
-
-
-@functools.cache
-def _return_large_blocks() -> None:
-    """Have the C library return large blocks to the system when they are freed.
-
-    It would keep them after the first ones, so that a process stays as large as it has been.
-    """
-    with contextlib.suppress(AttributeError):  # another C library than glibc
-        ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _LARGE)
 
 
 def name_of(callback: Callable[..., Any]) -> str:

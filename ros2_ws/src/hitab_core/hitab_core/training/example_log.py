@@ -88,6 +88,7 @@ class ExampleLog:
     does (`hitab_core.example.superseding`).
 
     Attributes:
+        defaults: the number of default examples.
         recorded: how many examples commands have added, whatever became of them.
     """
 
@@ -101,7 +102,7 @@ class ExampleLog:
         self._told: tuple[Example, ...] | None = None
         self._done: list[Edit] = []
         self._undone: list[Edit] = []
-        self._defaults = self.recorded = 0
+        self.defaults = self.recorded = 0
         self._next_number = self._next_command = 1
         self.make(self.replacement(examples))
         self._done.clear()
@@ -116,11 +117,6 @@ class ExampleLog:
 
     def __len__(self) -> int:
         return len(self._examples)
-
-    @property
-    def defaults(self) -> int:
-        """The number of default examples."""
-        return self._defaults
 
     @property
     def done(self) -> list[str]:
@@ -257,10 +253,6 @@ class ExampleLog:
 
     # -- doing ------------------------------------------------------------------------------
 
-    def add(self, taught: Sequence[Example]) -> None:
-        """Add what one command taught."""
-        self.make(self.addition(taught))
-
     def after(self, edit: Edit) -> tuple[Example, ...]:
         """Return the examples as they would be after an edit."""
         examples = list(self._examples)
@@ -299,7 +291,7 @@ class ExampleLog:
         self._there[place] ^= {example.number}
         self._of_command[example.command or -example.number] ^= {example.number}
         if example.is_default:
-            self._defaults += by
+            self.defaults += by
             return
         commanded = self._commanded[place]
         commanded[example.next_state] += by
