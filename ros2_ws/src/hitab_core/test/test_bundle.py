@@ -10,10 +10,15 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import Bundle, bundle_digest, install, make_bundle, unpack
+from hitab_core.library.bundle import Bundle, bundle_digest, install, make_bundle, read_bundle
+from hitab_core.library.edition import Editions
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
+
+
+def unpack(bundle: Bundle, domain: Domain) -> dict[str, Automaton]:
+    return {name: file.automaton for name, file in read_bundle(bundle, Editions(domain)).items()}
 
 
 @pytest.fixture

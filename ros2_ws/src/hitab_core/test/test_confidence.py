@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core.advice.confidence import Confidence, Confidences, confidences
+from hitab_core.advice.confidence import Confidence, Confidences
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.grounds import Support
 from hitab_core.advice.nearness import UNKNOWN, Nearness
@@ -136,9 +136,10 @@ def test_an_automaton_is_rated_by_state_and_its_superseded_examples_support_noth
         {**learn_transitions(examples, [METERS]), "Stop": HandWritten(lambda: "Go")},
         examples=examples,
     )
-    rated = confidences(shuttle, [METERS])
-    assert sorted(rated) == ["Go", "Start"]
-    assert rated["Go"]([1.0]) == Confidence(Support(1, 0), 0)
+    shown = {s: Evidence.of(s, examples, [METERS], ["Range"]) for s in shuttle.transitions}
+    assert sorted(s for s, evidence in shown.items() if evidence.next_states) == ["Go", "Start"]
+    rated = Confidences(shuttle.transitions["Go"], shown["Go"])
+    assert rated([1.0]) == Confidence(Support(1, 0), 0)
 
 
 def test_doubts_say_what_is_missing():

@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.grounds import Grounds, Support
 from hitab_core.advice.nearness import UNKNOWN, Nearness
-from hitab_core.automaton import Automaton
-from hitab_core.domain import Scale
 from hitab_core.learning import Leaf, Node
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import nodes
@@ -116,22 +114,6 @@ class Confidences:
         rated = [self._rated[id(leaf)] for leaf in leaves]
         weakest = min((support for support, _ in rated), key=lambda support: support.examples)
         return Confidence(weakest, max(nearness(values) for _, nearness in rated))
-
-
-def confidences(automaton: Automaton, scales: Sequence[Scale]) -> dict[str, Confidences]:
-    """Return what rates the decisions of an automaton, by state; hand-written ones are not rated.
-
-    Args:
-        automaton: with the examples that it was learned from.
-        scales: how the values of each of its features compare.
-    """
-    names = [str(feature) for feature in automaton.features]
-    found = {}
-    for state, function in automaton.transitions.items():
-        evidence = Evidence.of(state, automaton.examples, scales, names)
-        if evidence.next_states:
-            found[state] = Confidences(function, evidence)
-    return found
 
 
 def _examples(number: float) -> str:

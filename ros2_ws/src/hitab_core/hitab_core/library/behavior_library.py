@@ -156,10 +156,6 @@ class BehaviorLibrary:
         """Digest of all that was learned, of the behaviors in `files`."""
         return digest_of({name: file.learned for name, file in self.files.items()})
 
-    def file_digest(self, name: str) -> str:
-        """Return the checksum of one behavior's file."""
-        return self.file(name).checksum
-
     # -- writing ----------------------------------------------------------------------------
 
     @contextmanager

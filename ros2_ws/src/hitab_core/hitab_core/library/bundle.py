@@ -6,8 +6,6 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from hitab_core.automaton import Automaton
-from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError, VocabularyError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -78,15 +76,6 @@ def make_bundle(
         )
     made = tuple(files)
     return Bundle(made, bundle_digest(made))
-
-
-def unpack(bundle: Bundle, domain: Domain) -> dict[str, Automaton]:
-    """Return the automata of a bundle by name, each after those that it uses.
-
-    Raises:
-        LibraryError: naming everything wrong with it.
-    """
-    return {name: file.automaton for name, file in read_bundle(bundle, Editions(domain)).items()}
 
 
 def install(bundle: Bundle, library: BehaviorLibrary) -> list[str]:
