@@ -18,7 +18,7 @@ from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
 from hitab_core import Agent, BehaviorLibrary, Repertoire, Use
 from hitab_core.advice.sides import UnshownSide, unshown_sides
-from hitab_core.example import Example, superseding
+from hitab_core.example import Example, marked
 from hitab_core.training import (
     Curriculum,
     Question,
@@ -131,6 +131,11 @@ def _when_due(moments: Sequence[Moment], due: Moment, *rest: Any) -> Moment:
     return due
 
 
+def _unmarked(example: Example, contradicted: bool) -> Example:
+    """Return an example, learned from whether a command contradicts it or not."""
+    return example
+
+
 def _none(*material: Any) -> list[UnshownSide]:
     """Return no question."""
     return []
@@ -164,7 +169,7 @@ class InProcessPupil:
         self._held_before = Counter[str]()
         self._plan = ""
         # The engine has no such switches, since nobody should want them.
-        setattr(example_log, "superseding", superseding if supersede else list)  # noqa: B010
+        setattr(example_log, "marked", marked if supersede else _unmarked)  # noqa: B010
         setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
         setattr(questions, "unshown_sides", unshown_sides if other_side else _none)  # noqa: B010
         self._classifier = learner(sides=sides, ahead=ahead)
@@ -246,7 +251,7 @@ class InProcessPupil:
 
     def contradictions(self) -> int:
         """Return how many commands are asked about since they contradict others."""
-        known = self._session.asked.known(self._session.examples)
+        known = self._session.asked.known(self._session.log)
         return sum(question.kind is QuestionKind.CONTRADICTION for question in known)
 
     def questions(self) -> Sequence[Question]:

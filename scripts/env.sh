@@ -87,6 +87,8 @@ if [ "$ROS_AUTOMATIC_DISCOVERY_RANGE" = LOCALHOST ] && [ -f "$_hitab_dds" ] &&
     rmw_fast*)
       ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT
       export FASTRTPS_DEFAULT_PROFILES_FILE=$_hitab_dds FASTDDS_DEFAULT_PROFILES_FILE=$_hitab_dds
+      # These give the memory of large messages back, see dds_profile.py.
+      export RMW_FASTRTPS_USE_QOS_FROM_XML=1 MALLOC_MMAP_THRESHOLD_=1000000
       ;;
   esac
 fi

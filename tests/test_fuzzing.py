@@ -5,13 +5,18 @@
 
 from __future__ import annotations
 
+import array
 import contextlib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
 from fuzzing import Fuzzer
+from hitab_msgs import msg
+from rclpy.duration import Duration
+from waiting import within
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
@@ -31,6 +36,21 @@ behavior: GoFast
 world: {kind: keepaway, pace: realtime, seed: 1}
 agents: {keeper: {count: 3}}
 """
+CHAIN = """\
+swarm: crammed_foragers
+domain: foraging
+world:
+  kind: foraging
+  pace: realtime
+  seed: 1
+  parameters: {foragers: 2}
+agents: {forager: {count: 2}}
+kinds:
+  Squad: {orders: {Explore: Forward, Rest: Stop}}
+commanders:
+  squad: {kind: Squad, commands: forager, behavior: Explore}
+"""
+LARGE = 32_000_000  # bytes of a message
 FORAGING = """\
 swarm: fuzzed_foragers
 domain: foraging
@@ -201,3 +221,47 @@ def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
             ), doing(running)
             assert goes_on(running)
         assert not running.world.status.missing
+
+
+def peaks(running: RunningSwarm) -> dict[str, int]:
+    """Return the most memory that each process has had, bytes."""
+    found = {}
+    for name, pid in pids(running).items():
+        status = Path(f"/proc/{pid}/status").read_text()
+        found[name] = 1024 * int(status.split("VmHWM:")[1].split()[0])
+    return found
+
+
+def test_what_large_messages_take_is_given_back_and_the_swarm_goes_on(home: Path, tmp_path: Path):
+    """The middleware would keep the room of each, and the world would read them for seconds."""
+    with temporary_swarm(parse_swarm(CHAIN, tmp_path / "swarm.yaml"), tmp_path / "run") as running:
+        assert goes_on(running)
+        node, before = running.link.node, memory(running)
+        text, values = "x" * LARGE, array.array("d", bytes(LARGE))
+        sent: dict[str, list[Any]] = {
+            "Action": 6 * [msg.Action(agent="forager_1", values=values)],
+            "Command": 6 * [msg.Command(behavior=text)],
+            "Reports": 2 * [msg.Reports(reports=200_000 * [msg.Report(agent="forager_1")])],
+        }
+        publishers = [
+            (node.create_publisher(getattr(msg, kind), topic, 10), messages)
+            for kind, messages in sent.items()
+            for topic in running.link.topics_of_type(f"hitab_msgs/msg/{kind}")
+        ]
+        assert len(publishers) >= 5, "the world, two agents and a commander listen"
+        for publisher, messages in publishers:
+            assert within(SECONDS, publisher.get_subscription_count)
+            for message in messages:
+                publisher.publish(message)
+        # They are acknowledged when they are in the room of the middleware.
+        for publisher, _ in publishers:
+            assert publisher.wait_for_all_acked(Duration(seconds=SECONDS))
+        print("peaks", {name: size - before[name] for name, size in peaks(running).items()})
+
+        def grown() -> dict[str, int]:
+            return {name: size - before[name] for name, size in memory(running).items()}
+
+        assert goes_on(running)
+        assert within(SECONDS, lambda: max(grown().values()) < LARGE), grown()
+        running.agents.perform("squad", "Rest")
+        assert running.link.spin_until(lambda: behaviors(running, "forager") == {"Stop"}, SECONDS)

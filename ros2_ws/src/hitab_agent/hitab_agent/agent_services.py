@@ -335,7 +335,7 @@ class AgentServices:
 def _open_questions(agent: Agent) -> str:
     """Return how many questions about a training are open, as far as known; empty: none."""
     session = agent.session
-    known = session.asked.known(session.examples) if session is not None else []
+    known = session.asked.known(session.log) if session is not None else []
     if not known:
         return ""
     told = quantity(len(known), "open question")

@@ -17,6 +17,7 @@ import rclpy
 from hitab_msgs import msg
 from rclpy.context import Context
 from rclpy.parameter import Parameter
+from rclpy.serialization import serialize_message
 
 from hitab_agent.agent_node import AgentNode
 from hitab_core import BehaviorLibrary, Domain, HitabError, LibraryError, action_behaviors
@@ -132,11 +133,11 @@ class OfflineAgent:
 
     def perceive(self, percept: msg.Percept) -> None:
         """Take in a percept and act on it, as if a world had sent it."""
-        self._topics[names.PERCEPT].callback(percept)
+        self._topics[names.PERCEPT].callback(serialize_message(percept))
 
     def command(self, command: msg.Command) -> None:
         """Obey a command, or refuse it."""
-        self._topics[names.COMMAND].callback(command)
+        self._topics[names.COMMAND].callback(serialize_message(command))
 
     def ask(self, service: str, request: Any) -> Any:
         """Return the answer to a request."""

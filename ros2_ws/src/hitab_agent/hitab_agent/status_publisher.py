@@ -145,7 +145,7 @@ class StatusPublisher:
         status.active_path = self.path
         status.examples = len(session.log) if session else 0
         status.default_examples = session.log.defaults if session else 0
-        status.questions = session.asked.count(session.examples) if session else 0
+        status.questions = session.asked.count(session.log) if session else 0
         status.unsure = agent.unsure
         status.when_unsure = agent.caution.when_unsure.value
         status.unsure_support = agent.caution.support

@@ -165,4 +165,4 @@ def test_testing_and_saving_say_which_questions_are_open(ann: Offered) -> None:
     )
     ann.begin(resume="Shuttle")
     assert ann.agent.session is not None
-    assert ann.agent.session.asked.known(ann.agent.session.examples)
+    assert ann.agent.session.asked.known(ann.agent.session.log)

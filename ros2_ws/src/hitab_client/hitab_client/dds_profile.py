@@ -1,4 +1,4 @@
-"""DDS settings: which processes discover each other, and when a killed one is dropped.
+"""DDS settings: which processes discover each other, when a killed one is dropped, and memory.
 
 By default all traffic stays on this machine. ROS's own `LOCALHOST` range discovers only 32
 processes and listens on all interfaces, so it is replaced by a profile that binds to 127.0.0.1.
@@ -13,6 +13,10 @@ from typing import Any
 
 VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """The variables that older and newer versions of Fast DDS read."""
+
+GIVES_BACK = {"RMW_FASTRTPS_USE_QOS_FROM_XML": "1", "MALLOC_MMAP_THRESHOLD_": "1000000"}
+"""Without the first, a payload stays as large as it has been, whatever the profile says; without
+the other, the C library keeps large blocks that were freed."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 HERE, BY_PROFILE = "LOCALHOST", "SYSTEM_DEFAULT"
@@ -53,6 +57,7 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
         profile, environment[RANGE] = NETWORK, HERE if stays else said
     for name in VARIABLES:
         environment[name] = str(profile)
+    environment.update(GIVES_BACK)
 
 
 def is_users_own(environment: Mapping[str, str]) -> bool:

@@ -7,6 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+Place = tuple[str, tuple[float | None, ...]]
+"""A state and values in it; see `Example.place`."""
+
 
 class ExampleKind(StrEnum):
     """Where an example comes from."""
@@ -58,6 +61,16 @@ class Example:
         """Its feature values, comparable: a missing one is None, and -0.0 is 0.0."""
         return tuple(None if math.isnan(value) else value + 0.0 for value in self.features)
 
+    @property
+    def place(self) -> Place:
+        """Its state and `point`; default and ordinary examples may contradict each other there."""
+        return self.state, self.point
+
+    @property
+    def leaves(self) -> bool:
+        """Whether a command said to leave its state, which default examples contradict."""
+        return self.next_state != self.state and not self.is_default
+
     def with_columns(self, columns: Iterable[int]) -> Example:
         """Return it with only the values at these indices."""
         return replace(self, features=tuple(self.features[i] for i in columns))
@@ -70,13 +83,13 @@ def superseding(examples: Sequence[Example]) -> list[Example]:
     ordinary one with the same values to leave it. Without the mark, the two would make a coin toss
     of each decision there.
     """
-    left = {(e.state, e.point) for e in examples if not e.is_default and e.next_state != e.state}
-    marked = []
-    for example in examples:
-        if example.is_default:
-            contradicted = (example.state, example.point) in left
-            kind = ExampleKind.SUPERSEDED if contradicted else ExampleKind.DEFAULT
-            if example.kind is not kind:
-                example = replace(example, kind=kind)
-        marked.append(example)
-    return marked
+    left = {example.place for example in examples if example.leaves}
+    return [marked(example, example.place in left) for example in examples]
+
+
+def marked(example: Example, contradicted: bool) -> Example:
+    """Return an example; a default one as superseded if a command contradicts it."""
+    if not example.is_default:
+        return example
+    kind = ExampleKind.SUPERSEDED if contradicted else ExampleKind.DEFAULT
+    return example if example.kind is kind else replace(example, kind=kind)

@@ -17,6 +17,10 @@ from hitab_core.repertoire import Repertoire
 Teach = Callable[..., Automaton]
 
 
+def unpack(bundle: Bundle, domain: Domain) -> dict[str, Automaton]:
+    return {name: file.automaton for name, file in read_bundle(bundle, Editions(domain)).items()}
+
+
 @pytest.fixture
 def library(
     tmp_path: Path,

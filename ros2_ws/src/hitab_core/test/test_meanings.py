@@ -403,7 +403,8 @@ def test_a_decision_is_drawn_from_the_leaf_with_the_agents_own_generator():
         agent = Agent(seed=seed, most_probable=most_probable)
         session = agent.train()
         for number, label in enumerate("AAAB", 1):
-            session.log.add([Example(START, (0.0,), label, number=number)])
+            log = session.log
+            log.make(log.addition([Example(START, (0.0,), label, number=number)]))
         session.running.add_state(Use("A"))
         session.running.add_state(Use("B"))
         session.test()

@@ -71,7 +71,7 @@ def twice(cart: Driven) -> None:
 
 def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Driven) -> None:
     twice(cart)
-    assert cart.session.asked.count(cart.session.examples) == 1
+    assert cart.session.asked.count(cart.session.log) == 1
     (question, *_) = cart.session.questions()
     assert question.kind == "contradiction"
     assert question.examples == (3, 7)
@@ -239,9 +239,9 @@ def test_a_search_during_which_the_examples_change_finds_nothing(tmp_path: Path)
     search = cart.session.search()
     next(search)
     cart.show(1.0, "Right")
-    count = cart.session.asked.count(cart.session.examples)
+    count = cart.session.asked.count(cart.session.log)
     assert list(search) == []
-    assert cart.session.asked.count(cart.session.examples) == count
+    assert cart.session.asked.count(cart.session.log) == count
     assert len(cart.session.questions()) > count
 
 

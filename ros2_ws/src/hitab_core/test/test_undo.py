@@ -465,7 +465,8 @@ def test_the_history_grows_with_what_was_done_and_not_with_its_square() -> None:
     def size(commands: int) -> int:
         log = ExampleLog()
         for i in range(commands):
-            log.add([Example("A", (0.0,), "B", ExampleKind.DEMONSTRATED, i + 1, i + 1)])
+            taught = Example("A", (0.0,), "B", ExampleKind.DEMONSTRATED, i + 1, i + 1)
+            log.make(log.addition([taught]))
         for i in range(0, commands, 2):
             log.make(log.deletion([i + 1]))
         for _ in range(commands):
@@ -508,3 +509,45 @@ def test_an_edit_goes_through_what_it_changes_and_not_through_all_examples(
     assert len(asked) == 2 * 20
     assert trained.session.log.defaults == 40
     assert len(asked) == 2 * 20, "telling how many there are counts none"
+
+
+def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Comparing each command with all examples, 10,000 took a minute to resume."""
+    looks: list[str] = []
+    for name in ("is_default", "is_learned", "point"):
+        look = getattr(Example, name).fget
+
+        def counted(example: Example, look: Any = look, name: str = name) -> Any:
+            looks.append(name)
+            return look(example)
+
+        monkeypatch.setattr(Example, name, property(counted))
+
+    def cost(commands: int) -> tuple[int, float, float]:
+        with training() as trained:
+            for i in range(commands):
+                trained.see(float(i))
+                trained.command(("Left", "Right")[i % 2])
+            trained.session.asked.count(trained.session.log)
+            looks.clear()
+            trained.command(("Left", "Right")[commands % 2])
+            trained.session.delete([commands])
+            trained.session.relabel([commands - 1], Use("Stay"))
+            trained.session.asked.count(trained.session.log)
+            command = len(looks)
+            examples = trained.session.examples
+            looks.clear()
+            trained.crash()
+            resuming = len(looks)
+            assert trained.session.examples == examples
+            looks.clear()
+            assert trained.agent.journal.costs("Home")[0].commands == commands + 1
+            telling = len(looks)
+            trained.agent.journal.close()
+            return command, resuming / commands, telling / commands
+
+    few, many = cost(50), cost(100)
+    assert few[0] == many[0]
+    assert many == pytest.approx(few, rel=0.05)

@@ -37,6 +37,10 @@ SEVERAL_LINES = frozenset({"text", "description", "last_error", "faults", "messa
 PATH_TEXT_MAX = 4096
 PATHS = frozenset({"LoadLibrary_Request.path"})
 
+BYTES_MAX = 12_000_000
+"""Maximum size of a message. A list of objects takes a hundred times its time, and ten times its
+memory, to become a message of Python's; the largest files and pictures that are sent fit."""
+
 ITEMS_MAX = 20_000
 """Maximum items of a list; the largest are the rosters and batches of a host."""
 VALUES_MAX = 1_000_000

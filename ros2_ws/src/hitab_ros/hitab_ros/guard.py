@@ -13,11 +13,11 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
 from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.checks import BadMessage, check
+from hitab_ros.checks import BYTES_MAX, BadMessage, check
 from hitab_ros.faults import Faults
 from hitab_ros.sparing_log import SparingLog
 
@@ -111,32 +111,40 @@ class Guard:
         return guarded
 
     def wrap_topic(
-        self, key: str, callback: Callable[..., Any], *, checked: bool = True
+        self, key: str, kind: Any, callback: Callable[..., Any], *, checked: bool = True
     ) -> Callable[..., Any]:
-        """Return a subscription's callback that never raises.
+        """Return the callback of a raw subscription, which never raises.
 
         An invalid message (see `hitab_ros.checks`) is dropped and logged once; it is not a fault
-        of the node.
+        of the node. One that is too large is dropped before it is read.
 
         Args:
             key: the topic, in words.
-            callback: takes a message.
+            kind: the type of messages; None: the callback takes their bytes.
+            callback: takes a message, or a message and information about it.
             checked: whether to check messages; otherwise the callback must do so.
         """
         guarded = self.wrap(key, callback)
-        if not checked:
-            return guarded
 
         @functools.wraps(callback)
-        def checked_and_guarded(message: Any, *information: Any) -> Any:
+        def read_and_guarded(*arguments: Any) -> Any:
+            # rclpy's EventsExecutor passes one tuple where other executors pass two arguments.
+            message, *information = arguments[0] if type(arguments[0]) is tuple else arguments
             try:
-                check(message)
-            except BadMessage as error:
+                if kind is not None:
+                    if (size := len(message)) > BYTES_MAX:
+                        raise BadMessage(
+                            f"it has {size:,} bytes; the limit is {BYTES_MAX:,}; send less at once"
+                        )
+                    message = deserialize_message(message, kind)
+                if checked:
+                    check(message)
+            except (BadMessage, RuntimeError) as error:  # rclpy's own error is a RuntimeError
                 self.log(f"{key}: dropped an invalid message: {error}", key)
                 return None
             return guarded(message, *information)
 
-        return checked_and_guarded
+        return read_and_guarded
 
     def wrap_service(self, key: str, serve: Callable[..., Any]) -> Callable[..., Any]:
         """Return a service callback that always returns a valid response.

@@ -56,14 +56,20 @@ class GuardedNode(Node):
         *args: Any,
         checked: bool = True,
         temporary: bool = False,
+        raw: bool = False,
         **options: Any,
     ) -> Any:
-        """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped."""
-        guarded = self.guard.wrap_topic(f"topic {topic}", callback, checked=checked)
+        """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped.
+
+        Messages of more than `hitab_ros.checks.BYTES_MAX` are dropped before they are read, unless
+        ``raw`` has the callback take their bytes.
+        """
+        kind = None if raw else msg_type
+        guarded = self.guard.wrap_topic(f"topic {topic}", kind, callback, checked=checked)
         if temporary:
             events = SubscriptionEventCallbacks(use_default_callbacks=False)
             options = {"event_callbacks": events, **options}
-        return super().create_subscription(msg_type, topic, guarded, *args, **options)
+        return super().create_subscription(msg_type, topic, guarded, *args, raw=True, **options)
 
     def create_publisher(
         self, msg_type: Any, topic: str, *args: Any, temporary: bool = False, **options: Any

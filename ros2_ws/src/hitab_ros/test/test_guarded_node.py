@@ -6,6 +6,7 @@ Without the guard each of these exceptions leaves the executor, which ends a nod
 from __future__ import annotations
 
 import functools
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,6 +15,7 @@ from hitab_msgs import msg, srv
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
 
 from hitab_core.errors import HitabError
 from hitab_ros.guarded_node import GuardedNode
@@ -83,6 +85,36 @@ def test_an_error_in_a_topics_callback_is_shown_until_the_callback_succeeds(pair
     # Its trace is written once, not for each message.
     assert len(pair.logged) == 1
     assert "Traceback" in pair.logged[0]
+
+
+def test_a_message_that_is_too_large_is_dropped_before_it_is_read(pair: Pair) -> None:
+    """Read first, a list of objects holds up a node a hundred times as long."""
+    taken: list[int] = []
+    pair.node.create_subscription(msg.WorldState, "state", lambda m: taken.append(m.cycle), 10)
+    publisher = pair.publisher(msg.WorldState, "state")
+    large = serialize_message(msg.WorldState(entities=200_000 * [msg.Entity()]))
+    began = time.thread_time()
+    deserialize_message(large, msg.WorldState)
+    reading = time.thread_time() - began
+    publisher.publish(large)
+    began = time.thread_time()
+    pair.until(lambda: pair.logged)
+    assert time.thread_time() - began < reading / 3
+    assert f"it has {len(large):,} bytes; the limit is 12,000,000" in pair.logged[0]
+    publisher.publish(msg.WorldState(cycle=3))
+    pair.until(lambda: taken == [3])
+    assert not pair.faults, "it is the sender's fault"
+
+
+def test_what_is_no_message_of_the_type_is_dropped(pair: Pair) -> None:
+    taken: list[int] = []
+    pair.node.create_subscription(msg.WorldState, "state", lambda m: taken.append(m.cycle), 10)
+    publisher = pair.publisher(msg.WorldState, "state")
+    publisher.publish(serialize_message(msg.WorldState())[:-30])
+    pair.until(lambda: pair.logged)
+    assert "topic state: dropped an invalid message" in pair.logged[0]
+    publisher.publish(msg.WorldState(cycle=3))
+    pair.until(lambda: taken == [3])
 
 
 def test_an_error_in_a_timer_does_not_stop_it(pair: Pair) -> None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -236,7 +235,7 @@ class Recorder:
                 self._end(error)
 
         self._subscriptions[topic] = self._link.node.create_subscription(
-            kind, topic, _with_information(take), profile, raw=True, temporary=True, checked=False
+            kind, topic, take, profile, raw=True, temporary=True, checked=False
         )
 
     def _channel(self, topic: str, kind: str, requested: QoSProfile) -> int:
@@ -254,18 +253,3 @@ class Recorder:
             self._link.node.destroy_subscription(subscription)
         self._subscriptions.clear()
         self.bag.close()
-
-
-def _with_information(
-    take: Callable[[bytes, Mapping[str, Any]], None],
-) -> Callable[..., None]:
-    """Return a callback that rclpy gives a message and when it was sent and received.
-
-    Executors of rclpy pass two arguments; its EventsExecutor passes one tuple of both.
-    """
-
-    def received(*arguments: Any) -> None:
-        take(*(arguments if len(arguments) == 2 else arguments[0]))
-
-    received.__signature__ = inspect.signature(take)  # type: ignore[attr-defined]
-    return received

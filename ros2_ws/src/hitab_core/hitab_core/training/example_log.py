@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, insort
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
+from operator import attrgetter
 
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example, ExampleKind, superseding
+from hitab_core.example import Example, ExampleKind, Place, marked
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered, quantity
 
-Placed = tuple[int, Example]
-"""An example and its index in the list."""
+NUMBER = attrgetter("number")
 
 NUMBERS_MAX = 6
 """The description of an edit with more examples gives their number instead of listing them."""
@@ -32,8 +34,8 @@ class Edit:
 
     Attributes:
         words: what it does, for people, as in ``Start → GoFast, 2 examples``.
-        gone: removed examples with their indices before the edit, ascending.
-        came: added examples with their indices after the edit, ascending.
+        gone: removed examples, and those that it changes as they were, by number.
+        came: added examples, and those that it changes as they are then, by number.
         left, entered: labels of the states before and after a command; None if the edit is not a
             command. An undo swaps them.
         features: names of the features after the edit; None: unchanged.
@@ -42,8 +44,8 @@ class Edit:
     """
 
     words: str = "nothing"
-    gone: tuple[Placed, ...] = ()
-    came: tuple[Placed, ...] = ()
+    gone: tuple[Example, ...] = ()
+    came: tuple[Example, ...] = ()
     left: str | None = None
     entered: str | None = None
     features: tuple[str, ...] | None = None
@@ -69,33 +71,41 @@ class Edit:
         return self.words
 
     def apply(self, examples: list[Example]) -> None:
-        """Apply it to a list."""
-        for place, _ in reversed(self.gone):
-            del examples[place]
-        for place, example in self.came:
-            examples.insert(place, example)
+        """Apply it to a list that is sorted by number."""
+        for example in reversed(self.gone):
+            del examples[bisect_left(examples, example.number, key=NUMBER)]
+        for example in self.came:
+            insort(examples, example, key=NUMBER)
 
 
 class ExampleLog:
-    """Examples in the order of recording.
+    """Examples in the order of recording, which is that of their numbers.
 
     An edit is first prepared, which refuses the impossible and changes nothing, and then made by
-    `make`. The history holds differences, so it grows with the edits, not with the number of
+    `make`. The history holds differences, and an edit looks only at the examples that it changes
+    and at those with the same values. So both grow with the edits, not with the number of
     examples. Each edit also marks the default examples that a command contradicts, or no longer
     does (`hitab_core.example.superseding`).
 
     Attributes:
+        defaults: the number of default examples.
         recorded: how many examples commands have added, whatever became of them.
     """
 
     def __init__(self, examples: Iterable[Example] = ()) -> None:
-        self._examples = superseding(tuple(examples))
+        self._examples: list[Example] = []
+        self._by_number: dict[int, Example] = {}
+        self._there = defaultdict[Place, set[int]](set)
+        self._of_command = defaultdict[int, set[int]](set)
+        self._commanded = defaultdict[Place, Counter[str]](Counter)  # next states there
+        self._contradictory = set[Place]()  # where there are several
         self._told: tuple[Example, ...] | None = None
         self._done: list[Edit] = []
         self._undone: list[Edit] = []
-        self._defaults = sum(example.is_default for example in self._examples)
-        self._next_number = 1 + max((e.number for e in self._examples), default=0)
-        self._next_command = 1 + max((e.command for e in self._examples), default=0)
+        self.defaults = self.recorded = 0
+        self._next_number = self._next_command = 1
+        self.make(self.replacement(examples))
+        self._done.clear()
         self.recorded = 0
 
     @property
@@ -107,11 +117,6 @@ class ExampleLog:
 
     def __len__(self) -> int:
         return len(self._examples)
-
-    @property
-    def defaults(self) -> int:
-        """The number of default examples."""
-        return self._defaults
 
     @property
     def done(self) -> list[str]:
@@ -158,18 +163,14 @@ class ExampleLog:
             return Edit()
         first = taught[0]
         words = f"{first.state} → {first.next_state}, {quantity(len(taught), 'example')}"
-        return replace(
-            self._edit([*self._examples, *taught], words),
-            left=first.state,
-            entered=first.next_state,
-        )
+        return replace(self.replacement(taught, words), left=first.state, entered=first.next_state)
 
     def answer(
         self, state: str, features: tuple[float, ...], next_state: str, kind: ExampleKind
     ) -> Edit:
         """Prepare to add the example that an answer to a question is."""
         example = Example(state, features, next_state, kind, self._next_number, self._next_command)
-        return self._edit([*self._examples, example], f"answered {state} → {next_state}")
+        return self.replacement([example], f"answered {state} → {next_state}")
 
     def deletion(self, numbers: Iterable[int]) -> Edit:
         """Prepare to delete examples.
@@ -178,8 +179,7 @@ class ExampleLog:
             TrainingError: if one of the numbers is unknown.
         """
         wanted = self._known(numbers)
-        kept = [e for e in self._examples if e.number not in wanted]
-        return self._edit(kept, f"deleted {these(wanted)}")
+        return self.replacement((), f"deleted {these(wanted)}", wanted)
 
     def relabeling(self, numbers: Iterable[int], next_state: str) -> Edit:
         """Prepare to change the next state of examples; a default example becomes an ordinary one.
@@ -187,42 +187,49 @@ class ExampleLog:
         Raises:
             TrainingError: if one of the numbers is unknown.
         """
-        wanted = self._known(numbers)
+        wanted = (self._by_number[number] for number in self._known(numbers))
+        changed = [
+            replace(
+                e, next_state=next_state, kind=ExampleKind.CORRECTION if e.is_default else e.kind
+            )
+            for e in wanted
+            if e.next_state != next_state
+        ]
+        words = f"changed {these(e.number for e in changed)} to {next_state}" if changed else ""
+        return self.replacement(changed, words)
 
-        def changed(e: Example) -> Example:
-            if e.number not in wanted or e.next_state == next_state:
-                return e
-            kind = ExampleKind.CORRECTION if e.is_default else e.kind
-            return replace(e, next_state=next_state, kind=kind)
-
-        after = [changed(e) for e in self._examples]
-        really = [e.number for e, old in zip(after, self._examples, strict=True) if e is not old]
-        return self._edit(after, f"changed {these(really)} to {next_state}" if really else "")
-
-    def replacement(self, after: Sequence[Example], words: str) -> Edit:
-        """Prepare to have other examples in place of some, with the same numbers.
+    def replacement(
+        self, changed: Iterable[Example], words: str = "", deleted: Iterable[int] = ()
+    ) -> Edit:
+        """Prepare to add examples, or have them in place of those with the same numbers.
 
         Args:
-            after: all examples, in the same order, with some of them changed.
+            changed: the examples.
             words: what that does.
+            deleted: numbers of examples to delete.
         """
-        return self._edit(after, words)
-
-    def _edit(self, after: Sequence[Example], words: str) -> Edit:
-        """Return the difference to other examples in the same order, once these are marked."""
-        marked = superseding(after)
-        before = {e.number: e for e in self._examples}
-        there = {e.number: e for e in marked}
-        gone = tuple((i, e) for i, e in enumerate(self._examples) if there.get(e.number) is not e)
-        came = tuple((i, e) for i, e in enumerate(marked) if before.get(e.number) is not e)
+        came = {e.number: e for e in changed if self._by_number.get(e.number) is not e}
+        gone = {n: self._by_number[n] for n in (*deleted, *came) if n in self._by_number}
+        leaving = Counter(e.place for e in came.values() if e.leaves)
+        leaving.subtract(e.place for e in gone.values() if e.leaves)
+        for place, more in leaving.items():
+            there = self._leaving(place)
+            if bool(there) != bool(there + more):
+                others = (self._by_number[n] for n in self._there[place] if n not in gone)
+                assumed = {e.number: e for e in others if e.is_default}
+                gone |= assumed
+                came |= assumed
+        for number, e in came.items():
+            came[number] = marked(e, self._leaving(e.place) + leaving[e.place] > 0)
         superseded = [
-            e.number
-            for _, e in came
-            if not e.is_learned and (e.number not in before or before[e.number].is_learned)
+            n
+            for n, e in came.items()
+            if not e.is_learned and (n not in gone or gone[n].is_learned)
         ]
         if superseded:
             words += f"; superseded {these(superseded)}"
-        return Edit(words or "nothing", gone, came)
+        before, after = (tuple(sorted(es.values(), key=NUMBER)) for es in (gone, came))
+        return Edit(words or "nothing", before, after)
 
     def undoing(self) -> Edit:
         """Prepare to undo the last addition, deletion or relabeling.
@@ -246,10 +253,6 @@ class ExampleLog:
 
     # -- doing ------------------------------------------------------------------------------
 
-    def add(self, taught: Sequence[Example]) -> None:
-        """Add what one command taught."""
-        self.make(self.addition(taught))
-
     def after(self, edit: Edit) -> tuple[Example, ...]:
         """Return the examples as they would be after an edit."""
         examples = list(self._examples)
@@ -260,9 +263,13 @@ class ExampleLog:
         """Make a prepared edit; no other edit may come in between."""
         edit.apply(self._examples)
         self._told = None
-        self._defaults += sum(e.is_default for _, e in edit.came)
-        self._defaults -= sum(e.is_default for _, e in edit.gone)
-        self.recorded += sum(e.number >= self._next_number for _, e in edit.came)
+        for example in edit.gone:
+            del self._by_number[example.number]
+            self._count(example, -1)
+        for example in edit.came:
+            self._by_number[example.number] = example
+            self._count(example, 1)
+        self.recorded += sum(e.number >= self._next_number for e in edit.came)
         match edit.direction:
             case Direction.UNDO:
                 self._undone.append(self._done.pop())
@@ -271,10 +278,40 @@ class ExampleLog:
             case Direction.NEW:
                 self._done.append(edit)
                 self._undone.clear()
-                self._next_number = max((self._next_number, *(e.number + 1 for _, e in edit.came)))
-                self._next_command = max(
-                    (self._next_command, *(e.command + 1 for _, e in edit.came))
-                )
+                self._next_number = max((self._next_number, *(e.number + 1 for e in edit.came)))
+                self._next_command = max((self._next_command, *(e.command + 1 for e in edit.came)))
+
+    def _leaving(self, place: Place) -> int:
+        """Return how many examples contradict default ones there."""
+        commanded = self._commanded[place]
+        return commanded.total() - commanded[place[0]]
+
+    def _count(self, example: Example, by: int) -> None:
+        place = example.place
+        self._there[place] ^= {example.number}
+        self._of_command[example.command or -example.number] ^= {example.number}
+        if example.is_default:
+            self.defaults += by
+            return
+        commanded = self._commanded[place]
+        commanded[example.next_state] += by
+        if sum(map(bool, commanded.values())) > 1:
+            self._contradictory.add(place)
+        else:
+            self._contradictory.discard(place)
+
+    def contradictory(self) -> list[Example]:
+        """Return ordinary examples that differ in nothing but the next state.
+
+        With them are all others that their commands recorded, and default ones with their values.
+        """
+        there = (self._by_number[n] for at in self._contradictory for n in self._there[at])
+        return self.of_commands({e.command or -e.number for e in there})
+
+    def of_commands(self, commands: Iterable[int]) -> list[Example]:
+        """Return the examples that commands recorded; -n stands for that of example n."""
+        numbers = (number for command in commands for number in self._of_command[command])
+        return [self._by_number[number] for number in sorted(numbers)]
 
     def commands_of(self, numbers: Iterable[int]) -> dict[int, int]:
         """Return the commands that examples were recorded by, each with one of these examples.
@@ -282,16 +319,15 @@ class ExampleLog:
         Raises:
             TrainingError: if one of the numbers is unknown.
         """
-        wanted = self._known(numbers)
-        return {e.command: e.number for e in reversed(self._examples) if e.number in wanted}
+        wanted = (self._by_number[number] for number in sorted(self._known(numbers), reverse=True))
+        return {e.command: e.number for e in wanted}
 
     def _known(self, numbers: Iterable[int]) -> frozenset[int]:
         wanted = frozenset(numbers)
-        there = {e.number for e in self._examples}
         if not wanted:
-            raise TrainingError(f"no example numbers given {has(there)}")
-        for number in sorted(wanted - there):
-            raise TrainingError(f"no example number {number} {has(there)}")
+            raise TrainingError(f"no example numbers given {has(self._by_number)}")
+        for number in sorted(wanted - self._by_number.keys()):
+            raise TrainingError(f"no example number {number} {has(self._by_number)}")
         return wanted
 
 

@@ -311,10 +311,10 @@ class Perceived:
         ago: float,
         features: Sequence[Use],
     ) -> list[Example]:
-        """Return examples with some commands due at another time.
+        """Return the examples of some commands as if these were due at another time.
 
         Args:
-            examples: all of them.
+            examples: that they recorded.
             commands: numbers of the commands, each with one of its examples.
             ago: how long before the command it was due, s.
             features: of the automaton in training.
@@ -326,9 +326,7 @@ class Perceived:
         dues = {command: self._then(command, n, ago) for command, n in commands.items()}
 
         def changed(e: Example) -> Example:
-            due = dues.get(e.command)
-            if due is None:
-                return e
+            due = dues[e.command]
             values = self.values(due, features)
             return replace(
                 e,

@@ -21,6 +21,7 @@ from hitab_core.automaton import START
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.training import question_texts
+from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.question import (
     KEEP,
     REMOVE,
@@ -52,51 +53,48 @@ class Questions:
         self._known: list[Question] = []
         self._searched = False
 
-    def count(self, examples: tuple[Example, ...]) -> int:
+    def count(self, log: ExampleLog) -> int:
         """Return how many are `known`."""
-        return len(self.known(examples))
+        return len(self.known(log))
 
-    def known(self, examples: tuple[Example, ...]) -> list[Question]:
+    def known(self, log: ExampleLog) -> list[Question]:
         """Return those that are open, without looking for those that take long to find."""
-        self._look_at(examples)
+        self._look_at(log)
         return self._unless_dismissed(self._known)
 
-    def _look_at(self, examples: tuple[Example, ...]) -> None:
+    def _look_at(self, log: ExampleLog) -> None:
         """Look for those that are found at once, if the examples have changed."""
-        if self._about is not examples:
-            self._about, self._searched = examples, False
-            self._known = self._contradictions(examples)
+        if self._about is not log.examples:
+            self._about, self._searched = log.examples, False
+            self._known = self._contradictions(log.contradictory())
 
-    def find(
-        self, material: Callable[[], Material], examples: tuple[Example, ...]
-    ) -> list[Question]:
+    def find(self, material: Callable[[], Material], log: ExampleLog) -> list[Question]:
         """Return those that are open, the most useful first; this can take a tenth of a second.
 
         Args:
             material: returns what they are found from; called if the examples have changed.
-            examples: of the training.
+            log: of the examples of the training.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        for _ in self.search(material, examples):
+        for _ in self.search(material, log):
             pass
         return self._unless_dismissed(self._known)
 
-    def search(
-        self, material: Callable[[], Material], examples: tuple[Example, ...]
-    ) -> Iterator[None]:
+    def search(self, material: Callable[[], Material], log: ExampleLog) -> Iterator[None]:
         """Look for questions, for `find`, in steps between which something else can be done.
 
         If the examples change meanwhile, the search ends; begin another one.
 
         Args:
-            material, examples: see `find`.
+            material, log: see `find`.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        self._look_at(examples)
+        self._look_at(log)
+        examples = self._about
         if self._searched:
             return
         found: list[tuple[tuple[float, ...], Question]] = []
@@ -181,15 +179,18 @@ class Questions:
                 rank = (2, ambiguity.origin, -ambiguity.decisive, -ambiguity.share)
                 yield rank, self._of_ambiguity(ambiguity)
 
-    def _contradictions(self, examples: tuple[Example, ...]) -> list[Question]:
+    def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
         by_number = {example.number: example for example in examples}
+        recorded: dict[int, list[int]] = {}
+        for e in examples:
+            recorded.setdefault(e.command or -e.number, []).append(e.number)
         found = []
         for proposal in contradictions(examples):
             group = [by_number[number] for number in proposal.examples]
             choices = []
             for label in _weighed(group):
                 wrong = {e.command or -e.number for e in group if e.next_state != label}
-                gone = [e.number for e in examples if (e.command or -e.number) in wrong]
+                gone = sorted(number for command in wrong for number in recorded[command])
                 choices.append(
                     Choice(
                         label,

@@ -355,7 +355,7 @@ class TrainingSession:
 
     def search(self) -> Iterator[None]:
         """Look for questions in steps; see `Questions.search`."""
-        return self.asked.search(self._material, self.log.examples)
+        return self.asked.search(self._material, self.log)
 
     def questions(self) -> list[Question]:
         """Return what the agent asks the demonstrator; this can take a tenth of a second.
@@ -363,7 +363,7 @@ class TrainingSession:
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        return self.asked.find(self._material, self.log.examples)
+        return self.asked.find(self._material, self.log)
 
     def _material(self) -> Material:
         examples, features = self.log.examples, self.curriculum.features
@@ -512,7 +512,8 @@ class TrainingSession:
 
     def _retiming(self, numbers: Sequence[int], ago: float) -> Edit:
         wanted = self.log.commands_of(numbers)
-        after = self.perception.retimed(self.log.examples, wanted, ago, self.curriculum.features)
+        recorded = self.log.of_commands(wanted)
+        after = self.perception.retimed(recorded, wanted, ago, self.curriculum.features)
         words = f"{these(wanted.values())} due {ago:g} s before its command"
         return self.log.replacement(after, words)
 
@@ -530,7 +531,7 @@ class TrainingSession:
         learned = None
         if self.testing:
             learned = self._learned(self.log.after(edit), "tested after this", edit.features)
-        labels = _labels(example for _, example in edit.came)
+        labels = _labels(edit.came)
         if edit.entered not in (None, START):
             labels.append(str(edit.entered))
         for label in labels:
