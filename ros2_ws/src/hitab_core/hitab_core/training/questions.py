@@ -2,10 +2,9 @@
 
 There are four kinds of questions. Two commands in the same situation contradict each other; an
 example made the agent do what was then corrected, and was perhaps a mistake; the examples say too
-little somewhere, as on the side of a circle where a command was not shown; several explanations
-fit the examples. Each is found again from the examples as
-they are (`hitab_core.advice`), so an answer that changes them ends its question, and undoing the
-answer asks it again.
+little where it was corrected; several explanations fit the examples. Each is found again from the
+examples as they are (`hitab_core.advice`), so an answer that changes them ends its question, and
+undoing the answer asks it again.
 """
 
 from __future__ import annotations
@@ -16,7 +15,6 @@ from typing import Any
 from hitab_core.advice.ambiguity import Ambiguity, searched_ambiguities
 from hitab_core.advice.mistakes import contradictions, propose, suspects
 from hitab_core.advice.proposals import Proposal, ProposalKind
-from hitab_core.advice.sides import Circles, UnshownSide, lone_values, unshown_sides
 from hitab_core.automaton import START
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
@@ -146,8 +144,7 @@ class Questions:
         """Yield those that take long to find, besides those that are known, with their rank.
 
         The least rank is the most useful: what made the robot do the wrong thing, then what was
-        not shown where it did, then what was shown on one side only, then what has several
-        explanations. None is yielded in between.
+        not shown where it did, then what has several explanations. None is yielded in between.
         """
         numbers: set[int] = set()
         contradicted = {number for question in known for number in question.examples}
@@ -168,12 +165,6 @@ class Questions:
                 continue
             here = [at == state for at, _ in given.perceived]
             readings = [values for _, values in given.perceived]
-            circles = Circles(evidence, readings, here)
-            for side in lone_values(circles):
-                yield (1, False, 0.0), self._of_side(side, given)
-            for side in unshown_sides(circles):
-                yield (1, True, -side.share), self._of_side(side, given)
-            yield None
             for ambiguity in searched_ambiguities(evidence, readings=readings, here=here):
                 if ambiguity is None:
                     yield None
@@ -245,28 +236,6 @@ class Questions:
             _commands(proposal.state, proposal.place, labels),
             proposal.place,
             where,
-        )
-
-    def _of_side(self, side: UnshownSide, given: Material) -> Question:
-        own = [e.number for e in given.examples if e.state == side.state and e.is_learned]
-        # Who does not want to be asked means the side; an answer leads to another place there.
-        about = ("at one value",) if side.one_value else ()
-        key = (
-            QuestionKind.SPARSE,
-            side.state,
-            given.names[side.feature],
-            side.next_state,
-            *about,
-        )
-        return Question(
-            self._number((*key, side.situation)),
-            QuestionKind.SPARSE,
-            side.text,
-            side.state,
-            tuple(own[row] for row in side.shown),
-            _commands(side.state, side.situation, (side.next_state, side.state, *given.labels)),
-            side.situation,
-            key,
         )
 
     def _of_ambiguity(self, ambiguity: Ambiguity) -> Question:
