@@ -80,3 +80,15 @@ def superseding(examples: Sequence[Example]) -> list[Example]:
                 example = replace(example, kind=kind)
         marked.append(example)
     return marked
+
+
+def contradictions(examples: Iterable[Example]) -> list[list[Example]]:
+    """Return groups of ordinary examples that differ in nothing but the next state.
+
+    No function can obey them all; a tree draws one of them at random in each tick.
+    """
+    groups: dict[tuple[str, tuple[float | None, ...]], list[Example]] = {}
+    for example in examples:
+        if not example.is_default:
+            groups.setdefault((example.state, example.point), []).append(example)
+    return [group for group in groups.values() if len({e.next_state for e in group}) > 1]

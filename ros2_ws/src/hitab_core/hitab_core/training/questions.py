@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from hitab_core.advice.ambiguity import Ambiguity, searched_ambiguities
-from hitab_core.advice.mistakes import contradictions, propose, suspects
 from hitab_core.advice.proposals import Proposal, ProposalKind
+from hitab_core.advice.unlearning import propose, suspects
 from hitab_core.automaton import START
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example, ExampleKind
+from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.training import question_texts
 from hitab_core.training.question import (
     KEEP,
@@ -148,14 +148,14 @@ class Questions:
         """
         numbers: set[int] = set()
         contradicted = {number for question in known for number in question.examples}
-        proposals = propose(given.examples, given.scales, given.corrections, None, given.names)
+        proposals = propose(given.examples, given.scales, given.corrections, given.names)
         yield None
         proposals += suspects(given.examples, given.scales, given.names)
         yield None
         for proposal in proposals:
             if contradicted.isdisjoint(proposal.examples):
                 question = self._of_proposal(proposal, given)
-                if question is not None and question.number not in numbers:
+                if question.number not in numbers:
                     numbers.add(question.number)
                     sparse = question.kind is QuestionKind.SPARSE
                     yield (sparse, not proposal.corrections, -proposal.score), question
@@ -173,10 +173,8 @@ class Questions:
                 yield rank, self._of_ambiguity(ambiguity)
 
     def _contradictions(self, examples: tuple[Example, ...]) -> list[Question]:
-        by_number = {example.number: example for example in examples}
         found = []
-        for proposal in contradictions(examples):
-            group = [by_number[number] for number in proposal.examples]
+        for group in contradictions(examples):
             choices = []
             for label in _weighed(group):
                 wrong = {e.command or -e.number for e in group if e.next_state != label}
@@ -188,14 +186,15 @@ class Questions:
                         {"do": "delete", "numbers": gone},
                     )
                 )
-            key = (QuestionKind.CONTRADICTION, proposal.examples)
+            numbers = tuple(example.number for example in group)
+            key = (QuestionKind.CONTRADICTION, numbers)
             found.append(
                 Question(
                     self._number(key),
                     QuestionKind.CONTRADICTION,
                     question_texts.commanded(group),
-                    proposal.state,
-                    proposal.examples,
+                    group[0].state,
+                    numbers,
                     tuple(choices),
                     group[0].features,
                     key,
@@ -203,7 +202,7 @@ class Questions:
             )
         return sorted(found, key=lambda question: -max(question.examples))
 
-    def _of_proposal(self, proposal: Proposal, given: Material) -> Question | None:
+    def _of_proposal(self, proposal: Proposal, given: Material) -> Question:
         if proposal.kind is ProposalKind.MISTAKE:
             key = (QuestionKind.MISTAKE, proposal.examples)
             choices = [
@@ -223,8 +222,7 @@ class Questions:
                 tuple(choices),
                 key=key,
             )
-        if proposal.kind is not ProposalKind.SPARSE or proposal.place is None:
-            return None
+        assert proposal.place is not None
         where: tuple[Any, ...] = (QuestionKind.SPARSE, proposal.state, proposal.place)
         labels = [label for label in (proposal.instead, *given.labels) if label]
         return Question(
