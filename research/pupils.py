@@ -17,7 +17,6 @@ from typing import Any, Protocol
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
 from hitab_core import Agent, BehaviorLibrary, Repertoire, Use
-from hitab_core.advice.sides import UnshownSide, unshown_sides
 from hitab_core.example import Example, marked
 from hitab_core.training import (
     Curriculum,
@@ -25,7 +24,6 @@ from hitab_core.training import (
     TrainingSession,
     example_log,
     perceived,
-    questions,
 )
 from hitab_core.training.moments import Moment
 from hitab_core.training.question import QuestionKind
@@ -136,11 +134,6 @@ def _unmarked(example: Example, contradicted: bool) -> Example:
     return example
 
 
-def _none(*material: Any) -> list[UnshownSide]:
-    """Return no question."""
-    return []
-
-
 class InProcessPupil:
     """A team in this process: the engine's agents in a simulated world, without ROS.
 
@@ -151,7 +144,6 @@ class InProcessPupil:
         supersede: let commands outrank the default examples that they contradict.
         sides: let a command among default examples hold for a side of the circle.
         ahead: let trees look one step ahead.
-        other_side: ask about the side of the circle on which a command was not shown.
     """
 
     def __init__(
@@ -163,7 +155,6 @@ class InProcessPupil:
         supersede: bool = True,
         sides: bool = True,
         ahead: bool = True,
-        other_side: bool = True,
     ) -> None:
         self.given = 0
         self._held_before = Counter[str]()
@@ -171,7 +162,6 @@ class InProcessPupil:
         # The engine has no such switches, since nobody should want them.
         setattr(example_log, "marked", marked if supersede else _unmarked)  # noqa: B010
         setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
-        setattr(questions, "unshown_sides", unshown_sides if other_side else _none)  # noqa: B010
         self._classifier = learner(sides=sides, ahead=ahead)
         self._folder = tempfile.TemporaryDirectory(prefix="hitab-teachers-")
         self._world = KeepawayWorld(parameters, seed)

@@ -67,15 +67,14 @@ AIDS = (
     "ahead",
     "review",
     "questions",
-    "other_side",
     "unlearning",
     "pace",
 )
 """Aids of the engine: commands are recorded for when they were due; they outrank default examples;
 they were due when what they respond to happened; one among default examples holds for a side of a
 circle; trees look one step ahead; people look through what was recorded, move and delete commands;
-they answer the agent's questions; among these are those about the other side of a circle, and
-those whether an example was a mistake; people slow the world down where they come too late."""
+they answer the agent's questions; among these are those whether an example was a mistake; people
+slow the world down where they come too late."""
 
 NOTHING = Habits(reaction=(0.0, 0.0), waver=0.0, inattention=0.0, wrong=0.0)
 
@@ -171,7 +170,6 @@ def pupil_of(number: int, setting: Setting) -> InProcessPupil | TopicPupil:
         supersede="supersede" in setting.aids,
         sides="sides" in setting.aids,
         ahead="ahead" in setting.aids,
-        other_side="other_side" in setting.aids,
     )
 
 

@@ -8,7 +8,7 @@ same unpruned tree. (The paper's own data sets and splits are not known in detai
 do not compare.)
 
 - as taught: discards nothing.
-- ours: discards what `hitab_core.advice.mistakes.propose` calls a mistake.
+- ours: discards what `hitab_core.advice.unlearning.propose` calls a mistake.
 - C4.5 pruning: discards nothing, and prunes the tree instead.
 - edited neighbors: discards what most of the 3 nearest neighbors contradict (D. L. Wilson 1972).
 - confident learning: cleanlab's `find_label_issues`, which prunes by noise rate (C. Northcutt, L.
@@ -43,8 +43,8 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
 from hitab_core import Example, Scale, TransitionTree, TransitionTreeClassifier
-from hitab_core.advice.mistakes import propose
 from hitab_core.advice.proposals import Correction, ProposalKind
+from hitab_core.advice.unlearning import propose
 from hitab_core.arrays import Booleans, Floats, Integers
 
 DATA = {

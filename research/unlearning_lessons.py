@@ -9,7 +9,7 @@ is learned again. The person stops after three episodes in a row without a corre
 - before: the automata with the mistakes.
 - corrected: corrections alone; examples that an ordinary one overrules are left out.
 - unlearned: the person also accepts each proposal to remove a mistake; see
-  `hitab_core.advice.mistakes.propose`.
+  `hitab_core.advice.unlearning.propose`.
 - spotless: corrections alone, if the mistaken commands had not been given at all.
 
 Agreement is that with the automata taught without mistakes, in the situations that these get into,
@@ -44,8 +44,8 @@ from hitab_core import (
     Scale,
     Use,
 )
-from hitab_core.advice.mistakes import propose
 from hitab_core.advice.proposals import Correction, ProposalKind
+from hitab_core.advice.unlearning import propose
 from hitab_core.domain import BOOLEAN_SCALE
 from hitab_core.learning import learn_transitions
 from hitab_core.library.behavior_file import scale_of
@@ -240,9 +240,9 @@ class Person:
         if self.accepts:
             for proposal in propose(taught.examples, taught.scales, told, names=taught.names):
                 if proposal.kind is ProposalKind.MISTAKE:
-                    gone = set(proposal.examples)
-                    taught.examples = [e for e in taught.examples if e.number not in gone]
-                    self.removed |= {(name, command) for command in proposal.commands}
+                    gone = [e for e in taught.examples if e.number in proposal.examples]
+                    taught.examples = [e for e in taught.examples if e not in gone]
+                    self.removed |= {(name, e.command) for e in gone if e.command}
         taught.learn()
 
     def train(self, automata: Mapping[str, Automaton], seed: int) -> None:

@@ -360,28 +360,6 @@ def test_a_person_goes_back_to_the_plan_that_hinders_the_next_one(pupil):
     assert resumed == []
 
 
-@pytest.mark.parametrize("aid", [True, False])
-def test_a_person_is_asked_about_the_other_side_with_the_aid(aid):
-    def face(state, seen, edges):
-        return "TurnToBall" if abs(seen[OFF]) > 0.1 else "Stop"
-
-    pupil = InProcessPupil(seed=3, other_side=aid)
-    plan = Plan("Face", ("TurnToBall", "Stop"), (OFF,), face, {})
-    pupil.begin(plan)
-    for y, command in ((0.0, "Stop"), (2.0, "TurnToBall")):
-        at = [Placement("keeper_1", 0.0, 0.0, 0.0), Placement("ball", 5.0, y)]
-        pupil.place(at, new_episode=command == "Stop")
-        pupil.command(command)
-    SecondThoughts(pupil, plan, NOTHING, Random(1), Diary()).answer(allowance=60)
-    on_the_right = [
-        e.features[0] > math.pi
-        for e in pupil.examples()
-        if (e.state, e.next_state) == ("Stop", "TurnToBall")
-    ]
-    pupil.close()
-    assert on_the_right == ([False, True] if aid else [False])
-
-
 def test_a_person_lets_the_world_run_slower_where_a_command_came_after_the_end(pupil):
     person = Person(LESSONS, replace(NOTHING, reaction=(0.4, 0.4)), 1, slows=True)
     memory = Memory(pace=0.5)

@@ -93,3 +93,15 @@ def marked(example: Example, contradicted: bool) -> Example:
         return example
     kind = ExampleKind.SUPERSEDED if contradicted else ExampleKind.DEFAULT
     return example if example.kind is kind else replace(example, kind=kind)
+
+
+def contradictions(examples: Iterable[Example]) -> list[list[Example]]:
+    """Return groups of ordinary examples that differ in nothing but the next state.
+
+    No function can obey them all; a tree draws one of them at random in each tick.
+    """
+    groups: dict[Place, list[Example]] = {}
+    for example in examples:
+        if not example.is_default:
+            groups.setdefault(example.place, []).append(example)
+    return [group for group in groups.values() if len({e.next_state for e in group}) > 1]

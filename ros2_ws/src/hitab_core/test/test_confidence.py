@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from hitab_core.advice.confidence import Confidence, Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.grounds import Support
 from hitab_core.advice.nearness import UNKNOWN, Nearness
+from hitab_core.advice.support import Support
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind

@@ -22,7 +22,6 @@ from collections.abc import Generator, Sequence
 from typing import TypeVar
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.sides import POINT
 from hitab_core.domain import Scale
 from hitab_core.learning import Leaf
 from hitab_core.learning.classifier_spec import ClassifierSpec
@@ -33,6 +32,9 @@ from hitab_core.learning.tree_nodes import nodes
 
 NEARLY = 0.9
 """The least gain ratio, as a share of the best one, of a feature that explains nearly as well."""
+
+POINT = 1e-6
+"""Width of an arc, as a share of the circle, that is a single direction: nobody means one."""
 
 Candidates = Sequence[Split | None]
 

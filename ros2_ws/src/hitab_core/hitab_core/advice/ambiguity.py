@@ -26,9 +26,9 @@ from numpy.typing import ArrayLike
 
 from hitab_core.advice.alternatives import finished, growing_alternatives
 from hitab_core.advice.evidence import Evidence, answer_kind
-from hitab_core.advice.grounds import Decision, Grounds, Support, parting, situation_in_words
 from hitab_core.advice.nearness import Nearness
 from hitab_core.advice.situations import Origin, Perceived, composed
+from hitab_core.advice.support import Decision, Support, SupportedTree, parting, situation_in_words
 from hitab_core.example import Example
 
 TRIED = 5
@@ -85,7 +85,7 @@ class Ambiguity:
     decisive: float
     features: tuple[str, ...]
     text: str
-    _grounds: tuple[Grounds, Grounds] = field(repr=False, compare=False)
+    _trees: tuple[SupportedTree, SupportedTree] = field(repr=False, compare=False)
 
     @property
     def key(self) -> tuple[str, str, str, str, str]:
@@ -104,7 +104,7 @@ class Ambiguity:
             values: of all features; NaN: not known. If a tested one is not known the answer is
                 no.
         """
-        a, b = (grounds.decide(values) for grounds in self._grounds)
+        a, b = (tree.decide(values) for tree in self._trees)
         return differ(a, b)
 
     def example(self, next_state: str) -> Example:
@@ -119,7 +119,7 @@ class Ambiguity:
             situations: values of all features, such as what could be placed.
         """
         different = [tuple(map(float, s)) for s in situations if self.differs(s)]
-        return [s for _, s in finished(_by_decisiveness(self._grounds, different))]
+        return [s for _, s in finished(_by_decisiveness(self._trees, different))]
 
 
 def differ(some: Decision | None, other: Decision | None) -> bool:
@@ -179,10 +179,10 @@ def searched_ambiguities(
     if learned is None or not others:
         return
     perceived = Perceived.of(evidence, readings, here)
-    usual = Grounds(learned, evidence)
+    usual = SupportedTree(learned, evidence)
     found = []
     for tree in others:
-        question = yield from _question(usual, Grounds(tree, evidence), perceived, compose)
+        question = yield from _question(usual, SupportedTree(tree, evidence), perceived, compose)
         if question is not None:
             found.append(question)
     found.sort(key=lambda q: (q.origin, -q.decisive, -q.share))
@@ -194,7 +194,7 @@ def searched_ambiguities(
 
 
 def _question(
-    usual: Grounds, other: Grounds, perceived: Perceived, compose: bool
+    usual: SupportedTree, other: SupportedTree, perceived: Perceived, compose: bool
 ) -> Generator[None, None, Ambiguity | None]:
     """Return the question that two explanations give rise to, if they differ anywhere."""
     evidence, pair = usual.evidence, (usual, other)
@@ -218,16 +218,16 @@ def _question(
         return None
     yield
     ((decisive, situation), *_) = yield from _by_decisiveness(pair, situations)
-    sides = [decision for grounds in pair if (decision := grounds.decide(situation)) is not None]
+    sides = [decision for tree in pair if (decision := tree.decide(situation)) is not None]
     at = parting(*(side.path for side in sides))
     learned, alternative = (
         Alternative(
             side.next_state,
-            grounds.words(side.path[at:]),
+            tree.words(side.path[at:]),
             side.path[at][0].feature,
             side.support,
         )
-        for side, grounds in zip(sides, pair, strict=True)
+        for side, tree in zip(sides, pair, strict=True)
     )
     here = perceived.times * perceived.here
     where = situation_in_words(evidence, situation, features)
@@ -242,7 +242,7 @@ def _question(
         features=evidence.names,
         text=f"In {evidence.state} with {where}: {_what(learned, evidence)}, "
         f"or {_what(alternative, evidence)}?",
-        _grounds=pair,
+        _trees=pair,
     )
 
 
@@ -252,7 +252,7 @@ def _what(side: Alternative, evidence: Evidence) -> str:
 
 
 def _by_decisiveness(
-    pair: tuple[Grounds, Grounds], situations: Sequence[tuple[float, ...]]
+    pair: tuple[SupportedTree, SupportedTree], situations: Sequence[tuple[float, ...]]
 ) -> Generator[None, None, list[tuple[float, tuple[float, ...]]]]:
     """Return situations in which two explanations differ, most decisive first.
 
@@ -263,7 +263,7 @@ def _by_decisiveness(
     is about. But too near one, the wrong explanation may only move its threshold.
     """
     evidence = pair[0].evidence
-    used = sorted({f for grounds in pair for f in grounds.tree.features_used})
+    used = sorted({f for tree in pair for f in tree.tree.features_used})
     nearness = Nearness(evidence.values, evidence.scales, used)
     nearest = sorted(dict.fromkeys(situations), key=nearness)
     contested = nearest[:: len(nearest) // CONTESTED + 1]
@@ -280,7 +280,7 @@ def _by_decisiveness(
 
 
 def _settled(
-    right: Grounds, situation: tuple[float, ...], contested: Sequence[tuple[float, ...]]
+    right: SupportedTree, situation: tuple[float, ...], contested: Sequence[tuple[float, ...]]
 ) -> Generator[None, None, float]:
     """Return in which share of situations all is right, once the answer was that.
 
@@ -296,10 +296,10 @@ def _settled(
     evidence = right.evidence.with_answer(situation, decision.next_state)
     tree, others = yield from growing_alternatives(evidence)
     assert tree is not None
-    after, rivals = Grounds(tree, evidence), []
+    after, rivals = SupportedTree(tree, evidence), []
     for other in others:
         yield
-        rivals.append(Grounds(other, evidence))
+        rivals.append(SupportedTree(other, evidence))
     yield
     settled = 0
     for values in contested:

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.grounds import Grounds, Support
 from hitab_core.advice.nearness import UNKNOWN, Nearness
+from hitab_core.advice.support import Support, SupportedTree
 from hitab_core.learning import Leaf, Node
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import nodes
@@ -61,7 +61,7 @@ class Confidence:
 class Confidences:
     """Rates the decisions of one learned transition function, in some microseconds each."""
 
-    __slots__ = ("_grounds", "_rated", "_whole")
+    __slots__ = ("_rated", "_tree", "_whole")
 
     def __init__(self, function: TransitionFunction, evidence: Evidence) -> None:
         """Prepare to rate; this takes about as long as learning the function.
@@ -71,11 +71,11 @@ class Confidences:
             evidence: the examples that it was learned from.
         """
         self._whole = Nearness(evidence.values, evidence.scales, function.features_used)
-        self._grounds: Grounds | None = None
+        self._tree: SupportedTree | None = None
         self._rated: dict[int, tuple[Support, Nearness]] = {}
         if not isinstance(function, TransitionTree):
             return
-        self._grounds = grounds = Grounds(function, evidence)
+        self._tree = supported = SupportedTree(function, evidence)
         waiting: list[tuple[Node, tuple[int, ...]]] = [(function.root_, ())]
         measures: dict[tuple[int, ...], Nearness] = {}
         while waiting:
@@ -85,7 +85,7 @@ class Confidences:
                 waiting.extend((branch, tested) for branch in node.branches)
             if tested not in measures:
                 measures[tested] = Nearness(evidence.values, evidence.scales, tested)
-            self._rated[id(node)] = grounds.support(node), measures[tested]
+            self._rated[id(node)] = supported.support(node), measures[tested]
 
     def __call__(self, values: Sequence[float | None]) -> Confidence:
         """Return how sure a decision is.
@@ -94,9 +94,9 @@ class Confidences:
             values: of the automaton's features as the decision read them; None or NaN: not read
                 or missing.
         """
-        if self._grounds is None:
+        if self._tree is None:
             return Confidence(_UNKNOWN, self._whole(values))
-        node: Node = self._grounds.tree.root_
+        node: Node = self._tree.tree.root_
         while not isinstance(node, Leaf):
             value = values[node.feature]
             if value is None or value != value:

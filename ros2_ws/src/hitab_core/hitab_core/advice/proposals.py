@@ -11,7 +11,6 @@ class ProposalKind(StrEnum):
 
     MISTAKE = "mistake"  # an example says what the person did not mean: remove it
     SPARSE = "sparse"  # too little was shown there: add an example
-    CONTRADICTION = "contradiction"  # two examples exclude each other: choose one
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,28 +40,25 @@ class Proposal:
     """Something that the person can accept or decline.
 
     Attributes:
-        kind: remove (`MISTAKE`), add (`SPARSE`), or choose (`CONTRADICTION`).
+        kind: remove (`MISTAKE`) or add (`SPARSE`).
         state: label of the state whose transition function is concerned.
         examples: their numbers, ascending. For a mistake, all to be removed, so the default
-            example of the command as well; for too few examples, those that decided; for a
-            contradiction, those that contradict each other.
-        commands: numbers of the commands that recorded them, ascending.
-        instead: the next state that was probably meant; empty if nothing suggests one.
-        place: for too few examples, a situation in which one more command tells most: feature
-            values; None otherwise.
-        corrections: indices of the corrections that it answers.
+            example of the command as well; for too few examples, the one that decided.
+        instead: the next state that was probably meant.
         score: probability that it is right, 0 to 1.
         evidence: sentences that say why, the strongest first.
-        change: a sentence that says what accepting it changes.
+        corrections: indices of the corrections that it answers.
+        change: of a mistake, what removing it changes, in a sentence.
+        place: of too few examples, a situation in which one more command tells most: feature
+            values.
     """
 
     kind: ProposalKind
     state: str
     examples: tuple[int, ...]
-    commands: tuple[int, ...]
     instead: str
-    place: tuple[float, ...] | None
-    corrections: tuple[int, ...]
     score: float
     evidence: tuple[str, ...]
-    change: str
+    corrections: tuple[int, ...] = ()
+    change: str = ""
+    place: tuple[float, ...] | None = None

@@ -1,4 +1,4 @@
-"""How much the values of a feature usually differ."""
+"""How much the values of a feature usually differ, and how far apart situations are by that."""
 
 from __future__ import annotations
 
@@ -26,11 +26,41 @@ def spreads(values: Floats, scales: Sequence[Scale]) -> Floats:
     for f, scale in enumerate(scales):
         if not scale.kind.is_measured:
             continue
-        apart = np.abs(values[:, f, None] - values[None, :, f])
-        if scale.kind is FeatureKind.TOROIDAL:
-            apart %= scale.period
-            apart = np.minimum(apart, scale.period - apart)
+        apart = _differences(values[:, f], scale)
         apart = apart[apart > 0]  # NaN is not
         if len(apart):
             found[f] = float(np.median(apart))
     return found
+
+
+def distances(values: Floats, scales: Sequence[Scale], spread: Floats) -> Floats:
+    """Return how far situations are apart from one another in each feature, from 0 to 1.
+
+    A difference d counts d / (d + spread), so that half is a usual difference and 1 an endless
+    one; a feature that compares by equality counts 0 or 1. Where one value is missing the distance
+    is one half, where both are, 0.
+
+    Args:
+        values, scales: see `spreads`.
+        spread: shape (m,), the usual differences.
+
+    Returns:
+        shape (m, n, n).
+    """
+    found = np.zeros((len(scales), len(values), len(values)))
+    for f, scale in enumerate(scales):
+        apart = _differences(values[:, f], scale)
+        apart = apart / (apart + spread[f]) if scale.kind.is_measured else np.sign(apart)
+        lacking = np.isnan(values[:, f])
+        apart[lacking[:, None] | lacking] = 0.5
+        apart[lacking[:, None] & lacking] = 0.0
+        found[f] = apart
+    return found
+
+
+def _differences(column: Floats, scale: Scale) -> Floats:
+    apart = np.abs(column[:, None] - column)
+    if scale.kind is FeatureKind.TOROIDAL:
+        apart %= scale.period
+        apart = np.minimum(apart, scale.period - apart)
+    return apart

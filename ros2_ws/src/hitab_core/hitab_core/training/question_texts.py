@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.grounds import situation_in_words
 from hitab_core.advice.proposals import Proposal
+from hitab_core.advice.support import situation_in_words
 from hitab_core.example import Example
 from hitab_core.wording import numbered, some
 

@@ -2,10 +2,9 @@
 
 There are four kinds of questions. Two commands in the same situation contradict each other; an
 example made the agent do what was then corrected, and was perhaps a mistake; the examples say too
-little somewhere, as on the side of a circle where a command was not shown; several explanations
-fit the examples. Each is found again from the examples as
-they are (`hitab_core.advice`), so an answer that changes them ends its question, and undoing the
-answer asks it again.
+little where it was corrected; several explanations fit the examples. Each is found again from the
+examples as they are (`hitab_core.advice`), so an answer that changes them ends its question, and
+undoing the answer asks it again.
 """
 
 from __future__ import annotations
@@ -14,12 +13,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from hitab_core.advice.ambiguity import Ambiguity, searched_ambiguities
-from hitab_core.advice.mistakes import contradictions, propose, suspects
 from hitab_core.advice.proposals import Proposal, ProposalKind
-from hitab_core.advice.sides import Circles, UnshownSide, lone_values, unshown_sides
+from hitab_core.advice.unlearning import propose, suspects
 from hitab_core.automaton import START
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example, ExampleKind
+from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.training import question_texts
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.question import (
@@ -144,19 +142,18 @@ class Questions:
         """Yield those that take long to find, besides those that are known, with their rank.
 
         The least rank is the most useful: what made the robot do the wrong thing, then what was
-        not shown where it did, then what was shown on one side only, then what has several
-        explanations. None is yielded in between.
+        not shown where it did, then what has several explanations. None is yielded in between.
         """
         numbers: set[int] = set()
         contradicted = {number for question in known for number in question.examples}
-        proposals = propose(given.examples, given.scales, given.corrections, None, given.names)
+        proposals = propose(given.examples, given.scales, given.corrections, given.names)
         yield None
         proposals += suspects(given.examples, given.scales, given.names)
         yield None
         for proposal in proposals:
             if contradicted.isdisjoint(proposal.examples):
                 question = self._of_proposal(proposal, given)
-                if question is not None and question.number not in numbers:
+                if question.number not in numbers:
                     numbers.add(question.number)
                     sparse = question.kind is QuestionKind.SPARSE
                     yield (sparse, not proposal.corrections, -proposal.score), question
@@ -166,12 +163,6 @@ class Questions:
                 continue
             here = [at == state for at, _ in given.perceived]
             readings = [values for _, values in given.perceived]
-            circles = Circles(evidence, readings, here)
-            for side in lone_values(circles):
-                yield (1, False, 0.0), self._of_side(side, given)
-            for side in unshown_sides(circles):
-                yield (1, True, -side.share), self._of_side(side, given)
-            yield None
             for ambiguity in searched_ambiguities(evidence, readings=readings, here=here):
                 if ambiguity is None:
                     yield None
@@ -180,13 +171,11 @@ class Questions:
                 yield rank, self._of_ambiguity(ambiguity)
 
     def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
-        by_number = {example.number: example for example in examples}
         recorded: dict[int, list[int]] = {}
         for e in examples:
             recorded.setdefault(e.command or -e.number, []).append(e.number)
         found = []
-        for proposal in contradictions(examples):
-            group = [by_number[number] for number in proposal.examples]
+        for group in contradictions(examples):
             choices = []
             for label in _weighed(group):
                 wrong = {e.command or -e.number for e in group if e.next_state != label}
@@ -198,14 +187,15 @@ class Questions:
                         {"do": "delete", "numbers": gone},
                     )
                 )
-            key = (QuestionKind.CONTRADICTION, proposal.examples)
+            numbers = tuple(example.number for example in group)
+            key = (QuestionKind.CONTRADICTION, numbers)
             found.append(
                 Question(
                     self._number(key),
                     QuestionKind.CONTRADICTION,
                     question_texts.commanded(group),
-                    proposal.state,
-                    proposal.examples,
+                    group[0].state,
+                    numbers,
                     tuple(choices),
                     group[0].features,
                     key,
@@ -213,7 +203,7 @@ class Questions:
             )
         return sorted(found, key=lambda question: -max(question.examples))
 
-    def _of_proposal(self, proposal: Proposal, given: Material) -> Question | None:
+    def _of_proposal(self, proposal: Proposal, given: Material) -> Question:
         if proposal.kind is ProposalKind.MISTAKE:
             key = (QuestionKind.MISTAKE, proposal.examples)
             choices = [
@@ -233,8 +223,7 @@ class Questions:
                 tuple(choices),
                 key=key,
             )
-        if proposal.kind is not ProposalKind.SPARSE or proposal.place is None:
-            return None
+        assert proposal.place is not None
         where: tuple[Any, ...] = (QuestionKind.SPARSE, proposal.state, proposal.place)
         labels = [label for label in (proposal.instead, *given.labels) if label]
         return Question(
@@ -246,28 +235,6 @@ class Questions:
             _commands(proposal.state, proposal.place, labels),
             proposal.place,
             where,
-        )
-
-    def _of_side(self, side: UnshownSide, given: Material) -> Question:
-        own = [e.number for e in given.examples if e.state == side.state and e.is_learned]
-        # Who does not want to be asked means the side; an answer leads to another place there.
-        about = ("at one value",) if side.one_value else ()
-        key = (
-            QuestionKind.SPARSE,
-            side.state,
-            given.names[side.feature],
-            side.next_state,
-            *about,
-        )
-        return Question(
-            self._number((*key, side.situation)),
-            QuestionKind.SPARSE,
-            side.text,
-            side.state,
-            tuple(own[row] for row in side.shown),
-            _commands(side.state, side.situation, (side.next_state, side.state, *given.labels)),
-            side.situation,
-            key,
         )
 
     def _of_ambiguity(self, ambiguity: Ambiguity) -> Question:

@@ -70,7 +70,7 @@ class Decision:
     support: Support
 
 
-class Grounds:
+class SupportedTree:
     """A tree with what its nodes rest on.
 
     Attributes:
@@ -91,7 +91,7 @@ class Grounds:
                 float(weights[~default].sum()), float(weights[default].sum())
             )
             if not isinstance(node, Leaf):
-                branch_of = branches_of(node, evidence.values[:, node.feature])
+                branch_of = _branches_of(node, evidence.values[:, node.feature])
                 self._gaps[id(node)] = _gaps(node, evidence.values[:, node.feature], weights > 0)
                 known = weights[branch_of >= 0].sum()
                 for i, branch in enumerate(node.branches):
@@ -193,7 +193,7 @@ def _test(node: ThresholdNode | ArcNode | CategoryNode) -> tuple[object, ...]:
     return (node.feature, *node.categories)
 
 
-def branches_of(node: Node, column: Floats) -> Floats:
+def _branches_of(node: Node, column: Floats) -> Floats:
     """Return the branch of each value; -1 where it is missing, -2 if there is none."""
     assert not isinstance(node, Leaf)
     found = []
@@ -213,11 +213,11 @@ def _gaps(node: Node, column: Floats, there: Booleans) -> list[tuple[float, floa
         low, high = values[values <= node.threshold], values[values > node.threshold]
         return [(low.max(initial=-math.inf), high.min(initial=math.inf))]
     if isinstance(node, ArcNode):
-        return [around(values, end, node.period) for end in (node.start, node.end)]
+        return [_around(values, end, node.period) for end in (node.start, node.end)]
     return []
 
 
-def around(values: Floats, end: float, period: float) -> tuple[float, float]:
+def _around(values: Floats, end: float, period: float) -> tuple[float, float]:
     """Return the last value before a place on the circle, and the first at or after it."""
     from_end = (values - end) % period
     return float(values[from_end.argmax()]), float(values[from_end.argmin()])
