@@ -24,6 +24,8 @@ from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
+from hitab_ros import EmergencySwitch
+from hitab_ros.absence import STOPPED
 
 SECONDS = 60.0
 LOG_MAX = 300_000  # bytes of one process
@@ -138,8 +140,18 @@ def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[Runni
         assert pids(running) == before, "a process has ended"
 
 
+def stopped(running: RunningSwarm) -> list[str]:
+    """Return the fault of a world that an emergency stop holds."""
+    return [fault for fault in running.world.wait().faults if fault.startswith(STOPPED)]
+
+
 def let_go(running: RunningSwarm, agents: list[str]) -> None:
-    """End what the fuzzer has begun as a demonstrator: trainings, and a paused world."""
+    """End what the fuzzer has begun as a demonstrator: trainings, a stopped and paused world."""
+    switch = EmergencySwitch(running.link.node)
+    running.link.spin(0.5)  # to hear what counts now, and overtake it
+    assert running.link.spin_until(
+        lambda: not (switch.set(False, "the test") and stopped(running)), SECONDS, 0.2
+    )
     for agent in agents:
         running.agents.await_agent(agent, SECONDS)  # its backlog may be long
         running.agents.set_mode(agent, "idle")

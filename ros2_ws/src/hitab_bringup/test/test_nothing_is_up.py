@@ -74,7 +74,7 @@ def test_a_verb_that_needs_a_swarm_fails_with_the_remedy(call, impatient, capfd)
     ],
 )
 def test_what_cannot_be_the_name_of_an_agent_is_refused(call, impatient, monkeypatch, capfd):
-    monkeypatch.setattr("hitab_client.swarm_choice.look_elsewhere", lambda link: None)
+    monkeypatch.setattr("hitab_client.swarm_choice.look_elsewhere", lambda *_: "")
     with pytest.raises(SystemExit) as ended:
         make_app()(call.split())
     assert ended.value.code == 1
