@@ -5,6 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from contextlib import suppress
+
+import psutil  # type: ignore[import-untyped]
 
 from hitab_agent import AgentNode
 from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
@@ -13,7 +16,10 @@ from hitab_ros import names
 MODULE = "hitab_robots.velocity_relay"
 
 HUNG_S = 0.4
-"""A relay that gives no sign of life for so long, s, hangs."""
+"""A relay that waits or is suspended, and gives no sign of life for so long, s, hangs."""
+
+BUSY_S = 2.0
+"""So does one that would go on if it only got a processor or its disk, after so long, s."""
 
 STARTING_S = 10.0
 """How long a relay may take to give the first sign of life, s."""
@@ -68,7 +74,7 @@ class RelayProcess:
         """
         self._unheard_s += LOOK_S  # not by a clock: this process may have been held up itself
         status = self._process.poll()
-        if status is None and self._unheard_s < HUNG_S:
+        if status is None and (self._unheard_s < HUNG_S or self._is_held_up()):
             return ""
         if status is None:
             self._process.kill()
@@ -77,6 +83,14 @@ class RelayProcess:
             self._start()
         what = "hung" if status is None else f"has ended (exit status {status})"
         return f"the robot's {names.VELOCITY_RELAY} {what}; it is started again"
+
+    def _is_held_up(self) -> bool:
+        """Whether it is this machine that keeps it from giving a sign."""
+        with suppress(psutil.Error):
+            state = psutil.Process(self._process.pid).status()
+            busy = state in (psutil.STATUS_RUNNING, psutil.STATUS_DISK_SLEEP)
+            return busy and self._unheard_s < BUSY_S
+        return False
 
     def end(self) -> None:
         """End the relay, which stops the robot."""
