@@ -116,7 +116,10 @@ def trial(
         arm(stops, link)
         agents.begin(ROBOT, "Turn", features=["RangeAhead"])
         until_obeyed(agents, link)
-        base.until(moves=True)
+        deadline = time.monotonic() + START_S
+        while not base.moves and time.monotonic() < deadline:
+            link.spin_until(lambda: base.moves, 2.0)
+            arm(stops, link)  # once more, if it has stopped meanwhile
         link.spin_until(lambda: False, 0.5 + random_number.random())
         relay = next(iter(agent.children()), agent)
         began = time.monotonic()
@@ -139,7 +142,8 @@ def trial(
         stopped = base.last_change()
         match how:
             case "agent killed":
-                agent.wait()
+                with suppress(psutil.NoSuchProcess):
+                    relay.wait()
                 start_agent()
             case "agent hangs":
                 agent.resume()
@@ -151,10 +155,11 @@ def trial(
 
 
 def end(process: psutil.Process) -> None:
-    """End a process, if it still is there."""
+    """End a process and its relay, which would outlive it, if they still are there."""
     with suppress(psutil.NoSuchProcess):
-        process.kill()
-    process.wait()
+        for one in (*process.children(), process):
+            one.kill()
+            one.wait()
 
 
 def until_obeyed(agents: SwarmClient, link: RosLink) -> None:

@@ -38,8 +38,12 @@ FILE = "emergency_stop.json"
 SILENCE = "silence"
 """The cause of that name: the agent's."""
 
+HUNG_S = 1.0
+"""An agent on this machine that waits or is suspended, and gives no sign of life for so long, s,
+does not drive again by itself."""
+
 SILENT_S = 3.0
-"""An agent that gives no sign of life for so long, s, does not drive again by itself."""
+"""Any other agent that gives no sign of life for so long, s, does not drive again by itself."""
 
 GONE_S = 10.0
 """An agent that gives no sign of life for so long, s, is killed if it is started again then."""
@@ -150,11 +154,18 @@ class VelocityRelay(GuardedNode):
         self._looked = now
         if self._agent_pid and os.getppid() != self._agent_pid:
             self._gate.closed = True
-        if self._unheard_s >= SILENT_S:
+        if self._unheard_s >= SILENT_S or (self._unheard_s >= HUNG_S and self._agent_hangs()):
             self._cause(SILENCE, "its agent gives no sign of life")
         if self._unheard_s >= GONE_S and self._kills and not self._gate.closed:
             self.get_logger().error(f"kills the agent, which hangs since {GONE_S:g} s")
             os.kill(self._agent_pid, signal.SIGKILL)
+
+    def _agent_hangs(self) -> bool:
+        """Whether nothing but the agent itself keeps it from giving a sign, as far as known."""
+        with suppress(OSError):
+            state = Path(f"/proc/{self._agent_pid}/stat").read_text().rpartition(") ")[2][:1]
+            return state not in ("R", "D")  # it waits for a processor, or for its disk
+        return False
 
     def _stands(self) -> bool:
         """Whether the robot stands still: as measured, else as it was told."""
