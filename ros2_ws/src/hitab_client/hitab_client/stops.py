@@ -48,9 +48,7 @@ class Stops:
         self._link = link
         self._expected = expected
         self.switch = switch or EmergencySwitch(link.node)
-        self._reports: dict[
-            str, tuple[float, StopState]
-        ] = {}  # by topic, with the time of arrival
+        self._reports: dict[str, tuple[float, StopState]] = {}  # when each came, by topic
         self._topics: set[str] = set()
         self.found_at = time.monotonic()
         self._told = 0  # stamp of what was last wanted, ns

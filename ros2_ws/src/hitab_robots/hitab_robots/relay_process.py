@@ -5,11 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from contextlib import suppress
-
-import psutil  # type: ignore[import-untyped]
 
 from hitab_agent import AgentNode
+from hitab_robots.held_up import is_held_up
 from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
 from hitab_ros import names
 
@@ -74,7 +72,8 @@ class RelayProcess:
         """
         self._unheard_s += LOOK_S  # not by a clock: this process may have been held up itself
         status = self._process.poll()
-        if status is None and (self._unheard_s < HUNG_S or self._is_held_up()):
+        patience = BUSY_S if is_held_up(self._process.pid) else HUNG_S
+        if status is None and self._unheard_s < patience:
             return ""
         if status is None:
             self._process.kill()
@@ -83,14 +82,6 @@ class RelayProcess:
             self._start()
         what = "hung" if status is None else f"has ended (exit status {status})"
         return f"the robot's {names.VELOCITY_RELAY} {what}; it is started again"
-
-    def _is_held_up(self) -> bool:
-        """Whether it is this machine that keeps it from giving a sign."""
-        with suppress(psutil.Error):
-            state = psutil.Process(self._process.pid).status()
-            busy = state in (psutil.STATUS_RUNNING, psutil.STATUS_DISK_SLEEP)
-            return busy and self._unheard_s < BUSY_S
-        return False
 
     def end(self) -> None:
         """End the relay, which stops the robot."""

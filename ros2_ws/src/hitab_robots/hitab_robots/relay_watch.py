@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import time
-
-from hitab_msgs.msg import StopState
+from hitab_msgs import msg
 
 from hitab_agent import AgentNode
 from hitab_robots.relay_process import HUNG_S, LOOK_S, RelayProcess
 from hitab_robots.settings import HEARTBEAT
-from hitab_ros import names, qos, steady_timer, why_stopped
-from hitab_ros.stamps import as_time
+from hitab_ros import StopState, names, qos, steady_timer, stop_report, why_stopped
 
 
 class RelayWatch:
@@ -32,8 +29,8 @@ class RelayWatch:
         self._process = process
         self._cause = ""
         self._unheard_s = 0.0
-        self._publisher = node.create_publisher(StopState, HEARTBEAT, qos.CYCLE)
-        node.create_subscription(StopState, names.STOP_STATE, self._hear, qos.CYCLE)
+        self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.CYCLE)
+        node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.CYCLE)
         steady_timer(node, LOOK_S, self._look)
 
     def cause(self, why: str) -> None:
@@ -42,7 +39,7 @@ class RelayWatch:
             self._cause = why
             self._give_sign()
 
-    def _hear(self, relay: StopState) -> None:
+    def _hear(self, relay: msg.StopState) -> None:
         self._unheard_s = 0.0
         if self._process is not None:
             self._process.heard()
@@ -59,15 +56,9 @@ class RelayWatch:
 
     def _give_sign(self) -> None:
         stopped = StopState.STOPPED if self._node.stands() else StopState.STOPPING
-        self._publisher.publish(
-            StopState(
-                stamp=as_time(time.time_ns()),
-                node=self._node.get_fully_qualified_name(),
-                name=names.own_name(self._node),
-                state=stopped if self.why else StopState.ARMED,
-                causes=[self._cause] if self._cause else [],
-            )
-        )
+        state = stopped if self.why else StopState.ARMED
+        causes = [self._cause] if self._cause else []
+        self._publisher.publish(stop_report(self._node, state, causes))
 
     def _tell(self, why: str) -> None:
         if why != self.why:

@@ -28,6 +28,7 @@ from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
 from hitab_core.library.durable_files import write_durably
+from hitab_robots.held_up import is_held_up
 from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, RelaySettings, declare
 from hitab_robots.velocity import STILL, Drive, Gate, Velocity
 from hitab_ros import GuardedNode, Spinner, Stop, names, qos, run, steady_timer
@@ -154,18 +155,12 @@ class VelocityRelay(GuardedNode):
         self._looked = now
         if self._agent_pid and os.getppid() != self._agent_pid:
             self._gate.closed = True
-        if self._unheard_s >= SILENT_S or (self._unheard_s >= HUNG_S and self._agent_hangs()):
+        is_near = self._agent_pid and not is_held_up(self._agent_pid)
+        if self._unheard_s >= (HUNG_S if is_near else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")
         if self._unheard_s >= GONE_S and self._kills and not self._gate.closed:
             self.get_logger().error(f"kills the agent, which hangs since {GONE_S:g} s")
             os.kill(self._agent_pid, signal.SIGKILL)
-
-    def _agent_hangs(self) -> bool:
-        """Whether nothing but the agent itself keeps it from giving a sign, as far as known."""
-        with suppress(OSError):
-            state = Path(f"/proc/{self._agent_pid}/stat").read_text().rpartition(") ")[2][:1]
-            return state not in ("R", "D")  # it waits for a processor, or for its disk
-        return False
 
     def _stands(self) -> bool:
         """Whether the robot stands still: as measured, else as it was told."""

@@ -33,6 +33,7 @@ from .spinning import make_node as make_node
 from .spinning import run as run
 from .steady_timer import steady_timer as steady_timer
 from .stop import Stop as Stop
+from .stop import stop_report as stop_report
 from .stop import why_stopped as why_stopped
 from .stop_machine import StopMachine as StopMachine
 from .stop_machine import StopState as StopState

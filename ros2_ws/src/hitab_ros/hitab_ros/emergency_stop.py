@@ -82,18 +82,6 @@ class EmergencySwitch:
         """Wait until all listeners found so far have what was set; return whether they do."""
         return bool(self._open().wait_for_all_acked(Duration(seconds=seconds)))
 
-    def listeners(self) -> list[str]:
-        """Return who listens besides this node: full names of nodes, sorted."""
-        found = [
-            f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-            for info in self._node.get_subscriptions_info_by_topic(names.EMERGENCY_STOP)
-        ]
-        own = self._node.get_fully_qualified_name()
-        for _ in self._subscriptions:  # no more often: other programs may have the same name
-            if own in found:
-                found.remove(own)
-        return sorted(set(found))
-
     def _open(self) -> Any:
         if self._publisher is None:
             self._publisher = self._node.create_publisher(

@@ -13,7 +13,7 @@ from hitab_ros.absence import STOPPED, STOPPED_BY
 from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
-from hitab_ros.stop_machine import StopMachine
+from hitab_ros.stop_machine import StopMachine, StopState
 
 PERIOD_S = 0.1
 """Between two reports, s, by the machine's clock. They are signs of life as well."""
@@ -100,19 +100,41 @@ class Stop:
 
     def publish(self) -> None:
         """Tell others."""
-        machine, emergency = self.machine, self.switch.state
-        report = msg.StopState(
-            stamp=as_time(time.time_ns()),
-            node=self._node.get_fully_qualified_name(),
-            name=names.own_name(self._node),
-            state=machine.state.value,
-            causes=list(machine.causes.values()),
-            why=machine.why,
-            stop=machine.stop,
+        machine = self.machine
+        report = stop_report(
+            self._node, machine.state, machine.causes.values(), machine.why, self.switch
         )
-        if emergency is not None:
-            report.emergency = emergency.stamp
+        report.stop = machine.stop
         self._publisher.publish(report)
+
+
+def stop_report(
+    node: Node,
+    state: StopState,
+    causes: Iterable[str],
+    why: str = "",
+    switch: EmergencySwitch | None = None,
+) -> msg.StopState:
+    """Return what a node says of whether its robot, or its world, may act.
+
+    Args:
+        node: that says so.
+        state: of the robot or the world.
+        causes: why it has to stand still as yet.
+        why: it was stopped.
+        switch: that the node obeys; None: it obeys another node.
+    """
+    report = msg.StopState(
+        stamp=as_time(time.time_ns()),
+        node=node.get_fully_qualified_name(),
+        name=names.own_name(node),
+        state=state.value,
+        causes=list(causes),
+        why=why,
+    )
+    if switch is not None and switch.state is not None:
+        report.emergency = switch.state.stamp
+    return report
 
 
 def why_stopped(name: str, why: str, causes: Iterable[str]) -> str:

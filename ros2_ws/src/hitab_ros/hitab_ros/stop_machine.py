@@ -1,7 +1,7 @@
 """When something that acts has to stand still, and when it may act again.
 
-No ROS here. A robot's relay has such a machine; so has an agent with a link of its own, and a
-simulated world. These are all of its states and events::
+No ROS here. A robot's relay has such a machine, or its agent, if its link has no relay. These are
+all of its states and events::
 
     state      event                                          next state
     any        a cause appears: emergency stop, silent        stopping
@@ -32,7 +32,7 @@ class StopState(StrEnum):
 
 
 class StopMachine:
-    """Whether one robot, or one world, may act.
+    """Whether one robot may act.
 
     Attributes:
         causes: why it has to stand still as yet, by name.
@@ -54,7 +54,7 @@ class StopMachine:
         Args:
             why: it begins so.
             rearms: whether it re-arms itself when no cause is left.
-            changed: called after each change but those of `stands`.
+            changed: called after each change.
             number: returns a number for a stop, larger each time.
         """
         self.causes: dict[str, str] = {}

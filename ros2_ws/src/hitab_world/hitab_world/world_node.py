@@ -21,11 +21,12 @@ from hitab_ros import (
     qos,
     refuse_second_of_name,
     steady_timer,
+    stop_report,
 )
 from hitab_ros.absence import STOPPED
 from hitab_ros.diagnostics import Diagnosis, Diagnostics
 from hitab_ros.emergency_stop import stopped_by
-from hitab_ros.stamps import NANOSECONDS, as_time, time_of
+from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.attendance import Attendance
 from hitab_world.audience import Audience
 from hitab_world.control import Control
@@ -104,18 +105,10 @@ class WorldNode(GuardedNode):
         self._tell_of_stop()
 
     def _tell_of_stop(self) -> None:
-        state, held = self._switch.state, self.control.held
-        report = msg.StopState(
-            stamp=as_time(time.time_ns()),
-            node=self.get_fully_qualified_name(),
-            name=names.own_name(self),
-            state=(StopState.STOPPED if held else StopState.ARMED).value,
-            causes=[held] if held else [],
-            why=held,
-        )
-        if state is not None:
-            report.emergency = state.stamp
-        self._stop_states.publish(report)
+        held = self.control.held
+        state = StopState.STOPPED if held else StopState.ARMED
+        causes = [held] if held else []
+        self._stop_states.publish(stop_report(self, state, causes, held, self._switch))
 
     def destroy_node(self) -> None:
         """Save the world's state, then destroy the node."""

@@ -67,7 +67,7 @@ class ActionClients:
                 self._clients[key] = ActionClient(node, kind, behavior.action)
                 self._goals[key] = []
         self._held = False
-        self._run_on: dict[str, str] = {}
+        self._run_on: set[str] = set()
         self._memory = LineMemory(memory)
         self._orphans = []
         for action, identity in _remembered(self._memory.values):
@@ -113,6 +113,8 @@ class ActionClients:
 
     def hold(self, *, held: bool) -> None:
         """Cancel the goals since the robot has to stand still, or send them anew."""
+        if held is self._held:
+            return  # only the reason has changed
         self._held = held
         for goals in list(self._goals.values()):
             for goal in [goal for goal in goals if held and goal.is_sent and goal.call.is_open]:
@@ -148,10 +150,10 @@ class ActionClients:
     def _on_run_on(self, behavior: ActionBehavior, why: str) -> None:
         fault = f"action {behavior.name} runs on"
         self._node.guard.faults.set(fault, why)
-        self._run_on.pop(fault, None)
+        self._run_on.discard(fault)
         if why:
             self._node.guard.log(why)
-            self._run_on[fault] = why
+            self._run_on.add(fault)
 
     def _remember(self) -> None:
         """Note which goals servers have, if that has changed."""
