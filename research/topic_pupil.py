@@ -78,7 +78,7 @@ class TopicPupil:
             p.name: {"x": p.x, "y": p.y, "heading": p.heading, "vx": p.vx, "vy": p.vy}
             for p in placements
         }
-        self._world.changed(lambda: self._world.place(things, new_episode=new_episode))
+        self._world.shown(self._world.place(things, new_episode=new_episode))
         if new_episode:
             self._path = [START]
         return self._sight()

@@ -67,7 +67,7 @@ def away_from_everybody(swarm: Any, distance: float) -> None:
         name: {"x": 8.0, "y": y, "vx": 0.0, "vy": 0.0}
         for name, y in ((TWO, 8.0), (THREE, -8.0), ("taker_1", 9.0), ("taker_2", -9.0))
     }
-    swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": ball, **others}))
+    swarm.world.shown(swarm.world.place({ONE: keeper, "ball": ball, **others}))
 
 
 def begin(person: Person, name: str, *features: str) -> None:

@@ -110,9 +110,9 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
 def test_the_world_goes_on_in_the_configuration_that_was_named(team):
     world = team.world
     corner = {ONE: {"x": -5.0, "y": 2.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}}
-    world.changed(lambda: world.place(corner))
+    world.shown(world.place(corner))
     world.snapshot("save", "corner")
-    world.changed(lambda: world.place({ONE: {"x": 0.0, "y": 0.0}}))
+    world.shown(world.place({ONE: {"x": 0.0, "y": 0.0}}))
     there = with_condition(Configuration(snapshot="corner"), "seconds: 0.3", ONE)
     said = []
     steps(team, say=said.append).next(ONE, evaluation=NONE, configuration=there)

@@ -38,7 +38,7 @@ def put(team: RunningSwarm, ball: tuple[float, float], takers: tuple[float, floa
     places = {**KEEPERS, "ball": ball, "taker_1": takers, "taker_2": (takers[0] + 1, takers[1])}
     still = {"vx": 0.0, "vy": 0.0, "heading": 0.0}
     things = {name: {"x": x, "y": y, **still} for name, (x, y) in places.items()}
-    team.world.changed(lambda: team.world.place(things))
+    team.world.shown(team.world.place(things))
 
 
 def ordered(team: RunningSwarm, view: CommandView, order: str) -> bool:

@@ -24,7 +24,7 @@ def put(swarm, distance: float) -> None:
     """Put keeper_1 so far from the ball, which lies ahead, and let it see that."""
     keeper = {"x": -distance, "y": 0.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}
     takers = {"taker_1": {"x": -9.0, "y": 9.0}, "taker_2": {"x": -8.0, "y": 9.0}}
-    swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": BALL_AT, **takers}))
+    swarm.world.shown(swarm.world.place({ONE: keeper, "ball": BALL_AT, **takers}))
 
 
 def teach_to_stop(swarm) -> None:
@@ -319,7 +319,7 @@ def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
 
 def test_a_step_over_the_end_of_an_episode_says_that_another_one_has_begun(begun, hitab):
     still = {"ball": {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}}
-    here = begun.world.changed(lambda: begun.world.place(still, new_episode=True)).episode
+    here = begun.world.shown(begun.world.place(still, new_episode=True)).episode
     assert hitab("world", "step", "2").stderr == ""
     hitab("world", "place", "ball", "x=9.9", "y=0", "vx=2", "vy=0")
     done = hitab("world", "step", "9")

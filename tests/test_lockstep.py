@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from hitab_msgs.msg import WorldState
 from hitab_msgs.srv import Control
 
 from foraging_world.parameters import ForagingParameters
@@ -241,6 +242,31 @@ def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_pa
         assert not running.world.status.reproducible
         (episode,) = running.world.play(1, seed=SEED)
         assert episode.reproducible, "another run has begun"
+
+
+def test_who_steps_a_world_gets_no_cycle_without_an_agent_that_is_slow(home, tmp_path):
+    swarm = read_swarm(find_file("keepaway", "swarms", "swarm"))
+    swarm = swarm.with_world(pace="lockstep", paused=True)
+    with temporary_swarm(swarm, tmp_path) as running:
+        world = running.world
+        assert running.link.spin_until(lambda: not world.missing, 60.0)
+        before = world.step(1).cycle
+        slow = pid_of(running, "keeper_1")
+        os.kill(slow, signal.SIGSTOP)
+        try:
+            world.control(Control.Request.STEP, cycles=2)
+            assert running.link.spin_until(
+                lambda: "waits for keeper_1" in world.status.last_error, 20.0
+            )
+            assert world.status.cycle == before
+        finally:
+            os.kill(slow, signal.SIGCONT)
+        assert world.state_at(before + 2).cycle == before + 2
+        assert running.link.spin_until(lambda: world.status.cycle == before + 2, 20.0)
+        assert world.status.missed_deadlines == 0
+        world.control(Control.Request.RESUME)
+        assert running.link.spin_until(lambda: world.status.cycle > before + 20, 60.0)
+        assert world.shown(world.control(Control.Request.PAUSE)).mode == WorldState.PAUSED
 
 
 def pid_of(running: RunningSwarm, name: str) -> int:

@@ -31,7 +31,7 @@ def test_no_name_lies_on_another_one(swarm, person):
         name: {"x": 0.1 * i, "y": 0.15 * i, "vx": 0.0, "vy": 0.0}
         for i, name in enumerate(("keeper_1", "keeper_2", "keeper_3", "taker_1", "taker_2"))
     }
-    swarm.world.changed(lambda: swarm.world.place(crowd))
+    swarm.world.shown(swarm.world.place(crowd))
     shown_at(person, "taker_2", 0.4, 0.6)
     person.waits_until(lambda: len(field(person, "f.labels")) >= 2, "some are named")
     for (ax, ay, aw, ah), (bx, by, bw, bh) in combinations(field(person, "f.labels"), 2):
@@ -42,9 +42,7 @@ def test_no_name_lies_on_another_one(swarm, person):
 @pytest.mark.parametrize("heading", [-math.pi / 2, -math.pi / 4, 0.0, math.pi / 2])
 def test_a_name_makes_way_for_the_knob_that_turns_a_thing(swarm, person, heading):
     away_from_everybody(swarm, 6.0)
-    swarm.world.changed(
-        lambda: swarm.world.place({ONE: {"x": -6.0, "y": 0.0, "heading": heading}})
-    )
+    swarm.world.shown(swarm.world.place({ONE: {"x": -6.0, "y": 0.0, "heading": heading}}))
     shown_at(person, ONE, -6.0, 0.0)
     person.click(f"agent-{ONE}")
     person.waits_until(lambda: field(person, "f.handles.length") == 1, "it has a knob")
@@ -231,7 +229,7 @@ def test_the_knob_of_what_is_chosen_turns_it_although_it_lies_on_another_thing(s
     person.waits_until(lambda: field(person, "f.handles.length") == 1, "it has a knob")
     knob = "f.toField(f.handles[0].x, f.handles[0].y)"
     x, y = field(person, knob)
-    swarm.world.changed(lambda: swarm.world.place({"taker_1": {"x": x, "y": y}}))
+    swarm.world.shown(swarm.world.place({"taker_1": {"x": x, "y": y}}))
     shown_at(person, "taker_1", x, y)
     box = person.page.locator("canvas#field").bounding_box()
     at = field(person, "f.handles[0]")

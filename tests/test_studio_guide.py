@@ -301,7 +301,7 @@ def test_who_does_what_the_page_says_has_a_keeper_that_reaches_the_ball(swarm, p
         }
         things |= {name: {"x": x, "y": y} for name, (x, y) in corners.items()}
         still = {name: {"vx": 0.0, "vy": 0.0, **place} for name, place in things.items()}
-        swarm.world.changed(lambda places=still: swarm.world.place(places, new_episode=True))
+        swarm.world.shown(swarm.world.place(still, new_episode=True))
         if not reaches(swarm):
             failed.append((number, things[ONE], things["ball"]))
     swarm.world.control("pace", pace="realtime", factor=1.0)

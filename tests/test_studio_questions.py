@@ -90,9 +90,7 @@ def test_an_ambiguity_is_told_with_both_explanations_and_answered(swarm, person)
         (0.8, 9.0, "Stop", 5),
     ):
         away_from_everybody(swarm, distance)
-        swarm.world.changed(
-            lambda x=taker: swarm.world.place({"taker_1": {"x": x, "y": 9.0 * (x > 8)}})
-        )
+        swarm.world.shown(swarm.world.place({"taker_1": {"x": taker, "y": 9.0 * (taker > 8)}}))
         person.click(f"do-{behavior}")
         person.sees("counts", f"{examples} examples")
     person.sees("questions", "because BallIsKickable")

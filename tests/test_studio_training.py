@@ -224,9 +224,7 @@ def late(swarm: Any, person: Person) -> tuple[Person, int]:
     away_from_everybody(swarm, 8.0)
     # The episode shall not end, however late an agent of a busy machine takes the command.
     far = {"ball": (-9.0, 9.0), "taker_1": (9.0, -9.0), "taker_2": (8.0, -9.0)}
-    swarm.world.changed(
-        lambda: swarm.world.place({name: {"x": x, "y": y} for name, (x, y) in far.items()})
-    )
+    swarm.world.shown(swarm.world.place({name: {"x": x, "y": y} for name, (x, y) in far.items()}))
     begin(person, "Late")
     person.click("reaction-change")
     person.type("reaction-seconds", "0.6")

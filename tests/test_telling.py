@@ -13,7 +13,7 @@ ONE = "keeper_1"
 def place(swarm, distance: float) -> None:
     keeper = {"x": -distance, "y": 0.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}
     ball = {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}
-    swarm.world.changed(lambda: swarm.world.place({ONE: keeper, "ball": ball}))
+    swarm.world.shown(swarm.world.place({ONE: keeper, "ball": ball}))
 
 
 @pytest.fixture

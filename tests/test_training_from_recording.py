@@ -45,7 +45,7 @@ def put(swarm: RunningSwarm, distance: float) -> None:
         "taker_1": {"x": -9.0, "y": 9.0},
         "taker_2": {"x": -8.0, "y": 9.0},
     }
-    swarm.world.changed(lambda: swarm.world.place(places))
+    swarm.world.shown(swarm.world.place(places))
 
 
 def train(swarm: RunningSwarm, look: Any) -> None:

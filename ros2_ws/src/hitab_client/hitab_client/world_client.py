@@ -61,7 +61,6 @@ class WorldClient:
         self.status: WorldStatus | None = None
         self.stranger: str | None = None
         self.state: WorldState | None = None
-        self._states = 0
         self.speed = 1.0
         self._first_stamp: tuple[float, float] | None = None
         self.episodes: list[Episode] = []
@@ -89,7 +88,6 @@ class WorldClient:
 
     def _take_state(self, state: WorldState) -> None:
         self.state = state
-        self._states += 1
         now, simulated = time.monotonic(), seconds_of(state.header.stamp)
         if self._first_stamp is None or simulated < self._first_stamp[1]:
             self._first_stamp = now, simulated
@@ -169,7 +167,7 @@ class WorldClient:
     def step(
         self,
         cycles: int = 1,
-        seconds: float = 10.0,
+        seconds: float = 30.0,
         left: Callable[[int], None] = lambda cycles: None,
     ) -> WorldState:
         """Step a paused world by some cycles and return its state.
@@ -224,15 +222,17 @@ class WorldClient:
         assert self.state is not None
         return self.state
 
-    def changed(self, change: Callable[[], Any], seconds: float = 10.0) -> WorldState:
-        """Change a paused world and return its state once the agents have perceived the change.
+    def shown(self, answer: Any, seconds: float = 10.0) -> WorldState:
+        """Return the state of a paused world once the agents have perceived a change.
+
+        Args:
+            answer: of the service that changed it.
+            seconds: how long that may take.
 
         Raises:
-            SwarmError: if the world refuses, or does not publish its state.
+            SwarmError: if the world does not publish its state.
         """
-        before = self._states
-        change()
-        return self._awaited(lambda _: self._states > before, "publish its state", seconds)
+        return self._awaited(lambda state: state.change >= answer.change, "show it", seconds)
 
     def place(
         self, things: Mapping[str, Mapping[str, float]], *, new_episode: bool = False

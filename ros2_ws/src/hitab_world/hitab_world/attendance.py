@@ -49,6 +49,11 @@ class Attendance:
         """Whether no agent is waited for in this round."""
         return not self._awaited
 
+    @property
+    def late(self) -> list[str]:
+        """The agents that are waited for in this round."""
+        return sorted(self._awaited)
+
     def look(self) -> bool:
         """Update which agents are present; return whether that has changed."""
         present = {name for name in self.agents if self._joined(name)}
@@ -85,7 +90,7 @@ class Attendance:
 
     def count_late(self, *, exclude: bool) -> list[str]:
         """Count and return the agents that have not answered; ``exclude`` gives up on them."""
-        late = sorted(self._awaited)
+        late = self.late
         self.missed_deadlines += len(late)
         if exclude:
             self.give_up_on_late()

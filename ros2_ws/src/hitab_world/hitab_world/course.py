@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 from hitab_world.attendance import Attendance
 from hitab_world.control import Control
 from hitab_world.world import World
@@ -14,6 +16,7 @@ class Course:
         world: the world.
         control: how it is run.
         attendance: which agents take part.
+        changes: number of the last change from outside, unlike that of any other process.
         disturbed: whether the world has changed since the agents were shown it.
         restart: whether agents begin at Start with the next percept.
         begins: whether a run begins with the next cycle.
@@ -25,6 +28,7 @@ class Course:
         self.world = world
         self.control = control
         self.attendance = attendance
+        self.changes = time.time_ns()
         self.disturbed = True
         self.restart = True
         self.begins = False

@@ -45,6 +45,7 @@ LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its epi
 NAMED_MAX = 10  # most agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
 STOP_PERIOD_S = 0.5  # between two reports whether an emergency stop holds the world
+STEPPED_DEADLINES = 3  # how long to wait in a cycle that a client steps
 UNREAD_MAX = 100  # most events that are handled after a deadline, in search of unread answers
 
 
@@ -204,6 +205,7 @@ class WorldNode(GuardedNode):
         self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
         if self.course.disturbed or spinning.stopped:
             return  # nobody is late: there was no time to answer
+        self.course.restart = False
         self.attendance.give_up_on_late()
         self._topics.publish_status()  # first: who waits for the state looks at the status then
         self._topics.publish_state()
@@ -223,8 +225,13 @@ class WorldNode(GuardedNode):
             behind = now - self._next_cycle_ns > 5 * period
             deadline = self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
         self._wait(spinning, deadline, whole=not lockstep)
+        for _ in range(STEPPED_DEADLINES - 1):
+            if not (lockstep and self._is_stepped_too_early()):
+                break
+            self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
         if course.disturbed or spinning.stopped:
             return  # the answers were about another situation
+        course.restart = False
         late = ""
         if not self.attendance.complete:
             names_of_late = self.attendance.count_late(exclude=lockstep)
@@ -233,6 +240,19 @@ class WorldNode(GuardedNode):
         if late or not self.attendance.silent:
             self.guard.faults.set(LATE, late)
         self._advance()
+
+    def _is_stepped_too_early(self) -> bool:
+        """Whether a client steps the world and an agent that is still there has not answered.
+
+        Who steps a world looks at each cycle. One without an agent, for which a busy machine has
+        no time, would teach something else.
+        """
+        late = self.attendance.late
+        if not (late and self.control.steps_left) or self.course.disturbed:
+            return False
+        self.guard.faults.set(LATE, f"waits for {some(late, NAMED_MAX)}")
+        self._topics.publish_status()
+        return not self.look_who_is_there()
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
         """Handle events until all have answered, or, with ``whole``, until the deadline."""
@@ -267,7 +287,6 @@ class WorldNode(GuardedNode):
             "restart": self.course.restart,
         }
         self._audience.send(common, self._percept)
-        self.course.restart = False
 
     def _percept(self, agent: str) -> tuple[Sequence[float], Sequence[str]] | None:
         """Return what an agent perceives; None, and a fault, if the world fails to return it."""

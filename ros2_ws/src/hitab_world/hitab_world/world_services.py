@@ -58,6 +58,8 @@ class WorldServices:
 
         def served(request: Any, response: Any) -> str:
             done = serve(request, response)
+            self._course.changes += 1
+            response.change = self._course.changes
             self._keeper.keep_now()
             return done
 

@@ -141,6 +141,7 @@ class WorldTopics:
                 height=float(world.size[1]),
                 entities=entities,
                 looks=self._looks,
+                change=self._course.changes,
                 note=self._note,
             )
         )

@@ -7,7 +7,7 @@ import re
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -31,15 +31,6 @@ def _control(swarm: str | None, action: str, **fields: object) -> None:
     with connection(swarm) as swarm_up:
         answer = swarm_up.world.control(action, **fields)  # type: ignore[arg-type]
     console.say(answer.message or f"cycle {answer.cycle}")
-
-
-def _seen(world: WorldClient, change: Callable[[], Any]) -> Any:
-    """Change the world, wait until the agents have perceived it, and return the answer."""
-    answers = []
-    world.wait()
-    world.state_at(0)  # a state from before the change must not pass for one after it
-    world.changed(lambda: answers.append(change()))
-    return answers[0]
 
 
 @app.command()
@@ -123,7 +114,8 @@ def _step(world: WorldClient, cycles: int) -> WorldState:
 def reset(swarm: SwarmName = None) -> None:
     """Begin a new episode with all agents in Start; ends when they have perceived it."""
     with connection(swarm) as swarm_up:
-        answer = _seen(swarm_up.world, lambda: swarm_up.world.control("reset"))
+        answer = swarm_up.world.control("reset")
+        swarm_up.world.shown(answer)
     console.say(answer.message or f"cycle {answer.cycle}")
 
 
@@ -206,10 +198,8 @@ def place(
         if not fields:
             raise typer.BadParameter(f'where to put "{name}"? Write {name} x=1 y=2 heading=90')
     with connection(swarm) as swarm_up:
-        answer = _seen(
-            swarm_up.world, lambda: swarm_up.world.place(placed, new_episode=new_episode)
-        )
-        state = swarm_up.world.state_at(0)
+        answer = swarm_up.world.place(placed, new_episode=new_episode)
+        state = swarm_up.world.shown(answer)
     console.say(answer.message or f"placed {', '.join(placed)}")
     if outside := list(_off_the_field(state, placed)):
         console.note(

@@ -141,9 +141,9 @@ class Configuration:
             SwarmError: if it refuses.
         """
         if self.snapshot:
-            world.changed(lambda: world.snapshot(Snapshot.Request.RESTORE, self.snapshot))
+            world.shown(world.snapshot(Snapshot.Request.RESTORE, self.snapshot))
         elif self.place:
-            world.changed(lambda: world.place(self.things, new_episode=self.new_episode))
+            world.shown(world.place(self.things, new_episode=self.new_episode))
 
     def await_(
         self, swarm: SwarmClient, world: WorldClient | None, agent: str, factor: float, seen: Seen

@@ -108,8 +108,8 @@ def _as_arranged(world: WorldClient, say: Callable[[str], None]) -> Iterator[Non
 
 
 def _arrange_again(world: WorldClient) -> None:
-    world.changed(lambda: world.control(Control.Request.PAUSE))
-    world.changed(lambda: world.snapshot(Snapshot.Request.RESTORE, BEFORE))
+    world.shown(world.control(Control.Request.PAUSE))
+    world.shown(world.snapshot(Snapshot.Request.RESTORE, BEFORE))
     world.snapshot(Snapshot.Request.DELETE, BEFORE)
 
 

@@ -209,7 +209,7 @@ class Bootstrapping:
         with as_it_was(world) as before:
             world.control(Control.Request.PACE, pace="lockstep")
             world.state_at(0)
-            world.changed(lambda: world.control(Control.Request.PAUSE))
+            world.shown(world.control(Control.Request.PAUSE))
             yield before
 
     @contextlib.contextmanager

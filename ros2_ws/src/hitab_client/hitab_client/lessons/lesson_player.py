@@ -43,6 +43,10 @@ from hitab_client.world_client import WorldClient
 from hitab_core import HitabError, quantity, some
 
 
+BACK_SECONDS = 15.0
+"""How long to wait for an agent that the world goes on without."""
+
+
 @dataclass
 class LessonReport:
     """The cost and outcome of a lesson.
@@ -140,7 +144,7 @@ class LessonPlayer:
             return
         with as_it_was(world):
             world.control(Control.Request.PACE, pace="lockstep")
-            world.changed(lambda: world.control(Control.Request.PAUSE))
+            world.shown(world.control(Control.Request.PAUSE))
             yield
 
     def take_back(self) -> list[str]:
@@ -187,11 +191,11 @@ class LessonPlayer:
 
     def _place(self, step: Place) -> None:
         world = self._arranged()
-        world.changed(lambda: world.place(step.things, new_episode=step.new_episode))
+        world.shown(world.place(step.things, new_episode=step.new_episode))
 
     def _new_episode(self, step: NewEpisode) -> None:
         world = self._arranged()
-        world.changed(lambda: world.control(Control.Request.RESET))
+        world.shown(world.control(Control.Request.RESET))
 
     def _begin(self, step: Begin) -> None:
         # Whoever interrupts this must know whether it has begun.
@@ -210,6 +214,9 @@ class LessonPlayer:
             self.begun[step.agent] = step.automaton
 
     def _command(self, step: Command) -> None:
+        if (world := self.world) is not None and step.agent in world.missing:
+            # It would take the command for an answer to what it perceived before it was held up.
+            world.link.spin_until(lambda: step.agent not in world.missing, BACK_SECONDS)
         self.swarm.command(step.agent, step.use.name, step.use.arguments)
         self.report.commands += 1
 

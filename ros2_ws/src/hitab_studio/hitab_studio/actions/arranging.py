@@ -76,7 +76,7 @@ async def place(session: Session, data: Data) -> None:
 def _placed(world: WorldClient, things: Any) -> None:
     if world.is_paused:
         # The agents must have seen it before the next command.
-        world.changed(lambda: world.place(things), 3.0)
+        world.shown(world.place(things), 3.0)
     else:
         world.place(things)
 

@@ -149,7 +149,7 @@ def _evaluate(
 def _watch(running: RunningSwarm) -> tuple[list[Sequence[Any]], tuple[float, float]]:
     """Step through an episode and return the states of its last seconds."""
     world = running.world
-    state = world.changed(lambda: world.control("reset"))
+    state = world.shown(world.control("reset"))
     moments = [state.entities]
     for _ in range(PICTURE_CYCLES):
         state = world.step()
