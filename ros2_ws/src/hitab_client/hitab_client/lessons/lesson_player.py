@@ -42,7 +42,6 @@ from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
 from hitab_core import HitabError, quantity, some
 
-
 BACK_SECONDS = 15.0
 """How long to wait for an agent that the world goes on without."""
 
