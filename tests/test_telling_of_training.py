@@ -7,9 +7,9 @@ ONE = "keeper_1"
 
 def test_every_behavior_and_feature_is_described(keepers):
     words = keepers.agents.vocabulary(ONE)
-    behaviors = dict(zip(words.behaviors, words.behavior_descriptions, strict=True))
+    behaviors = {b.name: b.description for b in words.behaviors}
     assert behaviors["TurnToBall"] == "turn to face the ball"
-    features = dict(zip(words.features, words.feature_descriptions, strict=True))
+    features = {f.name: f.description for f in words.features}
     assert features["DistanceTo(X)"] == "distance to X"
     assert all(features.values())
 

@@ -76,10 +76,12 @@ def test_the_progress_of_a_long_step_is_shown(stepped, monkeypatch):
     assert shown == [(0, 4), (1, 4), (2, 4), (3, 4)]
 
 
-def test_a_world_that_is_not_there_is_not_waited_for_twice(monkeypatch):
+def test_that_there_is_no_world_is_said_to_who_would_change_it(monkeypatch):
     class NoWorld:
-        def wait(self) -> None:
+        def control(self, *_: object, **__: object) -> None:
             raise SwarmError("this swarm has no world")
+
+        place = control
 
     @contextmanager
     def connection(swarm):

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, CommanderStatus, WorldStatus
+from hitab_msgs.msg import AgentStatus, CommanderStatus, Subordinate, WorldStatus
 
 from hitab_client import Learned, SwarmError
 from hitab_core import Example, FeatureKind
@@ -153,11 +153,13 @@ def test_a_world_that_was_not_heard_yet_is_not_said_to_be_none():
 def test_agents_that_are_called_alike_are_counted_without_those_below_them():
     groups = {
         f"company_{i}": SimpleNamespace(
-            subordinates=[f"squad_{5 * i + j}" for j in range(5)], superior="staff", order=""
+            subordinates=[Subordinate(name=f"squad_{5 * i + j}") for j in range(5)],
+            superior="staff",
+            order="",
         )
         for i in range(45)
     }
-    agents = (*groups, *(sub for group in groups.values() for sub in group.subordinates))
+    agents = (*groups, *(sub.name for group in groups.values() for sub in group.subordinates))
     known = Known(Target(0, "many", agents, 1), statuses=hears(*agents), groups=groups)
     title = shown(known, "agents", agent="").partition('data-test="fold-company_…"')[2]
     assert '<span class="soft" title="45 agents called so, and 225 under them">45<' in title
@@ -165,7 +167,9 @@ def test_agents_that_are_called_alike_are_counted_without_those_below_them():
 
 def test_an_order_stands_under_a_commander_that_was_not_heard_yet():
     groups = {
-        "general_1": CommanderStatus(commander="general_1", subordinates=["staff_1"]),
+        "general_1": CommanderStatus(
+            commander="general_1", subordinates=[Subordinate(name="staff_1")]
+        ),
         "company_1": CommanderStatus(commander="company_1", superior="staff_1", order="Go"),
     }
     agents = ("company_1", "general_1", "staff_1")
