@@ -12,7 +12,12 @@ from ament_index_python.packages import get_packages_with_prefixes
 
 ROOT = Path(__file__).parents[1]
 SOURCES = ROOT / "ros2_ws" / "src"
-CALLED = {"yaml": "PyYAML", "sklearn": "scikit-learn", "mcap_ros2": "mcap-ros2-support"}
+CALLED = {
+    "PIL": "pillow",
+    "mcap_ros2": "mcap-ros2-support",
+    "sklearn": "scikit-learn",
+    "yaml": "PyYAML",
+}
 """Names on PyPI of modules that have another name there."""
 
 STARTED = {"setuptools", "supervisor"}
@@ -27,6 +32,7 @@ BY_APT = {
     "python3-jsonschema": "jsonschema",
     "python3-matplotlib": "matplotlib",
     "python3-numpy": "numpy",
+    "python3-pil": "pillow",
     "python3-psutil": "psutil",
     "python3-pytest": "pytest",
     "python3-rich": "rich",
@@ -76,7 +82,7 @@ def imports(package: Path) -> set[str]:
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
 def test_a_package_declares_all_that_it_imports(package):
     # A comment names what rosdep does not know.
-    declared = re.findall(r"[a-z0-9_]+", (package / "package.xml").read_text())
+    declared = re.findall(r"\w+", (package / "package.xml").read_text())
     assert imports(package) - {*declared} == set()
 
 

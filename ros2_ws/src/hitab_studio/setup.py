@@ -24,6 +24,7 @@ setup(
         "jinja2",
         "nicegui",
         "numpy",
+        "pillow",
         "typer",
     ],
     extras_require={"test": ["pytest", "playwright", "axe-playwright-python"]},

@@ -57,13 +57,6 @@ def applied(motion: Matrix, points: Matrix) -> Matrix:
     return moved
 
 
-def between(before: Matrix, after: Matrix, at: float) -> Matrix:
-    """Return the pose between two in the plane; `at` is from 0 to 1."""
-    x, y = (before[:2, 3] + at * (after[:2, 3] - before[:2, 3])).tolist()
-    turn = math.remainder(heading(after) - heading(before), math.tau)
-    return in_plane(x, y, heading(before) + at * turn)
-
-
 class Frames:
     """The tree of frames."""
 

@@ -6,6 +6,7 @@ message makes no sense.
 
 from __future__ import annotations
 
+import io
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 from nav_msgs.msg import OccupancyGrid, Odometry
 from numpy.typing import NDArray
+from PIL import Image
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CompressedImage, LaserScan
 
@@ -48,12 +50,10 @@ class Placed:
     """A robot's place.
 
     Attributes:
-        stamp: s; 0: none.
         frame, child: names of the frames of the odometry and of the robot.
         pose: of the robot in the odometry's frame, in the plane.
     """
 
-    stamp: float
     frame: str
     child: str
     pose: Matrix
@@ -63,7 +63,6 @@ class Placed:
 class Scanned:
     """The returns of a scan: points in the frame of the scanner, m, shape (n, 2)."""
 
-    stamp: float
     frame: str
     points: NDArray[np.float64]
 
@@ -145,9 +144,7 @@ def _pose(pose: Any, of: str) -> Matrix:
 def odometry_of(message: Odometry) -> Placed:
     """Return what a `nav_msgs/Odometry` says."""
     pose = planar(_pose(message.pose.pose, "the robot"))
-    return Placed(
-        stamp_of(message), _frame(message.header.frame_id), _frame(message.child_frame_id), pose
-    )
+    return Placed(_frame(message.header.frame_id), _frame(message.child_frame_id), pose)
 
 
 def scan_of(message: LaserScan) -> Scanned:
@@ -164,7 +161,7 @@ def scan_of(message: LaserScan) -> Scanned:
         hit = (ranges > 0.0) & (ranges >= message.range_min) & (ranges < most)
     ranges, angles = ranges[hit], angles[hit]
     points = np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
-    return Scanned(stamp_of(message), _frame(message.header.frame_id), points)
+    return Scanned(_frame(message.header.frame_id), points)
 
 
 def map_of(message: OccupancyGrid) -> Grid:
@@ -184,31 +181,16 @@ def map_of(message: OccupancyGrid) -> Grid:
 
 def picture_of(message: CompressedImage) -> Picture:
     """Return the picture of a `sensor_msgs/CompressedImage`, if browsers show such ones."""
-    picture = message.data.tobytes()
-    if picture[:3] == b"\xff\xd8\xff":
-        media_type, size = "image/jpeg", _jpeg_size(picture)
-    elif picture[:8] == b"\x89PNG\r\n\x1a\n" and picture[12:16] == b"IHDR":
-        width, height = (int.from_bytes(picture[i : i + 4]) for i in (16, 20))
-        media_type, size = "image/png", (width, height)
-    else:
-        raise Refused(f'is neither JPEG nor PNG; it calls itself "{message.format[:60]}"')
-    if not all(0 < side <= PICTURE_SIDE for side in size):
+    data = message.data.tobytes()
+    try:
+        with Image.open(io.BytesIO(data), formats=("JPEG", "PNG")) as image:  # only its header
+            media_type, size = Image.MIME[image.format or ""], image.size
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        raise Refused(
+            f'is neither JPEG nor PNG; it calls itself "{message.format[:60]}"'
+        ) from None
+    if max(size) > PICTURE_SIDE:
         raise Refused(
             f"has {size[0]} x {size[1]} pixels; up to {PICTURE_SIDE} x {PICTURE_SIDE} are shown"
         )
-    return Picture(media_type, picture)
-
-
-def _jpeg_size(data: bytes) -> tuple[int, int]:
-    """Return width and height, which stand in the header of the frame (ITU T.81, B.2.2)."""
-    at = 2
-    while at + 9 <= len(data) and data[at] == 0xFF:
-        marker = data[at + 1]
-        if marker == 0xFF:  # it may be filled up with these
-            at += 1
-            continue
-        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
-            height, width = (int.from_bytes(data[i : i + 2]) for i in (at + 5, at + 7))
-            return width, height
-        at += 2 + int.from_bytes(data[at + 2 : at + 4])
-    raise Refused("is a JPEG that does not say how large it is")
+    return Picture(media_type, data)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import time
-from collections import deque
 from collections.abc import Callable
 from typing import Any
 
 from hitab_client import RosLink
-from hitab_studio.robots.frames import Frames, Matrix, applied, between, planar
+from hitab_studio.robots.frames import Frames, Matrix, applied, planar
 from hitab_studio.robots.listening import Listening, SensorState
 from hitab_studio.robots.messages import (
     PICTURE_BYTES,
@@ -23,12 +21,6 @@ from hitab_studio.robots.messages import (
 from hitab_studio.robots.mounts import Mounts
 from hitab_studio.robots.state import CameraState
 from hitab_studio.robots.topics import CAMERA, HEAVY, SCAN, RobotTopics
-
-PAST = 40
-"""Places that are kept, for scans that were made a little earlier than now."""
-
-LATE_SECONDS = 0.3
-"""How long a scan waits for the place at which it was made."""
 
 
 class Reading:
@@ -90,9 +82,6 @@ class Robot:
                 self._readings[topic] = Reading(listening, read)
         self._mounts = Mounts(link, topics.node) if topics.node else None
         self._camera: Reading | None = None
-        self._past: deque[Placed] = deque(maxlen=PAST)
-        self._waiting: dict[str, tuple[Scanned, float]] = {}
-        self._drawn: dict[str, tuple[Matrix | None, Scanned]] = {}
 
     def close(self) -> None:
         """Listen no more."""
@@ -113,59 +102,20 @@ class Robot:
 
     def look(self) -> None:
         """Read what has come."""
-        now = time.monotonic()
         if self._mounts is not None:
             self._mounts.look()
         if self._camera is not None:
             self._camera.look()
-        for topic, reading in self._readings.items():
-            if not reading.look():
-                continue
-            if topic == self.topics.odometry:
-                self._take_place(reading.value)
-            elif isinstance(reading.value, Scanned):
-                self._waiting[topic] = (reading.value, now)
-            else:
-                self._drawn.pop(topic, None)
-        for topic, (scan, came) in list(self._waiting.items()):
-            pose = self._pose_at(scan.stamp, patient=now - came < LATE_SECONDS)
-            if pose is not None or not self.topics.odometry:
-                del self._waiting[topic]
-                self._drawn[topic] = (pose, scan)
-
-    def _take_place(self, placed: Placed | None) -> None:
-        if placed is None:
-            self._past.clear()
-            return
-        last = self._past[-1] if self._past else placed
-        if placed.stamp < last.stamp or placed.frame != last.frame:  # it has begun again
-            self._past.clear()
-        self._past.append(placed)
-
-    def _pose_at(self, stamp: float, *, patient: bool) -> Matrix | None:
-        """Return where the robot was; None: that may become known soon, or there is no place."""
-        if not self._past:
-            return None
-        newest = self._past[-1]
-        if not stamp or not newest.stamp or stamp >= newest.stamp:
-            waits = patient and stamp > newest.stamp > 0.0
-            return None if waits else newest.pose
-        before = after = newest
-        for placed in reversed(self._past):
-            before, after = placed, before
-            if placed.stamp <= stamp:
-                break
-        if before.stamp >= stamp or after.stamp <= before.stamp:
-            return before.pose
-        at = (stamp - before.stamp) / (after.stamp - before.stamp)
-        return between(before.pose, after.pose, at)
+        for reading in self._readings.values():
+            reading.look()
 
     # -- what is known ----------------------------------------------------------------------
 
     @property
     def placed(self) -> Placed | None:
         """Where it is, by its odometry; None: that is not known."""
-        return self._past[-1] if self._past else None
+        reading = self._readings.get(self.topics.odometry)
+        return reading.value if reading is not None else None
 
     def base(self, agent: str, *, alone: bool) -> tuple[str, ...]:
         """Return what the robot's own frame may be called."""
@@ -189,19 +139,20 @@ class Robot:
             now: s, on the monotonic clock.
         """
         found, notes = [], []
-        for topic, (pose, scan) in self._drawn.items():
-            if self.state_of(topic).is_silent(now):
+        for topic, reading in self._readings.items():
+            scan = reading.value
+            if not isinstance(scan, Scanned) or self.state_of(topic).is_silent(now):
                 continue
-            if pose is None or way is None or self.placed is None:
-                motion = frames.way(fixed, scan.frame) if way is None else None
+            if way is None or self.placed is None:
+                motion = frames.way(fixed, scan.frame)
             elif (mount := self._mount(topic, scan.frame, self.placed.child, frames)) is None:
-                motion = way @ pose
+                motion = way @ self.placed.pose
                 notes.append(
                     f"Nobody says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
                     "is drawn as if it sat in the middle and faced ahead."
                 )
             else:
-                motion = way @ pose @ mount
+                motion = way @ self.placed.pose @ mount
             if motion is not None:
                 found.append(applied(motion, scan.points))
         return found, notes

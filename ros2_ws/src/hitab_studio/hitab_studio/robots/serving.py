@@ -7,12 +7,12 @@ show. What it asks for is listened to; what nobody asks for any more is not.
 from __future__ import annotations
 
 import asyncio
+import io
 import json
-import struct
-import zlib
 
 import numpy as np
 from fastapi import FastAPI, Response
+from PIL import Image
 
 from hitab_studio.robots.messages import Grid
 from hitab_studio.robots.state import Robots
@@ -82,24 +82,11 @@ def png_of(grid: Grid) -> bytes:
 
     Its first row is the farthest in y. The page gives it the color of its theme.
     """
-    height, width = grid.cells.shape
     # A palette of opacities alone: what is read of the map need not be calculated with.
     opacity = np.full(256, UNKNOWN, np.uint8)
     opacity[:101] = np.round(np.linspace(0, OCCUPIED, 101))
-    rows = np.zeros((height, width + 1), np.uint8)  # each after its filter, which is none
-    rows[:, 1:] = grid.cells[::-1].view(np.uint8)
-    header = struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        (
-            _chunk(b"IHDR", header),
-            _chunk(b"PLTE", bytes(3 * 256)),
-            _chunk(b"tRNS", opacity.tobytes()),
-            _chunk(b"IDAT", zlib.compress(rows.data, FAST)),
-            _chunk(b"IEND", b""),
-        )
-    )
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    check = zlib.crc32(data, zlib.crc32(kind))
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", check)
+    image = Image.fromarray(np.ascontiguousarray(grid.cells[::-1]).view(np.uint8))
+    image.putpalette(bytes(3 * 256))
+    png = io.BytesIO()
+    image.save(png, "PNG", transparency=opacity.tobytes(), compress_level=FAST)
+    return png.getvalue()

@@ -16,7 +16,7 @@ from hitab_studio.robots.frames import Frames, Matrix, heading
 from hitab_studio.robots.listening import Listening, SensorState
 from hitab_studio.robots.messages import MAP_BYTES, Grid, map_of
 from hitab_studio.robots.robot import Reading, Robot
-from hitab_studio.robots.showing import Ground, Place, robot_scene, scans_frame
+from hitab_studio.robots.showing import Place, ground, robot_scene, scans_frame
 from hitab_studio.robots.state import MapState, Robots, RobotState
 from hitab_studio.robots.topics import MAP, Options, RobotTopics, map_topic, robots_topics
 
@@ -49,7 +49,6 @@ class RobotWatch:
         self._frames = Frames()
         self._tf: list[Any] = []
         self._next_look = 0.0
-        self._ground = Ground()
         self._known = Robots()
 
     def find(self, agents: Collection[str], prefix: str) -> None:
@@ -160,8 +159,7 @@ class RobotWatch:
             camera = robot.camera(self._known.of(agent).camera)
             states[agent] = RobotState(sensors, camera, (*notes, *more))
         corners = map_state.grid.corners() if map_state.grid is not None else None
-        ground = self._ground.grown(fixed, places, points, corners)
-        scene = robot_scene(places, ground) if places else None
+        scene = robot_scene(places, ground(places, points, corners)) if places else None
         return Robots(
             MappingProxyType(states),
             scene,
