@@ -1,6 +1,7 @@
 """Swarms for the tests: real nodes in processes of their own, in a ROS domain nobody else uses."""
 
 import os
+import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -118,3 +119,15 @@ def taught(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Taught:
 def teach_again(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Taught]:
     """Return a function that does the same once more."""
     return lambda: teach(tmp_path_factory.mktemp("again"))
+
+
+@pytest.fixture
+def lossy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: Any) -> None:
+    """Have the processes that are started from now on lose every n-th of what they send."""
+    if shutil.which("cc") is None:
+        pytest.skip("there is no C compiler")
+    library = tmp_path / "lossy_sender.so"
+    source = Path(__file__).with_name("lossy_sender.c")
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+    monkeypatch.setenv("LOSES_EVERY", str(request.param))
+    monkeypatch.setenv("LD_PRELOAD", str(library))

@@ -1,17 +1,19 @@
-/* Preloaded into a process, loses every hundredth datagram that it sends to another one's topics.
+/* Preloaded into a process, loses every n-th datagram that it sends to another one's topics: n
+is in the environment, as LOSES_EVERY.
 
-Compiled by test_lockstep.py. Those for discovery go to even ports, and all pass. */
+Compiled by conftest.py. Those for discovery go to even ports, and all pass. */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
 #include <dlfcn.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <sys/socket.h>
 
 static atomic_uint sent;
 
 static int is_lost(const struct sockaddr *to) {
   const struct sockaddr_in *address = (const struct sockaddr_in *)to;
-  return to && to->sa_family == AF_INET && ntohs(address->sin_port) % 2 && ++sent % 100 == 0;
+  return to && to->sa_family == AF_INET && ntohs(address->sin_port) % 2 && ++sent % atoi(getenv("LOSES_EVERY")) == 0;
 }
 
 ssize_t sendto(int fd, const void *data, size_t size, int flags, const struct sockaddr *to,

@@ -338,6 +338,18 @@ def test_a_relay_that_hangs_is_replaced_and_the_robot_waits(desk):
     desk.until(lambda: not desk.told_to_stand_still())
 
 
+@pytest.mark.parametrize("lossy", [10], indirect=True)
+def test_lost_datagrams_neither_stop_the_robot_nor_replace_its_relay(lossy, desk):
+    """What came after a lost heartbeat was withheld until that was sent again."""
+    desk.agents.perform(ROBOT, "TurnLeft")
+    desk.until(lambda: not desk.told_to_stand_still())
+    relay = psutil.Process(desk.processes["agent"].pid).children()[0]
+    desk.velocities.clear()
+    desk.until_later(15.0)
+    assert relay.is_running()
+    assert not any(map(is_still, desk.velocities))
+
+
 def test_an_agent_that_hung_goes_on_only_once_re_armed(desk):
     desk.agents.perform(ROBOT, "TurnLeft")
     desk.until(lambda: not desk.told_to_stand_still())

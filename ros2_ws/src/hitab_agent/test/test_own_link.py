@@ -67,7 +67,7 @@ class Robot:
         self.states: list[msg.StopState] = []
         desk = process.node
         desk.create_subscription(
-            msg.StopState, f"/one/{names.STOP_STATE}", self.states.append, qos.CYCLE
+            msg.StopState, f"/one/{names.STOP_STATE}", self.states.append, qos.STREAM
         )
         self.arming = desk.create_client(srv.Arm, f"/one/{names.ARM}")
         self.switch = EmergencySwitch(desk)

@@ -102,7 +102,7 @@ def test_a_stop_names_each_robot_that_has_not_confirmed_to_stand_still(field, ca
     field.robot("robot_2")
     field.moving.add("robot_2")
     # One whose relay hangs from before: only its agent can be found.
-    field.node("robot_3").create_publisher(StopState, "agent_heartbeat", qos.CYCLE)
+    field.node("robot_3").create_publisher(StopState, "agent_heartbeat", qos.STREAM)
     field.thread.start()
     status, out, err = hitab(capfd, "stop")
     assert (status, out) == (1, "")

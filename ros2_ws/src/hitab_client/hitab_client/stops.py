@@ -69,7 +69,7 @@ class Stops:
             self._topics.add(topic)
             self.found_at = time.monotonic()
             if topic.endswith(f"/{names.STOP_STATE}"):  # the others are of agents to their relays
-                self._link.subscribe(StopState, topic, self._taker(topic), qos.CYCLE)
+                self._link.subscribe(StopState, topic, self._taker(topic), qos.STREAM)
 
     def _taker(self, topic: str) -> Callable[[StopState], None]:
         def take(report: StopState) -> None:

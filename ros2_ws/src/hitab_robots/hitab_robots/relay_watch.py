@@ -29,8 +29,8 @@ class RelayWatch:
         self._process = process
         self._cause = ""
         self._unheard_s = 0.0
-        self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.CYCLE)
-        node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.CYCLE)
+        self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
+        node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.STREAM)
         steady_timer(node, LOOK_S, self._look)
 
     def cause(self, why: str) -> None:

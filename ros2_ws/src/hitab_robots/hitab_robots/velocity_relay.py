@@ -114,7 +114,7 @@ class VelocityRelay(GuardedNode):
         newest = QoSProfile(depth=1)
         self.create_subscription(TwistStamped, VELOCITY, self._on_velocity, newest)
         self.create_subscription(TwistStamped, names.TELEOP, self._on_teleop, newest)
-        self.create_subscription(StopState, HEARTBEAT, self._on_heartbeat, qos.CYCLE)
+        self.create_subscription(StopState, HEARTBEAT, self._on_heartbeat, qos.STREAM)
         self.create_subscription(Odometry, ODOMETRY, self._measure, qos_profile_sensor_data)
         # A paused or slow simulation must not delay a stop.
         steady_timer(self, 1.0 / settings.smoothing_frequency, self._tick)

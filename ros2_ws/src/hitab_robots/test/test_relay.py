@@ -36,9 +36,9 @@ class Bench:
         self.peer.create_subscription(kind, COMMANDS, self._hear, 100)
         self.commands = self.peer.create_publisher(TwistStamped, VELOCITY, 1)
         self.by_hand = self.peer.create_publisher(TwistStamped, names.TELEOP, 1)
-        self.heartbeats = self.peer.create_publisher(StopState, HEARTBEAT, qos.CYCLE)
+        self.heartbeats = self.peer.create_publisher(StopState, HEARTBEAT, qos.STREAM)
         self.arming = self.peer.create_client(Arm, names.ARM)
-        self.peer.create_subscription(StopState, names.STOP_STATE, self._hear_state, qos.CYCLE)
+        self.peer.create_subscription(StopState, names.STOP_STATE, self._hear_state, qos.STREAM)
         self.odometry = self.peer.create_publisher(Odometry, ODOMETRY, 10)
         self.lives, self.causes, self.state = True, [], None
         self.switch = EmergencySwitch(self.peer)

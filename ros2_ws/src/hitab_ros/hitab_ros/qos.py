@@ -28,7 +28,7 @@ CYCLE = QoSProfile(
 STREAM = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.BEST_EFFORT
 )
-"""Data for viewers; the next message replaces a lost one."""
+"""Data for viewers, and heartbeats: what comes after a lost message does not wait for it."""
 
 SIGNS_OF_LIFE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT

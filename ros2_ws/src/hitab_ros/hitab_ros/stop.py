@@ -56,7 +56,7 @@ class Stop:
         self._keep = keep
         self._rearms = rearms
         self._logged = ""
-        self._publisher = node.create_publisher(msg.StopState, names.STOP_STATE, qos.CYCLE)
+        self._publisher = node.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
         self.machine = StopMachine("it has just started", rearms=rearms, changed=self._changed)
         self.switch = EmergencySwitch(node, self._emergency, hands_on=True)
         if state is not None:

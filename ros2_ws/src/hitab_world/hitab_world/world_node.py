@@ -83,7 +83,7 @@ class WorldNode(GuardedNode):
         warn = self.get_logger().warning
         self.keeper = WorldKeeper(names.own_name(self), self.course, settings, warn)
         self._topics = WorldTopics(self, self.course, settings)
-        self._stop_states = self.create_publisher(msg.StopState, names.STOP_STATE, qos.CYCLE)
+        self._stop_states = self.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""

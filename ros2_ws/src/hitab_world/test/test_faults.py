@@ -247,7 +247,9 @@ def value_of(array: DiagnosticArray, key: str) -> str:
 
 def test_an_emergency_stop_pauses_the_world_until_it_is_released(running: Running) -> None:
     told: list[msg.StopState] = []
-    running.peer.create_subscription(msg.StopState, f"/{names.STOP_STATE}", told.append, qos.CYCLE)
+    running.peer.create_subscription(
+        msg.StopState, f"/{names.STOP_STATE}", told.append, qos.STREAM
+    )
     running.until(lambda: running.world.cycle > 2)
     switch = EmergencySwitch(running.peer)
     running.until(lambda: told)
