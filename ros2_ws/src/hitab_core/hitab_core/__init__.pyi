@@ -15,7 +15,6 @@ from .automaton import START as START
 from .automaton import Automaton as Automaton
 from .caution import Caution as Caution
 from .caution import WhenUnsure as WhenUnsure
-from .caution import caution_in_words as caution_in_words
 from .domain import ENTRY_POINT_GROUP as ENTRY_POINT_GROUP
 from .domain import BasicBehavior as BasicBehavior
 from .domain import BatchPercepts as BatchPercepts

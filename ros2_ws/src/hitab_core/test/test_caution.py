@@ -62,7 +62,7 @@ def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
         ("stop", 1.0, 1.0, 'unknown caution "stop"'),
         ("halt", -1.0, 0.0, "--support must be a number of at least 0, not -1"),
         ("halt", 0.0, float("nan"), "at least 0"),
-        ("halt", 0.0, 0.0, "`hitab caution AGENT halt --distance 3`"),
+        ("halt", 0.0, 0.0, "`hitab test AGENT --when-unsure halt --distance 3`"),
     ],
 )
 def test_a_caution_that_means_nothing_is_refused(when, support, distance, why) -> None:
