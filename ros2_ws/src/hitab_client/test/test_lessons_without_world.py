@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import pytest
 
 from hitab_client.errors import LessonError
+from hitab_client.lessons.condition_watch import ConditionWatch
 from hitab_client.lessons.lesson_file import parse_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
-from hitab_client.lessons.watching import Watch
 
 LESSON = """\
 lesson: Wander
@@ -39,4 +39,4 @@ def test_that_nothing_can_be_put_somewhere_is_told_by_file_and_line(step):
 def test_a_flag_is_read_as_the_automaton_sees_it(automata, values, expected):
     answer = SimpleNamespace(automata=automata, features=["Done"] * len(values), values=values)
     swarm = SimpleNamespace(statuses={"robot_1": None}, ask=lambda *_, **__: answer)
-    assert Watch(swarm)._reading("robot_1", "Done") == expected
+    assert ConditionWatch(swarm)._reading("robot_1", "Done") == expected

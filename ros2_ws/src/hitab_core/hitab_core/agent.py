@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.caution import Brake, Caution, WhenUnsure
+from hitab_core.caution import Caution, CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
     FolderInUseError,
@@ -120,7 +120,7 @@ class Agent:
         self.awaited: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
         self._latest_saved = ""
-        self._brake = Brake()
+        self._monitor = CautionMonitor()
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
         self.edition = _first_edition(library)
@@ -267,7 +267,7 @@ class Agent:
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        if self._brake.is_on and not self._dares():
+        if self._monitor.is_on and not self._dares():
             return
         if self.mode is Mode.PERFORMING:
             if self._performance is not None:
@@ -278,19 +278,19 @@ class Agent:
     @property
     def caution(self) -> Caution:
         """What it does when it is unsure."""
-        return self._brake.caution
+        return self._monitor.caution
 
     @property
     def unsure(self) -> str:
         """Why it is unsure of its next decision; empty if it is sure, or goes on regardless."""
-        return self._brake.unsure
+        return self._monitor.unsure
 
     def be_cautious(self, caution: Caution) -> None:
         """Do something else than go on when it is unsure, from now on.
 
         An agent of a host that decides in a batch begins its behavior anew, alone.
         """
-        self._brake.set(caution)
+        self._monitor.set(caution)
         performance = self._performance
         in_batch = performance is not None and not isinstance(performance, RunningAutomaton)
         if self.mode is Mode.PERFORMING and self.top is not None and in_batch:
@@ -303,11 +303,11 @@ class Agent:
             return True
         session = self.session if self.mode is Mode.TESTING else None
         trained = () if session is None else session.examples
-        if self._brake.is_sure(self._running, self._context, trained):
-            self._brake.release()
+        if self._monitor.is_sure(self._running, self._context, trained):
+            self._monitor.release()
             return True
         if self.caution.when_unsure is WhenUnsure.HALT:
-            self._brake.halt(self._running)
+            self._monitor.halt(self._running)
         elif session is not None:
             self.take_over()
         else:
@@ -373,7 +373,7 @@ class Agent:
         return performance
 
     def _stop(self) -> None:
-        self._brake.forget()
+        self._monitor.forget()
         running = self._running
         if running is not None:
             running.stop()

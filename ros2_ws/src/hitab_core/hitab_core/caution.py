@@ -80,7 +80,7 @@ class Caution:
         return f"when it {', or '.join(fewer + farther)}: {self.when_unsure}"
 
 
-class Brake:
+class CautionMonitor:
     """Judges whether an agent's next decision is sure, and halts what it performs meanwhile.
 
     Attributes:

@@ -13,7 +13,7 @@ from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean, quantity
-from hitab_ros.absence import STOPPED
+from hitab_ros.fault_texts import STOPPED
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
