@@ -210,7 +210,7 @@ class AgentServices:
         elif session is not None:
             name, features = session.curriculum.name, session.curriculum.features
             examples, readable = session.examples, session.readable
-            response.done, response.undone = session.log.done, session.log.undone
+            response.done, response.undone = session.log.history.done, session.log.history.undone
         else:
             raise TrainingError(
                 _no_training(self._agent, "name a trained behavior: `hitab examples list {} NAME`")

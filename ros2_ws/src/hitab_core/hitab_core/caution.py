@@ -1,4 +1,4 @@
-"""What an agent does when it is unsure: goes on, halts, or hands back to the person.
+"""Caution: what an agent does when it is unsure; it goes on, halts, or hands back to the person.
 
 A decision is unsure if it rests on few examples, or if the situation is far from all examples of
 the state (`hitab_core.advice.confidence`). That is judged before the agent decides, for each level

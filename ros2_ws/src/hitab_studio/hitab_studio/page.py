@@ -63,6 +63,7 @@ class Page:
             f'<script>window.STUDIO_SESSION = "{session.id}";</script>'
             '<link rel="stylesheet" href="/studio/studio.css">'
             '<script type="module" src="/studio/studio.js"></script>'
+            '<script type="module" src="/studio/keys.js"></script>'
             '<script type="module" src="/studio/drafts.js"></script>'
             '<script type="module" src="/studio/field.js"></script>'
         )

@@ -1,4 +1,4 @@
-"""Which agents of a world are present, and which have answered in this round."""
+"""Lockstep: which agents of a world are present, and have answered the percepts of a round."""
 
 from __future__ import annotations
 
