@@ -28,7 +28,7 @@ CORE_FLOORS = (
     ("running",),
     ("drawing", "library"),
     ("training",),
-    ("caution", "repertoire_change"),
+    ("caution", "repertoire_change", "saving"),
     ("agent",),
     ("commanding", "learning_agent", "plain"),
 )

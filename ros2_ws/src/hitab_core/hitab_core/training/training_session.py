@@ -18,7 +18,7 @@ from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.exchange import exchanged
+from hitab_core.training.exchange import exchange
 from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
@@ -474,7 +474,7 @@ class TrainingSession:
             VocabularyError: if there is no such feature.
         """
         self._check_features(features)
-        edit = self._exchange(tuple(features))
+        edit = exchange(self.log, self.curriculum, features, self.readable)
         return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
@@ -488,7 +488,8 @@ class TrainingSession:
                 numbers, ago = record["numbers"], float(record["ago"])
                 return retiming(self.log, self.perception, numbers, ago, self.curriculum.features)
             case "features":
-                return self._exchange(tuple(map(Use.parse, record["features"])))
+                features = tuple(map(Use.parse, record["features"]))
+                return exchange(self.log, self.curriculum, features, self.readable)
         return prepared(self.log, record)
 
     def _check_features(self, features: Sequence[Use]) -> None:
@@ -502,16 +503,6 @@ class TrainingSession:
                 f"begins; begin again with it (`hitab train AGENT {self.curriculum.name} -f "
                 f'"{unread[0]}"`)'
             )
-
-    def _exchange(self, features: tuple[Use, ...]) -> Edit:
-        before = self.curriculum.features
-        after = exchanged(self.log.examples, before, features, self.readable, self.curriculum.name)
-        names = tuple(map(str, features))
-        return replace(
-            self.log.replacement(after, f"features {', '.join(names) or 'none'}"),
-            features=names,
-            features_before=tuple(map(str, before)),
-        )
 
     def _make(self, edit: Edit) -> None:
         """Make a prepared edit."""
