@@ -28,7 +28,7 @@ from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
+from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core import has
@@ -60,7 +60,7 @@ def trained(name: str) -> tuple[CommanderKind, BehaviorLibrary]:
     return kind, BehaviorLibrary(folder, commander_domain(kind))
 
 
-def hierarchy(swarm: str, names: Sequence[str]) -> InProcessHierarchy:
+def hierarchy(swarm: str, names: Sequence[str]) -> HierarchyPlayers:
     """Return foragers with these names, and the commanders of this kind of swarm."""
     library = BehaviorLibrary(shipped("libraries", "foraging"), DOMAIN)
     members = [Member(name, library, BEHAVIOR) for name in names]
@@ -79,7 +79,7 @@ def hierarchy(swarm: str, names: Sequence[str]) -> InProcessHierarchy:
             Commander(f"company_{i + 1}", kind, company_library, "CompanyForage", group)
             for i, group in enumerate(_in_fives(squads))
         ]
-    return InProcessHierarchy(members, commanders)
+    return HierarchyPlayers(members, commanders)
 
 
 def _in_fives(names: Sequence[str]) -> list[tuple[str, ...]]:

@@ -33,7 +33,7 @@ from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
+from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use
@@ -75,7 +75,7 @@ class ForagerTask(Task):
     def _taught(self) -> School:
         world = ForagingWorld(self.school_world, 1)
         known = library(DOMAIN, scratch())
-        hierarchy = InProcessHierarchy([Member(name, known) for name in world.agents])
+        hierarchy = HierarchyPlayers([Member(name, known) for name in world.agents])
         school = School(world, hierarchy, self.words, self.bindings)
         for lesson in self.lessons:
             school.play(lesson_file(lesson))
@@ -191,7 +191,7 @@ class Foraging(ForagerTask):
         world = ForagingWorld(replace(SCHOOL, noise=0.05), 1)
         known = library(replace(DOMAIN, automata=dict(self._robots)))
         own = library(self._captains, scratch())
-        hierarchy = InProcessHierarchy(
+        hierarchy = HierarchyPlayers(
             [Member(name, known) for name in world.agents],
             [Commander("squad", self._kind, own, "", world.agents)],
         )
@@ -243,7 +243,7 @@ class Foraging(ForagerTask):
             known = library(team.domain(DOMAIN))
             names = world.agents
             squads = {f"squad_{i + 1}": names[5 * i : 5 * i + 5] for i in range(len(names) // 5)}
-            hierarchy = InProcessHierarchy(
+            hierarchy = HierarchyPlayers(
                 [Member(name, known, "Forage") for name in names],
                 commanders(team, self._kind, "SquadForage", squads),
             )

@@ -55,7 +55,7 @@ PLAYED: dict[str, tuple[str, Callable[[int], World]]] = {
 
 
 @dataclass(frozen=True)
-class Asked:
+class AskedQuestion:
     """The questions about one state.
 
     Attributes:
@@ -128,7 +128,7 @@ def scales_and_units(automaton: Automaton, domain: Domain) -> tuple[list[Scale],
 
 def asked(
     library: str, automaton: Automaton, domain: Domain, classifier: str, readings: Readings
-) -> Iterator[Asked]:
+) -> Iterator[AskedQuestion]:
     """Yield the questions about each state of an automaton."""
     scales, units = scales_and_units(automaton, domain)
     names = [str(use) for use in automaton.features]
@@ -159,7 +159,7 @@ def asked(
         after = given.learn()
         assert after is not None
         share = float(np.mean(after.predict(complete) == wanted))
-        yield Asked(library, automaton.name, state, tuple(texts), before, share)
+        yield AskedQuestion(library, automaton.name, state, tuple(texts), before, share)
 
 
 def main(
@@ -172,7 +172,7 @@ def main(
 ) -> None:
     """Count the questions that the shipped lessons leave open."""
     classifier = NO_TIE_RULE if no_tie_rule else "tree"
-    found: list[Asked] = []
+    found: list[AskedQuestion] = []
     folders = [f for parent in shipped_folders("libraries") for f in parent.iterdir()]
     for folder in sorted(folders, key=lambda folder: folder.name):
         opened = open_library(folder)

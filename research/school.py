@@ -36,7 +36,7 @@ from hitab_client.lessons.lesson import (
     Until,
 )
 from hitab_client.world_view import WorldView, speakers
-from hitab_commander.inprocess import InProcessHierarchy
+from hitab_commander.hierarchy_players import HierarchyPlayers
 from hitab_core import START, Agent, Automaton, HitabError, Use
 from hitab_core.running import RunningAutomaton
 from hitab_core.running.senses import value_or_nan
@@ -73,7 +73,7 @@ class School:
     """
 
     world: World
-    hierarchy: InProcessHierarchy
+    hierarchy: HierarchyPlayers
     words: Sequence[Use]
     bindings: Mapping[str, str] = field(default_factory=dict)
     commands: dict[str, list[Shown]] = field(default_factory=dict)

@@ -29,7 +29,7 @@ from tasks import (
 
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
+from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, parse_kind, read_kind
 from hitab_core import Automaton, Domain, Repertoire, Use
@@ -70,7 +70,7 @@ class Keepaway(Task):
         world = KeepawayWorld(PAPER, 1)
         known = library(DOMAIN, scratch())
         school = School(
-            world, InProcessHierarchy([Member(name, known) for name in world.agents]), self.words
+            world, HierarchyPlayers([Member(name, known) for name in world.agents]), self.words
         )
         for lesson in LESSONS:
             school.play(lesson_file(lesson))
@@ -197,7 +197,7 @@ class CaptainTask(Task):
     def _taught(self) -> School:
         world = KeepawayWorld(PAPER, 1)
         known, own = library(DOMAIN, scratch()), library(self.domain, scratch())
-        hierarchy = InProcessHierarchy(
+        hierarchy = HierarchyPlayers(
             [Member(name, known) for name in world.agents],
             [Commander("captain", self.kind, own, "", world.agents)],
         )
@@ -251,10 +251,10 @@ class CaptainTask(Task):
     def _world(self, seed: int) -> KeepawayWorld:
         return KeepawayWorld(PAPER, seed)
 
-    def _hierarchy(self, team: Team, world: KeepawayWorld) -> InProcessHierarchy:
+    def _hierarchy(self, team: Team, world: KeepawayWorld) -> HierarchyPlayers:
         known = library(team.domain(DOMAIN))
         first = "" if team.captain else "Keepaway"
-        return InProcessHierarchy(
+        return HierarchyPlayers(
             [Member(name, known, first) for name in world.agents],
             commanders(team, self.kind, self.behavior, {"captain": world.agents}),
         )

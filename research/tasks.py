@@ -23,7 +23,7 @@ from takeovers import Takeovers
 
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander
+from hitab_commander.hierarchy_players import Commander
 from hitab_commander.kind import CommanderKind
 from hitab_core import (
     START,

@@ -24,7 +24,7 @@ from hitab_bringup import read_swarm, temporary_swarm
 from hitab_client import RosLink
 from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
+from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
 from hitab_core import START, Automaton, Domain, HandWritten, HitabError
 from hitab_robots import Mount
 from hitab_ros.stamps import seconds_of
@@ -132,7 +132,7 @@ def captain_rule() -> Automaton:
     )
 
 
-def hierarchy(which: str) -> InProcessHierarchy:
+def hierarchy(which: str) -> HierarchyPlayers:
     """Return the robots and their captain, who begin their duty.
 
     Args:
@@ -150,8 +150,8 @@ def hierarchy(which: str) -> InProcessHierarchy:
             for name, domain in (("robot", DOMAIN), ("captain", captains))
         )
     if which == "alone":
-        return InProcessHierarchy([Member(name, robots, "Patrol") for name in ROBOTS], (), STEP)
-    return InProcessHierarchy(
+        return HierarchyPlayers([Member(name, robots, "Patrol") for name in ROBOTS], (), STEP)
+    return HierarchyPlayers(
         [Member(name, robots) for name in ROBOTS],
         [Commander("captain", kind, own, DUTY, ROBOTS)],
         STEP,

@@ -19,7 +19,7 @@ FLOORS = (
 
 CORE_FLOORS = (
     ("arrays", "errors", "example", "hierarchy", "seeding", "wording"),
-    ("example_codec", "transition_function", "use", "vocabulary"),
+    ("default_example", "example_codec", "transition_function", "use", "vocabulary"),
     ("automaton",),
     ("domain",),
     ("action_behavior", "repertoire"),
@@ -28,7 +28,7 @@ CORE_FLOORS = (
     ("running",),
     ("drawing", "library"),
     ("training",),
-    ("caution", "repertoire_change"),
+    ("caution", "repertoire_change", "saving"),
     ("agent",),
     ("commanding", "learning_agent", "plain"),
 )

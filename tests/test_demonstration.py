@@ -354,9 +354,9 @@ def test_contradicting_commands_end_in_a_question_that_is_answered_once(begun, h
     told = json.loads(hitab("questions", ONE, "--json", "-").stdout)["questions"]
     assert [(q["kind"], q["proposed"]) for q in told] == [("contradiction", "GoSlow")]
     number = str(told[0]["number"])
-    assert hitab("answer", ONE, number, "Stop").returncode == 0
+    assert hitab("questions", ONE, "--answer", number, "--choice", "Stop").returncode == 0
     assert {e.next_state for e in agents.list_examples(ONE).examples} == {"GoFast", "Stop"}
-    again = hitab("answer", ONE, number)
+    again = hitab("questions", ONE, "--answer", number)
     assert again.returncode == 1
     assert f"question {number} is no longer open" in again.stderr
     assert begun.link.spin_until(lambda: not agents.statuses[ONE].questions, 5)
@@ -371,18 +371,22 @@ def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
     assert "features: DirectionTo(ball)" in shown.stdout, shown.stderr
     assert agents.behavior(ONE).features == before.features, "only shown"
     assert hitab("examples", "features", ONE, "-f", "DirectionTo(ball)").returncode == 0
-    under_way = json.loads(hitab("report", "--json", "-").stdout)["trainings"]
-    assert (ONE, "Near", False) in [(t["agent"], t["automaton"], t["finished"]) for t in under_way]
+    under_way = json.loads(hitab("examples", ONE, "--cost", "--json", "-").stdout)["trainings"]
+    assert [(t["automaton"], t["finished"]) for t in under_way][-1] == ("Near", False)
     agents.save(ONE, name="Turned")
-    assert hitab("retrain", ONE, "Turned", "-f", "DistanceTo(ball)").returncode == 0
+    resumed = hitab("train", ONE, "Turned", "--resume", "-f", "DistanceTo(ball)")
+    assert resumed.returncode == 0, resumed.stderr
+    agents.save(ONE)
     assert agents.behavior(ONE, "Turned").features == before.features
-    told = json.loads(hitab("report", ONE, "Turned", "--json", "-").stdout)["trainings"]
+    told = json.loads(hitab("examples", ONE, "Turned", "--cost", "--json", "-").stdout)[
+        "trainings"
+    ]
     assert [(t["commands"], t["examples"], t["structures"]) for t in told] == [
         (2, 4, 2),
         (0, 4, 1),
     ]
     assert told[0]["simulated_seconds"] == pytest.approx(2.0, abs=0.2)
-    refused = hitab("retrain", ONE, "Turned", "-f", "Lucky")
+    refused = hitab("train", ONE, "Turned", "--resume", "-f", "Lucky")
     assert refused.returncode == 1
     assert 'unknown feature "Lucky"' in refused.stderr
     told = re.search(r"last refusal at (\d\d:\d\d:\d\d): ", hitab("status").stdout)
@@ -397,8 +401,9 @@ def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
 def test_an_agent_that_is_unsure_halts_says_why_and_goes_on_when_it_is_sure(begun, hitab):
     agents, world = begun.agents, begun.world
     teach_to_stop(begun)
-    agents.set_mode(ONE, "testing", restart=True)
-    assert hitab("caution", ONE, "halt", "--distance", "1.5").returncode == 0
+    cautious = ("--when-unsure", "halt", "--distance", "1.5")
+    told = hitab("test", ONE, "--restart", *cautious)
+    assert "when it is farther than 1.5 from any example: halt" in told.stdout, told.stderr
     put(begun, 8.0)
     world.step(2)
     assert not agents.statuses[ONE].unsure
@@ -410,6 +415,6 @@ def test_an_agent_that_is_unsure_halts_says_why_and_goes_on_when_it_is_sure(begu
     put(begun, 8.0)
     world.step(2)
     assert begun.link.spin_until(lambda: not agents.statuses[ONE].unsure, 10)
-    refused = hitab("caution", ONE, "halt")
+    refused = hitab("test", ONE, "--when-unsure", "halt")
     assert "needs to know when an agent is unsure" in refused.stderr
-    assert hitab("caution", ONE, "go_on").returncode == 0
+    assert hitab("test", ONE, "--when-unsure", "go_on").returncode == 0

@@ -25,7 +25,7 @@ from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_ros import EmergencySwitch
-from hitab_ros.absence import STOPPED
+from hitab_ros.fault_texts import STOPPED
 
 SECONDS = 60.0
 LOG_MAX = 300_000  # bytes of one process

@@ -20,7 +20,7 @@ from hitab_client.command_view import CommandView
 from hitab_client.run_processes import process_states
 from hitab_client.shipped import find_file, shipped
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
+from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -98,7 +98,7 @@ def played(running: RunningSwarm) -> Run:
     )
 
 
-def in_process(world: World, hierarchy: InProcessHierarchy) -> Run:
+def in_process(world: World, hierarchy: HierarchyPlayers) -> Run:
     results = play(world, hierarchy.players, EPISODES, between=hierarchy.confer)
     play(world, hierarchy.players, cycles_max=30, between=hierarchy.confer)
     return Run(
@@ -137,7 +137,7 @@ def foragers_in_process() -> Run:
     names = [squad.name for squad in squads]
     company = commander("company", "foraging_company", "CompanyForage", names)
     members = [Member(name, library) for name in world.agents]
-    return in_process(world, InProcessHierarchy(members, [*squads, company]))
+    return in_process(world, HierarchyPlayers(members, [*squads, company]))
 
 
 @pytest.mark.parametrize("where", [pytest.param("processes", marks=pytest.mark.long), "hosts"])
@@ -154,7 +154,7 @@ def keepers_in_process() -> Run:
     library = BehaviorLibrary(folder, load_domain("keepaway"))
     captain = commander("captain", "captain", "Captain", world.agents)
     return in_process(
-        world, InProcessHierarchy([Member(name, library) for name in world.agents], [captain])
+        world, HierarchyPlayers([Member(name, library) for name in world.agents], [captain])
     )
 
 
@@ -197,7 +197,7 @@ def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
     world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
     folder = shipped("libraries", "keepaway_captained")
     library = BehaviorLibrary(folder, load_domain("keepaway"))
-    alone = InProcessHierarchy([Member(name, library, "Keepaway") for name in world.agents])
+    alone = HierarchyPlayers([Member(name, library, "Keepaway") for name in world.agents])
     assert in_process(world, alone) != keepers_in_process
 
 

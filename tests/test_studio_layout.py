@@ -14,10 +14,10 @@ from browsing import needs_browser
 from hitab_msgs.msg import AgentStatus, WorldStatus
 
 import hitab_studio
-from hitab_studio.finding import Choice, Target
 from hitab_studio.known import Known
 from hitab_studio.launching import startable_swarms
 from hitab_studio.studio import Studio
+from hitab_studio.swarm_finder import Choice, Target
 from hitab_studio.views import PANELS, render
 
 STYLE = Path(hitab_studio.__file__).parent / "static" / "studio.css"

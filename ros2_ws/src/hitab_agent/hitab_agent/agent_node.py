@@ -315,7 +315,7 @@ class AgentNode(GuardedNode):
                 action = NO_ACTION
         if self._sensed and not self.status.message.perceived:
             self.status.publish_soon()
-        if self.agent.unsure != self.status.message.unsure:
+        if self.agent.monitor.unsure != self.status.message.unsure:
             self.status.publish_soon()
             self.shared.diagnostics.soon()
         log = self.transition_log

@@ -102,8 +102,7 @@ class AgentServices:
         return [
             f'saving it will replace the "{name}" in the library, which has '
             f"{quantity(examples, 'example')}. To go on from these instead: "
-            f"`hitab train {agent} {name} --resume`; to only exchange its features: "
-            f"`hitab retrain {agent} {name} -f FEATURE`"
+            f"`hitab train {agent} {name} --resume`, with other features if -f names them"
         ]
 
     def _without_features(self, session: TrainingSession) -> list[str]:
@@ -211,7 +210,7 @@ class AgentServices:
         elif session is not None:
             name, features = session.curriculum.name, session.curriculum.features
             examples, readable = session.examples, session.readable
-            response.done, response.undone = session.log.done, session.log.undone
+            response.done, response.undone = session.log.history.done, session.log.history.undone
         else:
             raise TrainingError(
                 _no_training(self._agent, "name a trained behavior: `hitab examples list {} NAME`")
@@ -227,7 +226,9 @@ class AgentServices:
         name = request.automaton or agent.training
         if not name:
             raise TrainingError(
-                _no_training(agent, "name a trained behavior: `hitab report {} NAME`")
+                _no_training(
+                    agent, "name a trained behavior: `hitab examples list {} NAME --cost`"
+                )
             )
         costs = agent.journal.costs(name)
         if not costs and name == agent.training:

@@ -35,8 +35,8 @@ def diagnosis_of_agent(
         found.append((Level.WARN if key.startswith(MILD) else Level.ERROR, text))
     if status.refusal:
         found.append((Level.WARN, status.refusal))
-    if agent.unsure:
-        found.append((Level.WARN, f"unsure: {agent.unsure}"))
+    if agent.monitor.unsure:
+        found.append((Level.WARN, f"unsure: {agent.monitor.unsure}"))
     if status.notice:
         found.append((Level.WARN, status.notice))
     found += [(Level.WARN, text) for text in (*agent.faults, *agent.repertoire.vacancies)]

@@ -1,4 +1,4 @@
-"""Distributing an agent's behavior, with all its parts, to other agents.
+"""Distribution of an agent's behavior, with all its parts, to other agents.
 
 One message on a topic of the swarm reaches any number of receivers; each accepts all files or
 none and acknowledges on another topic. The agents of a process verify and read it once, see

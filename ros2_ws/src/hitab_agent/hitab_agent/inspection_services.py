@@ -7,7 +7,17 @@ from typing import Any
 from hitab_msgs import msg, srv
 
 from hitab_agent.guarded_tick import failing
-from hitab_core import FLAGS, Agent, Automaton, BasicBehavior, Domain, TrainingError, Use, quantity
+from hitab_core import (
+    FLAGS,
+    Agent,
+    Automaton,
+    BasicBehavior,
+    Domain,
+    TrainingError,
+    Use,
+    quantity,
+    to_be_saved,
+)
 from hitab_core.library import difference, scale_of
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import example_message, feature_message
@@ -73,8 +83,8 @@ class InspectionServices:
                     f"bind_to {len(request.bind_to)}"
                 )
             bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
-            automaton, answer.trimmed = self._agent.preview_save(
-                bindings=bindings, keep_unused=request.keep_unused
+            automaton, answer.trimmed = to_be_saved(
+                session, bindings=bindings, keep_unused=request.keep_unused
             )
             answer.arguments = []
             _fill_in(answer, automaton, self._agent.domain)

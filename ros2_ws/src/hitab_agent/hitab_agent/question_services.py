@@ -90,7 +90,7 @@ class QuestionServices:
         question = session.answer(request.number, request.choice, dismiss=request.dismiss)
         if request.dismiss:
             return f"question {question.number} is not asked again"
-        done = session.log.done[-1] if session.log.done else "nothing"
+        done = session.log.history.done[-1] if session.log.history.done else "nothing"
         return f"question {question.number}: {done}"
 
 

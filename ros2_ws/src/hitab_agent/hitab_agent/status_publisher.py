@@ -146,10 +146,10 @@ class StatusPublisher:
         status.examples = len(session.log) if session else 0
         status.default_examples = session.log.defaults if session else 0
         status.questions = session.asked.count(session.log) if session else 0
-        status.unsure = agent.unsure
-        status.when_unsure = agent.caution.when_unsure.value
-        status.unsure_support = agent.caution.support
-        status.unsure_distance = agent.caution.distance
+        status.unsure = agent.monitor.unsure
+        status.when_unsure = agent.monitor.caution.when_unsure.value
+        status.unsure_support = agent.monitor.caution.support
+        status.unsure_distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
         status.perceived = agent.context.senses.perceived
         status.library_digest = agent.library_digest

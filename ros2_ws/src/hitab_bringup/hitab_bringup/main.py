@@ -33,7 +33,6 @@ from hitab_bringup.verbs import (
     questions,
     reaction,
     recording,
-    report,
     status,
     swarm,
     training,
@@ -138,7 +137,6 @@ def make_app() -> typer.Typer:
         questions,
         bootstrap,
         reaction,
-        report,
     ):
         verbs.register(app)
     app.add_typer(world.app, name="world", rich_help_panel="Swarm")

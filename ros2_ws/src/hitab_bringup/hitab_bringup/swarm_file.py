@@ -1,4 +1,4 @@
-"""Reads swarm descriptions from their YAML files; see `hitab_bringup.swarm_description`."""
+"""Reads a swarm file: YAML that describes a swarm; see `hitab_bringup.swarm_description`."""
 
 from __future__ import annotations
 

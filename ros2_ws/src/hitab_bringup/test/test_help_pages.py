@@ -32,6 +32,12 @@ def examples_of(callback):
     return re.findall(r"(?m)^  (hitab .*)$", told)
 
 
+def test_the_help_lists_at_most_forty_verbs_and_a_group_is_one():
+    app = make_app()
+    alone = [c for c in app.registered_commands if not c.hidden]
+    assert len(alone) + len(app.registered_groups) <= 40
+
+
 @pytest.mark.parametrize("path", sorted(ALL), ids=" ".join)
 def test_no_line_of_a_paragraph_ends_early(path):
     lines = description_in(help_of(*path))

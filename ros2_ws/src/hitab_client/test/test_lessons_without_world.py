@@ -8,9 +8,9 @@ import pytest
 from hitab_msgs.msg import Reading
 
 from hitab_client.errors import LessonError
+from hitab_client.lessons.condition_watch import ConditionWatch
 from hitab_client.lessons.lesson_file import parse_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
-from hitab_client.lessons.watching import Watch
 
 LESSON = """\
 lesson: Wander
@@ -42,4 +42,4 @@ def test_a_flag_is_read_as_the_automaton_sees_it(automata, values, expected):
     readings = [Reading(automaton=a, feature="Done", value=value) for a, value in read]
     answer = SimpleNamespace(readings=readings)
     swarm = SimpleNamespace(statuses={"robot_1": None}, ask=lambda *_, **__: answer)
-    assert Watch(swarm)._reading("robot_1", "Done") == expected
+    assert ConditionWatch(swarm)._reading("robot_1", "Done") == expected

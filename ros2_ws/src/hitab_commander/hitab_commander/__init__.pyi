@@ -1,5 +1,5 @@
 from . import commander_domain as commander_domain
-from . import inprocess as inprocess
+from . import hierarchy_players as hierarchy_players
 from .kind import CommanderKind as CommanderKind
 from .kind import OrderMap as OrderMap
 from .kind_reader import KIND_FILE as KIND_FILE

@@ -15,7 +15,6 @@ from .automaton import START as START
 from .automaton import Automaton as Automaton
 from .caution import Caution as Caution
 from .caution import WhenUnsure as WhenUnsure
-from .caution import caution_in_words as caution_in_words
 from .domain import ENTRY_POINT_GROUP as ENTRY_POINT_GROUP
 from .domain import BasicBehavior as BasicBehavior
 from .domain import BatchPercepts as BatchPercepts
@@ -43,6 +42,7 @@ from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
 from .plain import plain_domain as plain_domain
 from .repertoire import Repertoire as Repertoire
+from .saving import to_be_saved as to_be_saved
 from .seeding import agent_seed as agent_seed
 from .seeding import world_seed as world_seed
 from .training.training_session import Request as Request

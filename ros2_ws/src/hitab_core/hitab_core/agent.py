@@ -9,13 +9,11 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import NamedTuple
 
-from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.caution import Brake, Caution, WhenUnsure
+from hitab_core.automaton import FLAGS
+from hitab_core.caution import Caution, CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
     FolderInUseError,
@@ -25,14 +23,12 @@ from hitab_core.errors import (
     VocabularyError,
 )
 from hitab_core.example import Example
-from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
-from hitab_core.library.change import LibraryChange, refused_name
+from hitab_core.library.change import refused_name
 from hitab_core.library.contents import Losses
 from hitab_core.library.edition import Edition
 from hitab_core.library.provenance import Provenance
-from hitab_core.library.trimming import check_bound, rebind, trim
 from hitab_core.repertoire import Repertoire
 from hitab_core.repertoire_change import (
     Prepared,
@@ -45,6 +41,7 @@ from hitab_core.running.live_features import Reading, live_features
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
 from hitab_core.running.senses import Senses
+from hitab_core.saving import Saved, edition_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.moments import KEPT_SECONDS
@@ -64,22 +61,6 @@ class Mode(StrEnum):
     TESTING = "testing"
 
 
-class Saved(NamedTuple):
-    """A training that was saved.
-
-    Attributes:
-        automaton: that was learned.
-        path: of its file.
-        notes: on what was trimmed or stopped.
-        replaced: the number of its version and what that replaces, in words; empty if nothing.
-    """
-
-    automaton: Automaton
-    path: Path
-    notes: list[str]
-    replaced: str
-
-
 class Agent:
     """An agent: a body, a repertoire and, at any time, one top-level behavior or one training.
 
@@ -87,6 +68,7 @@ class Agent:
     journal folder, across restarts of the process.
 
     Attributes:
+        monitor: what it does when it is unsure, and why it is unsure of its next decision.
         awaited: what it begins to perform once that is no longer lost, unless something else is
             asked of it before; None: nothing.
     """
@@ -120,7 +102,7 @@ class Agent:
         self.awaited: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
         self._latest_saved = ""
-        self._brake = Brake()
+        self.monitor = CautionMonitor()
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
         self.edition = _first_edition(library)
@@ -267,7 +249,7 @@ class Agent:
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        if self._brake.is_on and not self._dares():
+        if self.monitor.is_on and not self._dares():
             return
         if self.mode is Mode.PERFORMING:
             if self._performance is not None:
@@ -275,22 +257,12 @@ class Agent:
         elif self.mode is not Mode.IDLE and self.session is not None:
             self.session.tick()
 
-    @property
-    def caution(self) -> Caution:
-        """What it does when it is unsure."""
-        return self._brake.caution
-
-    @property
-    def unsure(self) -> str:
-        """Why it is unsure of its next decision; empty if it is sure, or goes on regardless."""
-        return self._brake.unsure
-
     def be_cautious(self, caution: Caution) -> None:
         """Do something else than go on when it is unsure, from now on.
 
         An agent of a host that decides in a batch begins its behavior anew, alone.
         """
-        self._brake.set(caution)
+        self.monitor.set(caution)
         performance = self._performance
         in_batch = performance is not None and not isinstance(performance, RunningAutomaton)
         if self.mode is Mode.PERFORMING and self.top is not None and in_batch:
@@ -303,11 +275,11 @@ class Agent:
             return True
         session = self.session if self.mode is Mode.TESTING else None
         trained = () if session is None else session.examples
-        if self._brake.is_sure(self._running, self._context, trained):
-            self._brake.release()
+        if self.monitor.is_sure(self._running, self._context, trained):
+            self.monitor.release()
             return True
-        if self.caution.when_unsure is WhenUnsure.HALT:
-            self._brake.halt(self._running)
+        if self.monitor.caution.when_unsure is WhenUnsure.HALT:
+            self.monitor.halt(self._running)
         elif session is not None:
             self.take_over()
         else:
@@ -373,7 +345,7 @@ class Agent:
         return performance
 
     def _stop(self) -> None:
-        self._brake.forget()
+        self.monitor.forget()
         running = self._running
         if running is not None:
             running.stop()
@@ -520,13 +492,15 @@ class Agent:
         session = self._session(to_save=True)
         curriculum = session.curriculum
         self.repertoire.check_name(name or curriculum.name)
-        automaton, notes = self.preview_save(name, bindings, description, keep_unused=keep_unused)
+        automaton, notes = to_be_saved(
+            session, name, bindings, description, keep_unused=keep_unused
+        )
         then = self.top if self.mode is Mode.PERFORMING else None
         if self.mode is Mode.TESTING and automaton.parameters == curriculum.parameters:
             then = Use(automaton.name, curriculum.arguments)
         with self.library.change() as change:
             saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
-            edition = self._edition_with(saved, change)
+            edition = edition_with(saved, change, self.library, self.edition)
             try:
                 state = prepare(self._context, edition, then, None)
             except VocabularyError as error:
@@ -540,45 +514,6 @@ class Agent:
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
         return Saved(saved.automaton, self.library.path(saved.name), notes, replaced)
-
-    def _edition_with(self, saved: BehaviorFile, change: LibraryChange) -> Edition:
-        losses = self.edition.losses
-        try:
-            if losses and change.problems.keys() <= losses.reasons.keys():
-                return change.edition()  # what was lost may be usable again
-            # Other agents' additions to a shared library are picked up on reload.
-            return self.library.editions.of({**self.edition.files, saved.name: saved}, losses)
-        except VocabularyError as error:
-            raise VocabularyError(
-                f'"{saved.name}" cannot be saved: {error}; save it under another name, or '
-                "first retrain what uses it"
-            ) from None
-
-    def preview_save(
-        self,
-        name: str = "",
-        bindings: Mapping[str, str] | None = None,
-        description: str = "",
-        *,
-        keep_unused: bool = False,
-    ) -> tuple[Automaton, list[str]]:
-        """Return what `save` would add to the library and what it would trim; change nothing.
-
-        Raises:
-            TrainingError: if there is no training, or no example leaves Start.
-            VocabularyError: if something would remain unbound.
-        """
-        session = self._session(to_save=True)
-        classifier = session.curriculum.classifier
-        learned = session.automaton("saved")
-        if name or description:
-            learned = replace(learned, name=name or learned.name, description=description)
-        if bindings:
-            learned = rebind(learned, bindings, self.repertoire, classifier=classifier)
-        if keep_unused:
-            check_bound(learned, self.domain)
-            return learned, []
-        return trim(learned, self.repertoire, classifier=classifier)
 
     def discard(self) -> None:
         """Give up the training under way and perform nothing.

@@ -1,4 +1,4 @@
-"""What an agent does when it is unsure: goes on, halts, or hands back to the person.
+"""Caution: what an agent does when it is unsure; it goes on, halts, or hands back to the person.
 
 A decision is unsure if it rests on few examples, or if the situation is far from all examples of
 the state (`hitab_core.advice.confidence`). That is judged before the agent decides, for each level
@@ -62,30 +62,25 @@ class Caution:
             raise TrainingError(
                 f'"{when_unsure}" needs to know when an agent is unsure: with fewer examples than '
                 "--support, or farther than --distance from any, such as "
-                f"`hitab caution AGENT {when_unsure} --distance 3`"
+                f"`hitab test AGENT --when-unsure {when_unsure} --distance 3`"
             )
         return cls(WhenUnsure(when_unsure), support, distance)
 
     def __str__(self) -> str:
-        """Return it in words, such as ``when it is farther than 3 from any example: halt``."""
-        return caution_in_words(self.when_unsure.value, self.support, self.distance)
+        """Return it in words.
+
+        Examples:
+            >>> str(Caution(WhenUnsure.HALT, 2, 3))
+            'when it has fewer than 2 examples, or is farther than 3 from any example: halt'
+        """
+        if self.when_unsure is WhenUnsure.GO_ON:
+            return "when it is unsure: go_on"
+        fewer = [f"has fewer than {self.support:g} examples"] if self.support else []
+        farther = [f"is farther than {self.distance:g} from any example"] if self.distance else []
+        return f"when it {', or '.join(fewer + farther)}: {self.when_unsure}"
 
 
-def caution_in_words(when_unsure: str, support: float, distance: float) -> str:
-    """Return what an agent does when it is unsure, and when that is.
-
-    Examples:
-        >>> caution_in_words("halt", 2, 3)
-        'when it has fewer than 2 examples, or is farther than 3 from any example: halt'
-    """
-    if when_unsure == WhenUnsure.GO_ON:
-        return "when it is unsure: go_on"
-    fewer = [f"has fewer than {support:g} examples"] if support else []
-    farther = [f"is farther than {distance:g} from any example"] if distance else []
-    return f"when it {', or '.join(fewer + farther)}: {when_unsure}"
-
-
-class Brake:
+class CautionMonitor:
     """Judges whether an agent's next decision is sure, and halts what it performs meanwhile.
 
     Attributes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -74,25 +74,6 @@ class Example:
     def with_columns(self, columns: Iterable[int]) -> Example:
         """Return it with only the values at these indices."""
         return replace(self, features=tuple(self.features[i] for i in columns))
-
-
-def superseding(examples: Sequence[Example]) -> list[Example]:
-    """Return examples with each default one marked that a command contradicts.
-
-    A command outranks what was only assumed: a default example says to stay in a state, an
-    ordinary one with the same values to leave it. Without the mark, the two would make a coin toss
-    of each decision there.
-    """
-    left = {example.place for example in examples if example.leaves}
-    return [marked(example, example.place in left) for example in examples]
-
-
-def marked(example: Example, contradicted: bool) -> Example:
-    """Return an example; a default one as superseded if a command contradicts it."""
-    if not example.is_default:
-        return example
-    kind = ExampleKind.SUPERSEDED if contradicted else ExampleKind.DEFAULT
-    return example if example.kind is kind else replace(example, kind=kind)
 
 
 def contradictions(examples: Iterable[Example]) -> list[list[Example]]:

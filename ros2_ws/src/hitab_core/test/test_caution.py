@@ -21,23 +21,23 @@ def cart() -> LearningAgent:
 def test_without_caution_it_goes_on_wherever_it_is(cart: LearningAgent) -> None:
     assert cart.decide([3.0]) == "Right"
     assert cart.decide([900.0]) == "Left"
-    assert cart.agent.unsure == ""
+    assert cart.agent.monitor.unsure == ""
 
 
 def test_far_from_what_it_was_shown_it_halts_until_it_is_sure(cart: LearningAgent) -> None:
     cart.agent.be_cautious(Caution(WhenUnsure.HALT, distance=3.0))
     assert cart.decide([3.0]) == "Right"
     assert cart.decide([900.0]) == "Right", "it does not decide"
-    assert "from the nearest one" in cart.agent.unsure
+    assert "from the nearest one" in cart.agent.monitor.unsure
     assert cart.decide([6.0]) == "Left"
-    assert cart.agent.unsure == ""
+    assert cart.agent.monitor.unsure == ""
 
 
 def test_with_too_few_examples_it_hands_back_to_the_demonstrator(cart: LearningAgent) -> None:
     cart.agent.be_cautious(Caution(WhenUnsure.HAND_BACK, support=50))
     cart.step([3.0])
     assert cart.agent.mode == "training"
-    assert "rests on" in cart.agent.unsure
+    assert "rests on" in cart.agent.monitor.unsure
     cart.step([3.0], "Left")
     assert len(cart.examples) == 10
 
@@ -53,7 +53,7 @@ def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
     cart.agent.sense([900.0], [], 9)
     cart.agent.tick()
     assert cart.agent.mode == "idle"
-    assert cart.agent.unsure
+    assert cart.agent.monitor.unsure
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
         ("stop", 1.0, 1.0, 'unknown caution "stop"'),
         ("halt", -1.0, 0.0, "--support must be a number of at least 0, not -1"),
         ("halt", 0.0, float("nan"), "at least 0"),
-        ("halt", 0.0, 0.0, "`hitab caution AGENT halt --distance 3`"),
+        ("halt", 0.0, 0.0, "`hitab test AGENT --when-unsure halt --distance 3`"),
     ],
 )
 def test_a_caution_that_means_nothing_is_refused(when, support, distance, why) -> None:

@@ -25,6 +25,7 @@ from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.check import misfits
 from hitab_core.repertoire import Repertoire
+from hitab_core.saving import to_be_saved
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -232,7 +233,7 @@ def test_one_save_learns_from_the_same_examples_once(tmp_path: Path, fits: list[
     agent = Agent("ann", DOMAIN, library, tmp_path)
     taught(agent, 0.125)
     agent.test()
-    agent.preview_save()
+    to_be_saved(agent.session)
     agent.save()
     agent.reload()
     assert fits

@@ -12,6 +12,7 @@ from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.errors import FeatureValueError, NoValueError, TrainingError
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.saving import to_be_saved
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -122,6 +123,6 @@ def test_a_training_without_examples_cannot_be_saved(agent: Agent) -> None:
     with pytest.raises(TrainingError, match=f'"New" cannot be saved: {missing}'):
         agent.save()
     with pytest.raises(TrainingError, match=f'"New" cannot be saved: {missing}'):
-        agent.preview_save()
+        to_be_saved(agent.session)
     with pytest.raises(TrainingError, match=f'"New" cannot be tested: {missing}'):
         agent.test()

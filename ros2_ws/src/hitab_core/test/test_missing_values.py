@@ -16,9 +16,8 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.learning.boundaries import on_circle
-from hitab_core.learning.feature_encoding import FeatureEncoding
 from hitab_core.learning.gain_ratio import gain_and_ratio, two_way_gains
-from hitab_core.learning.transition_learning import learner, takes_missing
+from hitab_core.learning.transition_learning import learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_growth import LEAST_FRACTION
 from hitab_core.learning.tree_nodes import Leaf, ThresholdNode, nodes
@@ -254,37 +253,16 @@ def test_an_explanation_says_which_value_was_missing() -> None:
     assert past.distribution == {"A": 0.25, "B": 0.25, "C": 0.5}
 
 
-# Classifiers in place of the tree ---------------------------------------------------------------
+# A classifier in place of the tree --------------------------------------------------------------
 
 
-def test_a_classifier_that_takes_nan_learns_and_decides_without_a_value() -> None:
-    spec = "sklearn.tree.DecisionTreeClassifier"
-    assert takes_missing(spec)
-    rows = [[1.0, NAN], [2.0, 0.0], [8.0, NAN], [9.0, 0.0]]
-    function: Any = learn_transition(spec, [CONTINUOUS] * 2, rows, [*"AABB"])
-    decide = function.compile([0, 1], STATES, most_probable=True)
-    assert [decide([None] * 2, reading(row), None) for row in rows] == [1, 1, 2, 2]
-    assert function.retrace([8.0, float("nan")], "xy").distribution == {"B": 1.0}
-    assert function.explain([9.0, NAN], "xy").distribution == {"B": 1.0}
-
-
-def test_any_other_classifier_refuses_a_missing_value_with_a_way_out() -> None:
+def test_a_classifier_in_place_of_the_tree_refuses_a_missing_value_with_a_way_out() -> None:
     spec = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
-    assert not takes_missing(spec)
     with pytest.raises(FeatureValueError, match=r'takes no missing values; .*or use "tree"'):
         learn_transition(spec, [CONTINUOUS], [[NAN], [1.0]], [*"AB"])
     function = learn_transition(spec, [CONTINUOUS], [[0.0], [1.0]], [*"AB"])
     with pytest.raises(NoValueError):
         function.compile([0], STATES)([None], reading([NAN]), None)
-
-
-def test_what_is_missing_stays_so_in_an_encoding_and_does_not_move_it() -> None:
-    rows = np.array([[1.0, NAN, 1.0, 1.0], [NAN, NAN, NAN, NAN], [3.0, NAN, 0.0, 0.0]])
-    encoding = FeatureEncoding.of(rows, MIXED)
-    assert (encoding.means[0], encoding.deviations[:2]) == (2.0, (1.0, 1.0))
-    encoded = encoding(rows)
-    assert np.isnan(encoded[1]).all()
-    assert encoded[0].tolist()[-4:] == [0.0, 1.0, 0.0, 0.0]
 
 
 # An agent ---------------------------------------------------------------------------------------

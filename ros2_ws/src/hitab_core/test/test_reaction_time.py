@@ -186,7 +186,7 @@ def test_a_command_can_be_retimed_also_after_a_crash_and_that_undone(cart: Drive
     assert session is not None
     session.retime([4], 0.2)
     assert cart.examples()[2] == (3, "Right", 11.0, "Left", "demonstrated")
-    assert session.log.done[-1] == "example 4 due 0.2 s before its command"
+    assert session.log.history.done[-1] == "example 4 due 0.2 s before its command"
     with pytest.raises(TrainingError, match=r"is too long ago: .*; give a number from 0 to"):
         session.retime([3], 9.0)
 

@@ -422,7 +422,10 @@ def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: l
             assert told == model.examples
             assert trained.active == model.active
             log = trained.session.log
-            assert (len(log.done), len(log.undone)) == (len(model.past), len(model.future))
+            assert (len(log.history.done), len(log.history.undone)) == (
+                len(model.past),
+                len(model.future),
+            )
             assert log.defaults == sum(e[4] in ("default", "superseded") for e in model.examples)
             assert (trained.agent.mode is Mode.PERFORMING) == model.away
         trained.agent.journal.close()
@@ -438,22 +441,22 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     trained.session.undo()
     log = trained.session.log
     # All were commanded in one situation, where the next command outranks "keep doing this".
-    assert log.done == [
+    assert log.history.done == [
         "Start → Left, 2 examples",
         "Left → Right, 2 examples; superseded example 2",
     ]
-    assert log.undone == [
+    assert log.history.undone == [
         "Right → Beep, 1 example; superseded example 4",
         "deleted example 2",
         "changed examples 1, 3 to Stay",
     ]
     trained.crash()
     log = trained.session.log
-    assert (len(log.done), len(log.undone)) == (2, 3), "the journal keeps it"
+    assert (len(log.history.done), len(log.history.undone)) == (2, 3), "the journal keeps it"
     trained.session.redo()
-    assert trained.session.log.done[-1] == "Right → Beep, 1 example; superseded example 4"
+    assert trained.session.log.history.done[-1] == "Right → Beep, 1 example; superseded example 4"
     trained.command("Left")
-    assert trained.session.log.undone == []
+    assert trained.session.log.history.undone == []
 
 
 # What it costs ----------------------------------------------------------------------------------
@@ -470,7 +473,7 @@ def test_the_history_grows_with_what_was_done_and_not_with_its_square() -> None:
         for i in range(0, commands, 2):
             log.make(log.deletion([i + 1]))
         for _ in range(commands):
-            log.make(log.undoing())
+            log.make(log.history.undo())
         seen: dict[int, int] = {}
         waiting: list[Any] = [vars(log)]
         while waiting:

@@ -91,7 +91,7 @@ def _towards(wanted: float, now: float, gain: float, loss: float) -> float:
     return now + max(-step, min(step, wanted - now))
 
 
-class _Wish:
+class _Commanded:
     """The velocity that somebody wants, and when they last said so.
 
     Attributes:
@@ -129,7 +129,7 @@ class Gate:
         self._drive = drive
         self._timeout = timeout
         self._velocity = STILL
-        self._agent, self._person = _Wish(), _Wish()
+        self._agent, self._person = _Commanded(), _Commanded()
         self._before = now
         self.rest(now)
 
@@ -143,27 +143,27 @@ class Gate:
             now: s.
             by_hand: whether a person commands it, and not the agent.
         """
-        wish = self._person if by_hand else self._agent
-        wish.velocity = self._drive.clipped(velocity)
-        wish.since = now
+        commanded = self._person if by_hand else self._agent
+        commanded.velocity = self._drive.clipped(velocity)
+        commanded.since = now
         if is_velocity(velocity):
             return True
-        if wish is self._counting(now):
+        if commanded is self._counting(now):
             self._velocity = STILL
         return False
 
     def velocity(self, now: float) -> Velocity | None:
         """Return what to send to the base now; None: nothing, so that others can drive it."""
         seconds, self._before = now - self._before, now
-        wish = None if self.closed else self._counting(now)
-        self.silent = wish is None
-        if self.held or wish is None:
+        commanded = None if self.closed else self._counting(now)
+        self.silent = commanded is None
+        if self.held or commanded is None:
             moved = self._velocity != STILL
             self._velocity = self._agent.velocity = self._person.velocity = STILL
             if moved or (self.held and self.insists and not self.closed):
                 self.rest(now)
             return STILL if now <= self._rest_until else None
-        self._velocity = self._drive.towards(wish.velocity, self._velocity, seconds)
+        self._velocity = self._drive.towards(commanded.velocity, self._velocity, seconds)
         self.rest(now)
         return self._velocity
 
@@ -171,9 +171,9 @@ class Gate:
         """Send zeros for a while, whenever there is nothing else to send."""
         self._rest_until = now + REST_S
 
-    def _counting(self, now: float) -> _Wish | None:
+    def _counting(self, now: float) -> _Commanded | None:
         """Return whose command counts; None: nobody's."""
-        for wish in (self._person, self._agent):
-            if 0.0 <= now - wish.since <= self._timeout:
-                return wish
+        for commanded in (self._person, self._agent):
+            if 0.0 <= now - commanded.since <= self._timeout:
+                return commanded
         return None

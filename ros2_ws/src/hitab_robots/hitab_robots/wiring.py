@@ -11,7 +11,7 @@ from hitab_agent import AgentNode
 from hitab_core import some
 from hitab_robots.settings import COMMANDS, VELOCITY
 from hitab_robots.words import ValueOf
-from hitab_ros import absence, names
+from hitab_ros import fault_texts, names
 
 Reach = Mapping[str, float]
 """The farthest that a sensor has said it can measure, m, by its name."""
@@ -97,7 +97,7 @@ def unheard(node: Node, topic: str, message: str) -> str:
     # The name as remapped: the graph knows no other.
     types = {info.topic_type for info in node.get_publishers_info_by_topic(topic)}
     if message in types:
-        return absence.SILENT
+        return fault_texts.SILENT
     if types:
         return (
             f"published as {some(sorted(types))} and not as {message}; remap {topic} to the topic "
@@ -105,7 +105,7 @@ def unheard(node: Node, topic: str, message: str) -> str:
         )
     number = node.context.get_domain_id()
     return (
-        f"{absence.NOT_PUBLISHED} in ROS domain {number}; start the robot's driver there "
+        f"{fault_texts.NOT_PUBLISHED} in ROS domain {number}; start the robot's driver there "
         f"(ROS_DOMAIN_ID={number}), or remap the topic; let ROS_AUTOMATIC_DISCOVERY_RANGE reach "
         "the driver if it is on another computer"
     )

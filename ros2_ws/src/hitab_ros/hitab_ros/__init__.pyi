@@ -1,10 +1,10 @@
-from . import absence as absence
 from . import answering as answering
 from . import checks as checks
 from . import conversions as conversions
 from . import diagnostics as diagnostics
 from . import emergency_stop as emergency_stop
 from . import exit_codes as exit_codes
+from . import fault_texts as fault_texts
 from . import faults as faults
 from . import names as names
 from . import plain_text as plain_text
@@ -21,7 +21,6 @@ from .guard import Guard as Guard
 from .guarded_node import NO_TYPE_DESCRIPTIONS as NO_TYPE_DESCRIPTIONS
 from .guarded_node import GuardedNode as GuardedNode
 from .guarded_node import name_of as name_of
-from .name_guard import refuse_second_of_name as refuse_second_of_name
 from .patience import Patience as Patience
 from .receivers import Receivers as Receivers
 from .recent_requests import RecentRequests as RecentRequests
@@ -37,3 +36,4 @@ from .stop import stop_report as stop_report
 from .stop import why_stopped as why_stopped
 from .stop_machine import StopMachine as StopMachine
 from .stop_machine import StopState as StopState
+from .unique_name import refuse_second_of_name as refuse_second_of_name

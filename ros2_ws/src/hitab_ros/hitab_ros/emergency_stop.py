@@ -17,8 +17,8 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from hitab_ros import names, qos
-from hitab_ros.absence import STOPPED_BY
 from hitab_ros.checks import too_far_ahead
+from hitab_ros.fault_texts import STOPPED_BY
 from hitab_ros.stamps import as_time, nanoseconds
 
 

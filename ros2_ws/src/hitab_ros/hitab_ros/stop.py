@@ -9,8 +9,8 @@ from hitab_msgs import msg, srv
 from rclpy.node import Node
 
 from hitab_ros import names, qos
-from hitab_ros.absence import STOPPED, STOPPED_BY
 from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
+from hitab_ros.fault_texts import STOPPED, STOPPED_BY
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import StopMachine, StopState

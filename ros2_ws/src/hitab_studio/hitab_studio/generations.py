@@ -25,8 +25,8 @@ from hitab_client.bootstrapping import (
 )
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.finding import Target
 from hitab_studio.jobs import Connected
+from hitab_studio.swarm_finder import Target
 from hitab_studio.swarm_link import SwarmLink
 
 Step = Callable[[Bootstrapping], Generation]

@@ -15,12 +15,12 @@ from typing import Any
 from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import names
-from hitab_studio.finding import Target
+from hitab_studio.agent_watch import Watched
 from hitab_studio.learned import NOTHING
+from hitab_studio.remembered_scenes import ExampleScenes
 from hitab_studio.robots.state import Robots
 from hitab_studio.scene import SILENT, Scene, state_shown
-from hitab_studio.situations import Moments
-from hitab_studio.watching import Watched
+from hitab_studio.swarm_finder import Target
 
 JOINING_SECONDS = 15.0
 """Agents that were not heard yet may come as long as others do, and for this long afterwards."""
@@ -63,7 +63,7 @@ class Known:
     why: Mapping[str, Silence] = field(default_factory=lambda: NOTHING)
     groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
-    moments: Moments = field(default_factory=Moments)
+    moments: ExampleScenes = field(default_factory=ExampleScenes)
     elsewhere: tuple[str, ...] = ()
     emergency: Any = None
     recording: str = ""

@@ -15,18 +15,18 @@ from hitab_client import SignsOfLife, Stops, SwarmError
 from hitab_client.identity import BY_HAND, is_own
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
-from hitab_studio.finding import Choice
+from hitab_studio.agent_watch import AgentWatch
 from hitab_studio.jobs import Connected
 from hitab_studio.known import Known
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
+from hitab_studio.remembered_scenes import RememberedScenes
+from hitab_studio.robots.robot_watch import RobotWatch
 from hitab_studio.robots.state import Robots
 from hitab_studio.robots.topics import Options
-from hitab_studio.robots.watching import RobotWatch
 from hitab_studio.scene import scene_of
-from hitab_studio.situations import Situations
+from hitab_studio.swarm_finder import Choice
 from hitab_studio.viewing import CAMERA, MAP, Viewing
-from hitab_studio.watching import Watch
 
 ARM_S = 3.0
 """How long a robot may take to be found that is to act again, s."""
@@ -84,8 +84,8 @@ class Observer:
             identity=target.identity if target else "",
         )
         self._processes = Processes(target.folder if target else "")
-        self._situations = Situations()
-        self._watches: dict[str, Watch] = {}
+        self._remembered = RememberedScenes()
+        self._watches: dict[str, AgentWatch] = {}
         self._group_topics: set[str] = set()
         self._recorder: Recorder | None = None
         self._recording_page = ""
@@ -106,7 +106,7 @@ class Observer:
         self._shown = state
         self._signs.take_signs_of([names.WORLD])
         before, scene = self.known.scene, scene_of(state)
-        self._situations.see(scene)
+        self._remembered.see(scene)
         if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
             self._know(scene=scene)
         else:
@@ -131,7 +131,7 @@ class Observer:
         self._listen()
         wanted = {agent for agents in self._viewing.focus.values() for agent in agents}
         for agent in wanted & statuses.keys() - self._watches.keys():
-            self._watches[agent] = Watch(
+            self._watches[agent] = AgentWatch(
                 swarm.link,
                 agent,
                 partial(statuses.get, agent),
@@ -143,7 +143,7 @@ class Observer:
             self._watches.pop(agent).close()
         for agent, watch in self._watches.items():
             watch.look()
-            self._keep_situations(agent, watch)
+            self._keep_scenes(agent, watch)
         watched = {name: watch.known for name, watch in self._watches.items()}
         if watched.keys() != known.watched.keys():
             self._know(watched=MappingProxyType(watched))
@@ -171,20 +171,20 @@ class Observer:
 
     def _learns(self, agent: str) -> None:
         # At once: in a paused world the next placement is a moment of the same cycle.
-        self.with_watch(agent, partial(self._keep_situations, agent))
+        self.with_watch(agent, partial(self._keep_scenes, agent))
         watched = {name: watch.known for name, watch in self._watches.items()}
         self._know(watched=MappingProxyType(watched))
 
-    def _keep_situations(self, agent: str, watch: Watch) -> None:
+    def _keep_scenes(self, agent: str, watch: AgentWatch) -> None:
         training = watch.known.training
         if training is not None:
-            self._situations.keep(
+            self._remembered.keep(
                 agent, training.name, [(e.number, e.cycle) for e in training.examples]
             )
-            if self._situations.kept is not self.known.moments:
-                self._know(moments=self._situations.kept)
+            if self._remembered.kept is not self.known.moments:
+                self._know(moments=self._remembered.kept)
 
-    def with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:
+    def with_watch(self, agent: str, do: Callable[[AgentWatch], None]) -> None:
         """Do something with the watcher of an agent, if there is one."""
         if (watch := self._watches.get(agent)) is not None:
             do(watch)

@@ -11,7 +11,7 @@ from nicegui import Client, ui
 from nicegui.element import Element
 
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.actions import Wishes, is_urgent, perform
+from hitab_studio.actions import RequestQueue, is_urgent, perform
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.views import PANELS, render
@@ -52,7 +52,7 @@ class Page:
         self._client = client
         self._seen: tuple[int, int] = (-1, -1)
         self._count = 0
-        self._wishes = Wishes()
+        self._requests = RequestQueue()
         self._urgent: set[asyncio.Task[None]] = set()
         self._broken: dict[str, str] = {}
         self._build()
@@ -63,6 +63,7 @@ class Page:
             f'<script>window.STUDIO_SESSION = "{session.id}";</script>'
             '<link rel="stylesheet" href="/studio/studio.css">'
             '<script type="module" src="/studio/studio.js"></script>'
+            '<script type="module" src="/studio/keys.js"></script>'
             '<script type="module" src="/studio/drafts.js"></script>'
             '<script type="module" src="/studio/field.js"></script>'
         )
@@ -79,13 +80,13 @@ class Page:
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)
         self._performing = asyncio.create_task(self._perform())
-        self._client.on_delete(self._wishes.close)
-        session.leave = self._wishes.close
+        self._client.on_delete(self._requests.close)
+        session.leave = self._requests.close
 
     def _wish(self, data: Any) -> None:
         """Take a request: it waits for those before it, unless it is urgent."""
         if not is_urgent(data):
-            self._wishes.add(data)
+            self._requests.add(data)
             return
         task = asyncio.create_task(perform(self._session, data))
         self._urgent.add(task)
@@ -94,7 +95,7 @@ class Page:
     async def _perform(self) -> None:
         """Perform the person's actions; one in progress when the page goes is completed."""
         try:
-            await self._wishes.perform(self._session, self._refresh)
+            await self._requests.perform(self._session, self._refresh)
         finally:
             self._studio.close(self._session)
 

@@ -13,10 +13,10 @@ from fastapi.responses import FileResponse
 
 from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
-from hitab_studio.finding import Finder
-from hitab_studio.guard import Guard, is_loopback
+from hitab_studio.access import AccessControl, is_loopback
 from hitab_studio.launching import Startable
 from hitab_studio.robots.topics import Options
+from hitab_studio.swarm_finder import Finder
 
 TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"
@@ -108,7 +108,7 @@ def serve(
     logging.getLogger("nicegui").setLevel(logging.ERROR)
     studio = Studio(find, startable, find.choose, options)
     app.add_static_files("/studio", STATIC, max_cache_age=0)
-    app.add_middleware(Guard, host=address.host, token=address.token)
+    app.add_middleware(AccessControl, host=address.host, token=address.token)
 
     @app.websocket("/field")
     async def field(socket: WebSocket, session: str = "") -> None:

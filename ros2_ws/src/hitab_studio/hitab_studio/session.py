@@ -17,6 +17,7 @@ from hitab_core import Use, natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
+from hitab_studio.agent_watch import Watched
 from hitab_studio.generations import GenerationMaker
 from hitab_studio.jobs import Connected
 from hitab_studio.launching import Launcher, Startable
@@ -29,7 +30,6 @@ from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
 from hitab_studio.store import Store
 from hitab_studio.swarm_link import SwarmLink
-from hitab_studio.watching import Watched
 
 T = TypeVar("T")
 
@@ -40,7 +40,7 @@ REAL = "These are real robots: they cannot be paused, put elsewhere or set back.
 
 
 @dataclass
-class Asked:
+class TargetsAsked:
     """A behavior that was commanded and still needs targets, to be clicked in the field.
 
     Attributes:
@@ -127,7 +127,7 @@ class Session:
         self.filter = ""
         self.to_start = ""
         self.folds: dict[str, bool] = {}
-        self.asked: Asked | None = None
+        self.asked: TargetsAsked | None = None
         self.lost: Lost | None = None
         self.table = Table()
         self.dialog: dict[str, Any] = {}

@@ -12,13 +12,13 @@ import secrets
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from hitab_studio.finding import Target
 from hitab_studio.known import Known, Trouble
 from hitab_studio.launching import Startable
 from hitab_studio.mailbox import Mailbox
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import Scene, said_message
 from hitab_studio.session import Session, Shared
+from hitab_studio.swarm_finder import Target
 from hitab_studio.swarm_link import SwarmLink
 
 REPLAY_SECONDS = 0.1

@@ -24,13 +24,13 @@ from hitab_client import SwarmClient, SwarmError, WorldClient
 from hitab_client.identity import BY_HAND
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.finding import Target
+from hitab_studio.agent_watch import AgentWatch
 from hitab_studio.jobs import Connected, Job, Jobs, SharedLink
 from hitab_studio.known import Known, Trouble
 from hitab_studio.observer import Observer
 from hitab_studio.robots.topics import Options
+from hitab_studio.swarm_finder import Target
 from hitab_studio.viewing import Viewing
-from hitab_studio.watching import Watch
 
 T = TypeVar("T")
 
@@ -140,7 +140,7 @@ class SwarmLink:
 
     def refresh(self, agent: str) -> None:
         """Ask for the examples of an agent again."""
-        self._requests.put(lambda: self._with_watch(agent, Watch.refresh))
+        self._requests.put(lambda: self._with_watch(agent, AgentWatch.refresh))
 
     def choose(self, folder: str) -> None:
         """Show the swarm in this run folder from now on, for all pages."""
@@ -239,7 +239,7 @@ class SwarmLink:
             raise SwarmError(UNCONNECTED)
         return self._observer
 
-    def _with_watch(self, agent: str, do: Callable[[Watch], None]) -> None:
+    def _with_watch(self, agent: str, do: Callable[[AgentWatch], None]) -> None:
         if self._observer is not None:
             self._observer.with_watch(agent, do)
 

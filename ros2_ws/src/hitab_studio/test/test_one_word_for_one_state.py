@@ -15,10 +15,10 @@ from hitab_msgs.msg import AgentStatus, WorldStatus
 from hitab_client.run_processes import Silence
 from hitab_studio import processes
 from hitab_studio.actions import perform
-from hitab_studio.finding import Target
 from hitab_studio.known import JOINING_SECONDS, Known
 from hitab_studio.processes import Processes
 from hitab_studio.studio import Studio
+from hitab_studio.swarm_finder import Target
 from hitab_studio.views import render
 
 ONE, TWO = "keeper_1", "keeper_2"

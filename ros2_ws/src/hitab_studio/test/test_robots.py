@@ -19,7 +19,7 @@ from PIL import Image
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import CompressedImage, LaserScan
 
-from hitab_ros import absence
+from hitab_ros import fault_texts
 from hitab_studio.robots import messages
 from hitab_studio.robots.frames import Frames, applied, heading, in_plane
 from hitab_studio.robots.listening import SensorState
@@ -351,5 +351,5 @@ def test_each_sensor_says_how_old_it_is_or_how_it_is_absent(sensor, age):
 def test_an_absent_sensor_is_told_in_the_words_of_the_agents_status():
     silent = row(SensorState("/t", "Imu", 1, since=0.0, heard=90.0), 100.0)
     unpublished = row(SensorState("/t", "Imu", 0, since=0.0), 100.0)
-    assert silent.about.lower().startswith(absence.SILENT)
-    assert unpublished.about.lower().startswith(absence.NOT_PUBLISHED)
+    assert silent.about.lower().startswith(fault_texts.SILENT)
+    assert unpublished.about.lower().startswith(fault_texts.NOT_PUBLISHED)

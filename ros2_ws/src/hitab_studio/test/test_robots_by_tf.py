@@ -16,10 +16,10 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import LaserScan
 
-from hitab_studio.robots import watching
+from hitab_studio.robots import robot_watch
+from hitab_studio.robots.robot_watch import RobotWatch
 from hitab_studio.robots.state import Robots
 from hitab_studio.robots.topics import MAP, ODOMETRY, SCAN, Options
-from hitab_studio.robots.watching import RobotWatch
 
 
 class Node:
@@ -77,7 +77,7 @@ def tf2_msgs(monkeypatch):
     """Have tf installed, and let each look see what has just come."""
     monkeypatch.setitem(sys.modules, "tf2_msgs", SimpleNamespace())
     monkeypatch.setitem(sys.modules, "tf2_msgs.msg", SimpleNamespace(TFMessage=object))
-    monkeypatch.setattr(watching, "LOOK_SECONDS", 0.0)
+    monkeypatch.setattr(robot_watch, "LOOK_SECONDS", 0.0)
 
 
 def way(above: str, below: str, x: float, y: float, yaw: float) -> Any:

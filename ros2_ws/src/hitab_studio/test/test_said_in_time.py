@@ -15,15 +15,15 @@ from hitab_client.called_as import CALLED_AS
 from hitab_core import Example
 from hitab_core.example import ExampleKind
 from hitab_studio.actions import perform
-from hitab_studio.finding import Choice, Target
+from hitab_studio.agent_watch import Watched
 from hitab_studio.known import Known
 from hitab_studio.launching import Launch, Startable, unknown
 from hitab_studio.learned import Vocabulary
+from hitab_studio.remembered_scenes import RememberedScenes
 from hitab_studio.session import Session
-from hitab_studio.situations import Situations
 from hitab_studio.studio import Studio
+from hitab_studio.swarm_finder import Choice, Target
 from hitab_studio.views import render
-from hitab_studio.watching import Watched
 
 ONE = "keeper_1"
 UP = Target(0, "keepaway", (ONE,), 1, folder="/keepaway", world=True)
@@ -66,13 +66,13 @@ def scene(cycle: int, mode: str) -> Any:
 
 def test_a_command_that_was_given_while_the_world_stood_still_was_never_late():
     """The button was gray then, but not once the world ran; it failed with "from 0 to 0"."""
-    situations = Situations()
-    situations.see(scene(5, "running"))
-    situations.keep(ONE, "Chase", [(1, 5)])
-    situations.see(scene(9, "paused"))
-    situations.keep(ONE, "Chase", [(1, 5), (2, 9)])
-    situations.see(scene(30, "running"))
-    situations.keep(ONE, "Chase", [(1, 5), (2, 9)])
+    scenes = RememberedScenes()
+    scenes.see(scene(5, "running"))
+    scenes.keep(ONE, "Chase", [(1, 5)])
+    scenes.see(scene(9, "paused"))
+    scenes.keep(ONE, "Chase", [(1, 5), (2, 9)])
+    scenes.see(scene(30, "running"))
+    scenes.keep(ONE, "Chase", [(1, 5), (2, 9)])
 
     given = tuple(
         Example("Start", (), "Stop", ExampleKind.DEMONSTRATED, n, n, cycle)
@@ -80,7 +80,7 @@ def test_a_command_that_was_given_while_the_world_stood_still_was_never_late():
     )
     training = replace(SAVED, name="Chase", examples=given)
     status = AgentStatus(agent=ONE, mode="testing", behavior="Chase", examples=2)
-    known = replace(keeper(status, training=training), moments=situations.kept)
+    known = replace(keeper(status, training=training), moments=scenes.kept)
 
     async def use(session: Session) -> None:
         teach = render("side", session).partition('data-test="earlier"')[2]

@@ -15,7 +15,7 @@ import pytest
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording import bag_file
-from hitab_studio.actions import Wishes
+from hitab_studio.actions import RequestQueue
 from hitab_studio.actions.registry import ACTIONS
 from hitab_studio.store import Store
 from hitab_studio.studio import Studio
@@ -294,13 +294,13 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
     monkeypatch.setitem(ACTIONS, "second", second)
 
     async def run() -> None:
-        studio, wishes = Studio(lambda: None), Wishes()  # type: ignore[arg-type,return-value]
+        studio, requests = Studio(lambda: None), RequestQueue()  # type: ignore[arg-type,return-value]
         page = studio.open()
-        performing = asyncio.create_task(wishes.perform(page, lambda: None))
-        wishes.add({"do": "first"})
-        wishes.add({"do": "second"})
+        performing = asyncio.create_task(requests.perform(page, lambda: None))
+        requests.add({"do": "first"})
+        requests.add({"do": "second"})
         await begun.wait()
-        wishes.close()
+        requests.close()
         released.set()
         await asyncio.wait_for(performing, SECONDS)
         assert done == ["first"]
@@ -324,14 +324,14 @@ def asked_twice(monkeypatch: Any, name: str, *wanted: Any) -> list[Any]:
             await asyncio.sleep(0)
 
         monkeypatch.setitem(ACTIONS, name, do)
-        studio, wishes = Studio(lambda: None), Wishes()  # type: ignore[arg-type,return-value]
-        performing = asyncio.create_task(wishes.perform(studio.open(), lambda: None))
-        wishes.add(wanted[0])
+        studio, requests = Studio(lambda: None), RequestQueue()  # type: ignore[arg-type,return-value]
+        performing = asyncio.create_task(requests.perform(studio.open(), lambda: None))
+        requests.add(wanted[0])
         await begun.wait()
         for data in wanted[1:]:
-            wishes.add(data)
-        await until(lambda: not wishes.waiting, "all is done")
-        wishes.close()
+            requests.add(data)
+        await until(lambda: not requests.waiting, "all is done")
+        requests.close()
         await performing
 
     asyncio.run(run())
@@ -355,6 +355,6 @@ def test_a_step_is_done_as_often_as_it_is_clicked(monkeypatch):
 
 
 def test_what_is_no_wish_at_all_is_dropped(monkeypatch):
-    """A page may send anything over its socket: what performs its wishes must survive that."""
+    """A page may send anything over its socket: what performs its requests must survive that."""
     step = {"do": "step"}
     assert asked_twice(monkeypatch, "step", step, None, 7, ["do"], "step", step) == [step] * 2

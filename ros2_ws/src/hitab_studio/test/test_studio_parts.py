@@ -19,12 +19,12 @@ from hitab_client.recording import definition, type_name
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_studio.guard import Guard, is_loopback, new_token
+from hitab_studio.access import AccessControl, is_loopback, new_token
 from hitab_studio.known import Known
 from hitab_studio.learned import effect, is_contradicted, superseding
 from hitab_studio.locks import Holder, Locks
+from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, roster, scene_of
-from hitab_studio.situations import RECENT, Situations
 from hitab_studio.store import Store
 from hitab_studio.tree_rows import tree_rows
 
@@ -72,7 +72,7 @@ def learned(*examples: Example) -> Learned:
 # -- who may talk to the page ---------------------------------------------------------------
 
 
-def answer_of(guard: Guard, kind: str = "http", query: str = "", **headers: str) -> int:
+def answer_of(access: AccessControl, kind: str = "http", query: str = "", **headers: str) -> int:
     """Return the status of a request's answer; of a refused web socket its closing code."""
     told: list[dict[str, Any]] = []
 
@@ -84,7 +84,7 @@ def answer_of(guard: Guard, kind: str = "http", query: str = "", **headers: str)
 
     raw = [(k.encode(), v.encode()) for k, v in ({"host": "127.0.0.1:80"} | headers).items()]
     scope = {"type": kind, "headers": raw, "query_string": query.encode()}
-    asyncio.run(guard(scope, receive, send))
+    asyncio.run(access(scope, receive, send))
     return int(told[0].get("status") or told[0]["code"])
 
 
@@ -94,23 +94,23 @@ async def page(scope: Any, receive: Any, send: Any) -> None:
 
 @pytest.mark.parametrize("kind", ["http", "websocket"])
 def test_only_this_page_talks_to_the_server(kind):
-    guard, refused = Guard(page), 403 if kind == "http" else 1008
-    assert answer_of(guard, kind) == 200
-    assert answer_of(guard, kind, origin="http://127.0.0.1:80") == 200
-    assert answer_of(guard, kind, origin="http://127.0.0.1:81") == refused
-    assert answer_of(guard, kind, origin="null") == refused
-    assert answer_of(guard, kind, host="evil.example") == refused
+    access, refused = AccessControl(page), 403 if kind == "http" else 1008
+    assert answer_of(access, kind) == 200
+    assert answer_of(access, kind, origin="http://127.0.0.1:80") == 200
+    assert answer_of(access, kind, origin="http://127.0.0.1:81") == refused
+    assert answer_of(access, kind, origin="null") == refused
+    assert answer_of(access, kind, host="evil.example") == refused
 
 
 def test_with_a_token_only_who_shows_it_is_let_in():
-    guard = Guard(page, "0.0.0.0", "right-token")
+    access = AccessControl(page, "0.0.0.0", "right-token")
     there = {"host": "robot.lan:8080"}
-    assert answer_of(guard, **there) == 401
-    assert answer_of(guard, "websocket", "token=right-token", **there) == 1008
-    assert answer_of(guard, query="token=right-token", **there) == 303
-    assert answer_of(guard, cookie="hitab_studio_token=right-token", **there) == 200
-    assert answer_of(guard, cookie="hitab_studio_token=wrong-token", **there) == 401
-    assert answer_of(guard, cookie="=;=;", **there) == 401
+    assert answer_of(access, **there) == 401
+    assert answer_of(access, "websocket", "token=right-token", **there) == 1008
+    assert answer_of(access, query="token=right-token", **there) == 303
+    assert answer_of(access, cookie="hitab_studio_token=right-token", **there) == 200
+    assert answer_of(access, cookie="hitab_studio_token=wrong-token", **there) == 401
+    assert answer_of(access, cookie="=;=;", **there) == 401
 
 
 def test_a_token_is_made_where_other_machines_reach_the_page():
@@ -175,16 +175,16 @@ def test_a_state_keeps_its_color(states):
 
 
 def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
-    situations = Situations()
-    situations.see(scene(1, 3.0))
-    situations.keep("keeper_1", "Near", [(1, 1), (2, 400)])
+    scenes = RememberedScenes()
+    scenes.see(scene(1, 3.0))
+    scenes.keep("keeper_1", "Near", [(1, 1), (2, 400)])
     for cycle in range(2, RECENT + 10):
-        situations.see(scene(cycle, 9.0))
-    kept = situations.of("keeper_1", "Near", 1, 1)
+        scenes.see(scene(cycle, 9.0))
+    kept = scenes.of("keeper_1", "Near", 1, 1)
     assert kept is not None
     assert kept.everything()["keeper_1"]["x"] == 3.0
-    assert situations.of("keeper_1", "Near", 2, 400) is None
-    assert situations.of("keeper_1", "Near", 1, 2) is None  # the number was given again
+    assert scenes.of("keeper_1", "Near", 2, 400) is None
+    assert scenes.of("keeper_1", "Near", 1, 2) is None  # the number was given again
 
 
 # -- what was learned -----------------------------------------------------------------------

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hitab_msgs.msg import AgentStatus
 
-from hitab_studio.watching import Watch
+from hitab_studio.agent_watch import AgentWatch
 
 
 class Node:
@@ -39,7 +39,7 @@ class Seen:
     def __init__(self) -> None:
         self.status = AgentStatus(mode=AgentStatus.IDLE, library_digest="one")
         self.node = Node()
-        self.watch = Watch(
+        self.watch = AgentWatch(
             self.node,  # type: ignore[arg-type]
             "keeper_1",
             lambda: self.status,

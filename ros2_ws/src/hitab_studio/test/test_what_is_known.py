@@ -18,13 +18,13 @@ from hitab_core.example import ExampleKind
 from hitab_core.training import TrainingCost
 from hitab_studio.actions import perform
 from hitab_studio.actions.registry import ACTIONS
-from hitab_studio.finding import Choice, Target
+from hitab_studio.agent_watch import Watched
 from hitab_studio.known import JOINING_SECONDS, Known
 from hitab_studio.learned import Vocabulary
 from hitab_studio.session import TABS, Session
 from hitab_studio.studio import Studio
+from hitab_studio.swarm_finder import Choice, Target
 from hitab_studio.views import render
-from hitab_studio.watching import Watched
 
 ONE = "keeper_1"
 UP = Target(0, "keepaway", (ONE, "keeper_2"), 1, folder="/keepaway", world=True)

@@ -14,11 +14,11 @@ from hitab_msgs import msg
 from hitab_client.errors import SwarmError
 from hitab_client.identity import BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
-from hitab_studio import finding
+from hitab_studio import swarm_finder
 from hitab_studio.actions import perform
-from hitab_studio.finding import Choice, Finder, Target
 from hitab_studio.known import Known
 from hitab_studio.studio import Studio
+from hitab_studio.swarm_finder import Choice, Finder, Target
 from hitab_studio.swarm_link import SwarmLink
 from hitab_studio.views import render
 
@@ -57,7 +57,7 @@ def test_a_target_has_the_identity_of_its_run_folder(tmp_path, monkeypatch):
     folder.prepare()
     record = RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
     folder.write(record, register=False)
-    monkeypatch.setattr(finding.RunFolder, "supervisor", lambda *_: object())
+    monkeypatch.setattr(swarm_finder.RunFolder, "supervisor", lambda *_: object())
     target = Finder(None, tmp_path)()
     assert (target.identity, target.world, target.domain_id) == ("red-0a1b2c3d", True, 7)
 
@@ -84,7 +84,7 @@ def ups(tmp_path, monkeypatch):
             folder = RunFolder(tmp_path / name)
             record = RunRecord(name, "y", 7, "LOCALHOST", ("a",), True, 1, "s", f"{name}-0a1b2c3d")
             found.append((folder, record))
-        monkeypatch.setattr(finding, "running_swarms", lambda: iter(found))
+        monkeypatch.setattr(swarm_finder, "running_swarms", lambda: iter(found))
 
     return up
 

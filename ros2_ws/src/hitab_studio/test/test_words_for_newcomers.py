@@ -12,14 +12,14 @@ from hitab_msgs.msg import AgentStatus, EmergencyStop, Question
 from hitab_client import Learned
 from hitab_core import Example
 from hitab_core.example import ExampleKind
-from hitab_studio.finding import Target
+from hitab_studio.agent_watch import Watched
 from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
+from hitab_studio.swarm_finder import Target
 from hitab_studio.views import render
 from hitab_studio.views.numbers import counted, duration, measure
-from hitab_studio.watching import Watched
 
 ONE = "keeper_1"
 

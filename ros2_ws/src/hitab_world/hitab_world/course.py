@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
-from hitab_world.attendance import Attendance
 from hitab_world.control import Control
+from hitab_world.lockstep import RoundAnswers
 from hitab_world.world import World
 
 
@@ -15,7 +15,7 @@ class Course:
     Attributes:
         world: the world.
         control: how it is run.
-        attendance: which agents take part.
+        round_answers: which agents take part.
         changes: number of the last change from outside, unlike that of any other process.
         disturbed: whether the world has changed since the agents were shown it.
         restart: whether agents begin at Start with the next percept.
@@ -24,10 +24,10 @@ class Course:
         touched: whether the world was changed from outside since it was last saved.
     """
 
-    def __init__(self, world: World, control: Control, attendance: Attendance) -> None:
+    def __init__(self, world: World, control: Control, round_answers: RoundAnswers) -> None:
         self.world = world
         self.control = control
-        self.attendance = attendance
+        self.round_answers = round_answers
         self.changes = time.time_ns()
         self.disturbed = True
         self.restart = True
@@ -38,7 +38,7 @@ class Course:
     @property
     def reproducible(self) -> bool:
         """Whether the same seed gives the same run: no late answers, and no clock involved."""
-        return not (self.in_real_time or self.attendance.missed_deadlines)
+        return not (self.in_real_time or self.round_answers.missed_deadlines)
 
     def go_on(self) -> None:
         """Continue a run that another process began.
@@ -50,7 +50,7 @@ class Course:
 
     def begin_run(self, seed: int) -> None:
         """Begin the first episode of a run, reproducible so far."""
-        self.attendance.missed_deadlines = 0
+        self.round_answers.missed_deadlines = 0
         self.in_real_time = False
         self.control.run += 1
         self.begins = True

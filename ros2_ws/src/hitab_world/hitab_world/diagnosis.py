@@ -19,12 +19,12 @@ def diagnosis_of_world(course: Course, guard: Guard, hardware: str, errors: set[
         hardware: the world's namespace, which is unique.
         errors: the keys of faults with which it cannot go on.
     """
-    world, control, attendance = course.world, course.control, course.attendance
+    world, control, round_answers = course.world, course.control, course.round_answers
     found = [
         (Level.ERROR if key in errors else Level.WARN, text)
         for key, text in guard.faults.by_key.items()
     ]
-    missing = attendance.missing
+    missing = round_answers.missing
     if missing:
         found.append((Level.WARN, f"nobody answers for {some(missing, NAMED_MAX)}"))
 
@@ -37,7 +37,7 @@ def diagnosis_of_world(course: Course, guard: Guard, hardware: str, errors: set[
             "cycle": world.cycle,
             "agents": len(world.agents),
             "missing agents": len(missing),
-            "missed deadlines": attendance.missed_deadlines,
+            "missed deadlines": round_answers.missed_deadlines,
             "reproducible": course.reproducible,
         }
         return mode, values

@@ -10,7 +10,7 @@ from hitab_msgs import msg
 from rclpy.qos import QoSProfile
 
 from hitab_ros import GuardedNode, names, qos
-from hitab_world.attendance import Answer
+from hitab_world.lockstep import Answer
 
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
 """Returns what an agent perceives; None: send it nothing."""

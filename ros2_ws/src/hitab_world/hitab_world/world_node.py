@@ -23,18 +23,18 @@ from hitab_ros import (
     steady_timer,
     stop_report,
 )
-from hitab_ros.absence import STOPPED
 from hitab_ros.diagnostics import Diagnosis, Diagnostics
 from hitab_ros.emergency_stop import stopped_by
+from hitab_ros.fault_texts import STOPPED
 from hitab_ros.stamps import NANOSECONDS, time_of
-from hitab_world.attendance import Attendance
-from hitab_world.audience import Audience
 from hitab_world.control import Control
 from hitab_world.course import Course
 from hitab_world.diagnosis import diagnosis_of_world
+from hitab_world.lockstep import RoundAnswers
+from hitab_world.percept_sender import PerceptSender
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
-from hitab_world.world_keeper import WorldKeeper
+from hitab_world.world_persistence import WorldPersistence
 from hitab_world.world_services import WorldServices
 from hitab_world.world_topics import WorldTopics
 
@@ -77,22 +77,22 @@ class WorldNode(GuardedNode):
         self._sequence = time.time_ns()
         self._next_cycle_ns = 0
         self._next_status_ns = 0
-        self._audience = Audience(self, tuple(self.world.agents))
-        self.attendance = Attendance(self.world.agents, self._audience.has)
-        self.course = Course(self.world, self.control, self.attendance)
+        self._percept_sender = PerceptSender(self, tuple(self.world.agents))
+        self.round_answers = RoundAnswers(self.world.agents, self._percept_sender.has)
+        self.course = Course(self.world, self.control, self.round_answers)
         warn = self.get_logger().warning
-        self.keeper = WorldKeeper(names.own_name(self), self.course, settings, warn)
+        self.persistence = WorldPersistence(names.own_name(self), self.course, settings, warn)
         self._topics = WorldTopics(self, self.course, settings)
         self._stop_states = self.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""
-        self._audience.join(self.attendance.take)
-        self._restored = self.keeper.restore()
+        self._percept_sender.join(self.round_answers.take)
+        self._restored = self.persistence.restore()
         if self._restored:
             self.course.go_on()
         self._world_services = WorldServices(
-            self, self.course, self.keeper, self._topics, self.look_who_is_there
+            self, self.course, self.persistence, self._topics, self.look_who_is_there
         )
         self._switch = EmergencySwitch(self, self._emergency, hands_on=True)
         steady_timer(self, STOP_PERIOD_S, self._tell_of_stop)
@@ -113,13 +113,13 @@ class WorldNode(GuardedNode):
 
     def destroy_node(self) -> None:
         """Save the world's state, then destroy the node."""
-        self.keeper.close()
+        self.persistence.close()
         super().destroy_node()
 
     def look_who_is_there(self) -> bool:
         """Update which agents have joined the world; return whether that has changed."""
-        replaced = self._audience.look()
-        return self.attendance.look() or replaced
+        replaced = self._percept_sender.look()
+        return self.round_answers.look() or replaced
 
     # -- the main loop ----------------------------------------------------------------------
 
@@ -137,14 +137,14 @@ class WorldNode(GuardedNode):
     def _turn(self, spinning: Spinner) -> None:
         """Take one turn: wait, show the world, or play a cycle."""
         self._attend()
-        self.keeper.attend()
+        self.persistence.save_if_due()
         if not self._live():
             spinning.spin_once(timeout_sec=0.01)
         elif self.control.at_rest:
             if self.course.disturbed:
                 self._show(spinning)
             spinning.spin_once(timeout_sec=0.1)
-        elif self.control.lockstep and not self.attendance.present:
+        elif self.control.lockstep and not self.round_answers.present:
             spinning.spin_once(timeout_sec=0.1)  # no agent has joined yet
         else:
             if self.course.begins:
@@ -171,7 +171,7 @@ class WorldNode(GuardedNode):
         world = self._live_world
         if world is None:
             return True
-        alone = self.control.lockstep and not self.attendance.present
+        alone = self.control.lockstep and not self.round_answers.present
         if world.waiting or alone or self.control.at_rest:
             happened = world.idle()
             if happened == RESTART:
@@ -190,7 +190,7 @@ class WorldNode(GuardedNode):
             changed = self.look_who_is_there()
             if changed and not self.control.at_rest:
                 self.course.in_real_time = True  # another time, they come at another cycle
-            if changed or (self.attendance.silent and self.control.paused):
+            if changed or (self.round_answers.silent and self.control.paused):
                 self.course.disturbed = True  # shown again, so that late agents may answer
             self._topics.publish_status()
             # A node that waits for the time must learn it from a world that is paused, too.
@@ -206,7 +206,7 @@ class WorldNode(GuardedNode):
         if self.course.disturbed or spinning.stopped:
             return  # nobody is late: there was no time to answer
         self.course.restart = False
-        self.attendance.give_up_on_late()
+        self.round_answers.give_up_on_late()
         self._topics.publish_status()  # first: who waits for the state looks at the status then
         self._topics.publish_state()
 
@@ -233,11 +233,11 @@ class WorldNode(GuardedNode):
             return  # the answers were about another situation
         course.restart = False
         late = ""
-        if not self.attendance.complete:
-            names_of_late = self.attendance.count_late(exclude=lockstep)
+        if not self.round_answers.complete:
+            names_of_late = self.round_answers.count_late(exclude=lockstep)
             late = f"no answer in time from {some(names_of_late, NAMED_MAX)}"
             self.guard.log(f"{late} in cycle {self.world.cycle}", late)
-        if late or not self.attendance.silent:
+        if late or not self.round_answers.silent:
             self.guard.faults.set(LATE, late)
         self._advance()
 
@@ -247,7 +247,7 @@ class WorldNode(GuardedNode):
         Who steps a world looks at each cycle. One without an agent, for which a busy machine has
         no time, would teach something else.
         """
-        late = self.attendance.late
+        late = self.round_answers.late
         if not (late and self.control.steps_left) or self.course.disturbed:
             return False
         self.guard.faults.set(LATE, f"waits for {some(late, NAMED_MAX)}")
@@ -256,10 +256,10 @@ class WorldNode(GuardedNode):
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
         """Handle events until all have answered, or, with ``whole``, until the deadline."""
-        attendance, course = self.attendance, self.course
+        round_answers, course = self.round_answers, self.course
         spin_once = spinning.spin_once
         while not course.disturbed and not spinning.stopped:
-            if not whole and attendance.complete:
+            if not whole and round_answers.complete:
                 return
             left = deadline_ns - time.monotonic_ns()
             if left <= 0:
@@ -268,14 +268,14 @@ class WorldNode(GuardedNode):
 
         # If this process itself was delayed, answers that came in time are still unread.
         for _ in range(UNREAD_MAX):
-            if attendance.complete or course.disturbed or spinning.stopped:
+            if round_answers.complete or course.disturbed or spinning.stopped:
                 return
             spin_once(timeout_sec=0.0)
 
     def _send_percepts(self, *, look: bool) -> None:
         world = self.world
         self._sequence += 1
-        self.attendance.begin(self._sequence, look=look)
+        self.round_answers.begin(self._sequence, look=look)
         common = {
             "stamp": time_of(world.cycle * world.cycle_seconds),
             "sequence": self._sequence,
@@ -286,7 +286,7 @@ class WorldNode(GuardedNode):
             "lockstep": self.control.lockstep,
             "restart": self.course.restart,
         }
-        self._audience.send(common, self._percept)
+        self._percept_sender.send(common, self._percept)
 
     def _percept(self, agent: str) -> tuple[Sequence[float], Sequence[str]] | None:
         """Return what an agent perceives; None, and a fault, if the world fails to return it."""
@@ -296,7 +296,7 @@ class WorldNode(GuardedNode):
             sensed = array("d", values), heard
         except Exception as error:
             self.guard.failed(key, error)
-            self.attendance.excuse(agent)
+            self.round_answers.excuse(agent)
             return None
         self.guard.faults.clear(key)
         return sensed
@@ -304,7 +304,7 @@ class WorldNode(GuardedNode):
     def _advance(self) -> None:
         world = self.world
         try:
-            ended = world.step(self.attendance.answers)
+            ended = world.step(self.round_answers.answers)
         except Exception as error:
             self.guard.failed(STEP, error)
             self._pause(STEP)

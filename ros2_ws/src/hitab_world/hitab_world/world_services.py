@@ -13,7 +13,7 @@ from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
 from hitab_world.settings import check_factor, check_pace
 from hitab_world.world import Placement
-from hitab_world.world_keeper import WorldKeeper
+from hitab_world.world_persistence import WorldPersistence
 from hitab_world.world_topics import WorldTopics
 
 SNAPSHOTS_MAX = 100
@@ -27,7 +27,7 @@ class WorldServices:
         self,
         node: GuardedNode,
         course: Course,
-        keeper: WorldKeeper,
+        persistence: WorldPersistence,
         topics: WorldTopics,
         look: Callable[[], Any],
     ) -> None:
@@ -36,12 +36,12 @@ class WorldServices:
         Args:
             node: to offer them on.
             course: what they change.
-            keeper: holds the snapshots.
+            persistence: holds the snapshots.
             topics: publish changes at once.
             look: updates which agents have joined the world.
         """
         self._course = course
-        self._keeper = keeper
+        self._persistence = persistence
         self._topics = topics
         self._look = look
         offered: list[tuple[Any, str, Serve]] = [
@@ -60,7 +60,7 @@ class WorldServices:
             done = serve(request, response)
             self._course.changes += 1
             response.change = self._course.changes
-            self._keeper.keep_now()
+            self._persistence.save_now()
             return done
 
         return served
@@ -111,7 +111,7 @@ class WorldServices:
     def _need_agents(self) -> None:
         agents = self._course.world.agents
         self._look()
-        if not self._course.attendance.present:
+        if not self._course.round_answers.present:
             raise HitabError(f"no agent has joined the world; start any of {', '.join(agents)}")
 
     def _need_release(self) -> None:
@@ -122,7 +122,7 @@ class WorldServices:
         course = self._course
         self._need_release()
         self._look()
-        if missing := course.attendance.missing:
+        if missing := course.round_answers.missing:
             raise HitabError(
                 f"nobody answers for {', '.join(missing)}; `hitab status` shows who is there"
             )
@@ -147,8 +147,8 @@ class WorldServices:
         return f"placed {len(request.entities)}"
 
     def _snapshot(self, request: srv.Snapshot.Request, response: srv.Snapshot.Response) -> str:
-        keeper, actions = self._keeper, srv.Snapshot.Request
-        kept = keeper.named
+        persistence, actions = self._persistence, srv.Snapshot.Request
+        kept = persistence.named
         name = request.name
         if request.action != actions.LIST and not name:
             raise HitabError("a snapshot needs a name, as in `hitab world snapshot save corner`")
@@ -161,14 +161,14 @@ class WorldServices:
                         f"there are {len(kept)} snapshots; delete one of them first, with "
                         "`hitab world snapshot delete NAME`"
                     )
-                keeper.save(name, self._course.world.snapshot())
+                persistence.save(name, self._course.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:
                 self._course.world.restore(kept[name])
                 self._course.change()
                 done = f'restored "{name}"'
             case actions.DELETE:
-                keeper.delete(name)
+                persistence.delete(name)
                 done = f'deleted "{name}"'
             case actions.LIST:
                 done = quantity(len(kept), "snapshot")

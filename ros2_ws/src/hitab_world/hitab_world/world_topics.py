@@ -67,7 +67,8 @@ class WorldTopics:
 
     def publish_status(self) -> None:
         """Publish the world's status."""
-        world, control, attendance = self._world, self._course.control, self._course.attendance
+        world, course = self._world, self._course
+        control, round_answers = course.control, course.round_answers
         faults = self._guard.faults.texts()
         self._status.publish(
             msg.WorldStatus(
@@ -79,10 +80,10 @@ class WorldTopics:
                 cycle=world.cycle,
                 episode=world.episode,
                 seed=world.seed,
-                missed_deadlines=attendance.missed_deadlines,
+                missed_deadlines=round_answers.missed_deadlines,
                 reproducible=self._course.reproducible,
                 agents=list(world.agents),
-                missing=attendance.missing,
+                missing=round_answers.missing,
                 episodes_left=control.episodes_left,
                 last_error=self._error or (faults[0] if faults else ""),
                 faults=faults,

@@ -214,7 +214,7 @@ def test_a_request_that_comes_before_the_agents_have_answered_makes_nobody_late(
     for _ in range(3):  # each shows the world once more, and interrupts that
         assert running.control("pause").success
         assert running.control("pace", pace="lockstep").success
-    assert running.node.attendance.missing == []
+    assert running.node.round_answers.missing == []
     assert running.control("step", cycles=1).success
 
 

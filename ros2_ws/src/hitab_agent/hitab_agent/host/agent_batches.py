@@ -87,7 +87,7 @@ class AgentBatches:
         groups: dict[Hashable, list[Agent]] = {}
         for agent in agents:
             # In a batch, basic behaviors raise no flags, as actions do.
-            alone = agent.caution.when_unsure is not WhenUnsure.GO_ON
+            alone = agent.monitor.caution.when_unsure is not WhenUnsure.GO_ON
             alone = alone or bool(action_behaviors(agent.domain))
             if not alone and isinstance(agent.performance, RunningAutomaton | BatchMember):
                 groups.setdefault(_same(agent), []).append(agent)

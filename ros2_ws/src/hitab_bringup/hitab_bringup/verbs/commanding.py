@@ -12,7 +12,7 @@ from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
-from hitab_ros.absence import STOPPED
+from hitab_ros.fault_texts import STOPPED
 
 Targets = Annotated[
     list[str] | None,

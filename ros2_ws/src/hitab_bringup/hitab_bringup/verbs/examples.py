@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from difflib import get_close_matches
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,6 +16,14 @@ from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
+
+if TYPE_CHECKING:
+    from hitab_core.training import TrainingCost
+
+MINUTES_FROM_S = 120.0
+"""From here on times are shown in minutes."""
+
+COUNTS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
 
 class ExamplesGroup(HelpfulGroup):
@@ -47,18 +56,34 @@ def examples_list(
             metavar="behavior", help="A trained behavior. Default: what is being trained."
         ),
     ] = "",
+    cost: Annotated[
+        bool, typer.Option("--cost", help="Show instead what its trainings took.")
+    ] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """List the examples of the current training, or of a trained behavior.
+
+    With --cost, `time` and `simulated` count from step to step, by the clock and in the world,
+    without pauses of more than five minutes and the time while the swarm was down. `commands` and
+    `undos` are what you did. `examples` counts those that there were in the end. `wasted` counts
+    those that were recorded and not learned from: they were deleted or undone, or are listed as
+    superseded, since a command in the same place contradicts them. `structures` counts the sets of
+    features that were tried: 1, and one more for each `hitab examples features`. `proposals`
+    counts the questions of the agent that you answered as it proposed.
 
     Examples:
 
       hitab examples keeper_1
 
       hitab examples list keeper_1 ApproachBall --json examples.json
+
+      hitab examples keeper_1 --cost
     """
     with connection(swarm) as swarm_up:
+        if cost:
+            _show_costs(swarm_up.agents.report(agent, automaton), json)
+            return
         answer = swarm_up.agents.list_examples(agent, automaton)
         words = swarm_up.agents.vocabulary(agent)
         units = _of_features(words, "unit", answer.features)
@@ -113,6 +138,28 @@ def examples_list(
             ],
         },
     )
+
+
+def _show_costs(costs: list[TrainingCost], json: str | None) -> None:
+    if json != "-":
+        rows = [
+            (
+                cost.automaton if cost.finished else f"{cost.automaton}, not saved",
+                cost.began.replace("T", " ")[:16],
+                _duration(cost.wall_seconds),
+                _duration(cost.simulated_seconds),
+                *(str(getattr(cost, count)) for count in COUNTS),
+            )
+            for cost in costs
+        ]
+        heads = ("automaton", "began (UTC)", "time", "simulated", *COUNTS)
+        console.out().print(console.table(heads, rows))
+    console.write_json(json, {"trainings": [asdict(cost) for cost in costs]})
+
+
+def _duration(seconds: float) -> str:
+    """Return a time as a person would say it."""
+    return f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.1f} min"
 
 
 def _of_features(words: Any, what: str, features: Sequence[str]) -> list[str]:

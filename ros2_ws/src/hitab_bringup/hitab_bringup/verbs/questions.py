@@ -1,4 +1,4 @@
-"""Verbs for what an agent is not sure of: questions, answer, caution."""
+"""The verb for what an agent asks about its examples."""
 
 from __future__ import annotations
 
@@ -11,27 +11,51 @@ from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 
-PANEL = "Train"
-
 
 def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel=PANEL)(questions)
-    app.command(rich_help_panel=PANEL)(answer)
-    app.command(rich_help_panel=PANEL)(caution)
+    """Add this verb to the command."""
+    app.command(rich_help_panel="Train")(questions)
 
 
-def questions(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) -> None:
-    """Show what an agent asks about its examples.
+def questions(
+    agent: AgentName,
+    answer: Annotated[
+        int | None,
+        typer.Option(metavar="NUMBER", help="Answer this question, as proposed or with --choice."),
+    ] = None,
+    choice: Annotated[str, typer.Option(help="One of the question's choices.")] = "",
+    dismiss: Annotated[
+        int | None,
+        typer.Option(metavar="NUMBER", help="Do not ask this question again; change nothing."),
+    ] = None,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Show what an agent asks about its examples, or answer it.
 
     It asks when commands contradict each other, when an example made it do what you corrected,
     when it was shown too little somewhere, and when several explanations fit what it was shown.
+    `hitab undo` takes an answer back.
 
-    Example:
+    Examples:
 
       hitab questions keeper_1
+
+      hitab questions keeper_1 --answer 1
+
+      hitab questions keeper_1 --answer 2 --choice Stop
+
+      hitab questions keeper_1 --dismiss 3
     """
+    number = answer if answer is not None else dismiss
+    if choice and answer is None:
+        raise typer.BadParameter("--choice needs the question that it answers: --answer NUMBER")
     with connection(swarm) as swarm_up:
+        if number is not None:
+            dismissed = answer is None
+            done = swarm_up.agents.answer(agent, number, choice, dismiss=dismissed)
+            console.say(done.message)
+            return
         found = swarm_up.agents.questions(agent)
     if json != "-":
         if not found.questions:
@@ -44,8 +68,8 @@ def questions(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) 
         if found.questions:
             number = found.questions[0].number
             console.say(
-                f"`hitab answer {agent} {number}` answers as proposed, "
-                f"`hitab answer {agent} {number} CHOICE` otherwise."
+                f"`hitab questions {agent} --answer {number}` answers as proposed; add "
+                "--choice CHOICE to answer otherwise."
             )
     console.write_json(
         json,
@@ -68,91 +92,3 @@ def _record(question: Any) -> dict[str, Any]:
         "proposed": question.choices[question.proposed],
         "situation": {name: v for name, v in situation if not math.isnan(v)},
     }
-
-
-def answer(
-    agent: AgentName,
-    number: Annotated[int, typer.Argument(help="Of the question, see `hitab questions`.")],
-    choice: Annotated[
-        str, typer.Argument(help="One of its choices; without it, the proposed one.")
-    ] = "",
-    dismiss: Annotated[
-        bool, typer.Option("--dismiss", help="Change nothing, and do not ask this again.")
-    ] = False,
-    swarm: SwarmName = None,
-) -> None:
-    """Answer a question of an agent; `hitab undo` takes the answer back.
-
-    Examples:
-
-      hitab answer keeper_1 1
-
-      hitab answer keeper_1 2 Stop
-
-      hitab answer keeper_1 3 --dismiss
-    """
-    with connection(swarm) as swarm_up:
-        done = swarm_up.agents.answer(agent, number, choice, dismiss=dismiss)
-    console.say(done.message)
-
-
-def caution(
-    agent: AgentName,
-    when_unsure: Annotated[
-        str,
-        typer.Argument(
-            help="go_on, halt or hand_back; without it, show what it does.", metavar="WHEN_UNSURE"
-        ),
-    ] = "",
-    support: Annotated[
-        float,
-        typer.Option(
-            help="Unsure of a decision that rests on fewer examples than this. Default: any.",
-            show_default=False,
-        ),
-    ] = 0.0,
-    distance: Annotated[
-        float,
-        typer.Option(
-            help="Unsure farther than this from every example; 1 is about as far as the examples "
-            "are apart. Default: any.",
-            show_default=False,
-        ),
-    ] = 0.0,
-    swarm: SwarmName = None,
-) -> None:
-    """Say what an agent does when it is unsure; `hitab status` shows why it is.
-
-    An agent is unsure of a decision that rests on few examples, or in a situation far from all
-    examples. It then goes on (go_on), does nothing until it is sure (halt), or gives control to
-    the demonstrator (hand_back).
-
-    Examples:
-
-      hitab caution keeper_1
-
-      hitab caution keeper_1 halt --distance 3
-
-      hitab caution keeper_1 hand_back --support 2
-
-      hitab caution keeper_1 go_on
-    """
-    from hitab_core import caution_in_words
-
-    if not when_unsure and (support or distance):
-        raise typer.BadParameter(
-            "--support and --distance need halt or hand_back, as in "
-            f"`hitab caution {agent} halt --distance 3`"
-        )
-    with connection(swarm) as swarm_up:
-        if when_unsure:
-            done = swarm_up.agents.set_caution(
-                agent, when_unsure, support=support, distance=distance
-            )
-            console.say(done.message)
-            return
-        status = swarm_up.agents.await_agent(agent)
-    words = caution_in_words(status.when_unsure, status.unsure_support, status.unsure_distance)
-    console.say(f"{agent}: {words}")
-    if status.unsure:
-        console.say(f"It is unsure now: {status.unsure}")

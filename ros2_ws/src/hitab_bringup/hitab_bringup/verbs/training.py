@@ -1,4 +1,4 @@
-"""Verbs that train: train, retrain, test, undo, redo, save, discard."""
+"""Verbs that train: train, test, undo, redo, save, discard."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import typer
 
 from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, tell_faults
+from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean, quantity
-from hitab_ros.absence import STOPPED
+from hitab_ros.fault_texts import STOPPED
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -27,7 +27,6 @@ def register(app: typer.Typer) -> None:
     """Add these verbs to the command."""
     app.command(rich_help_panel=PANEL)(train)
     app.command("begin", hidden=True)(train)
-    app.command(rich_help_panel=PANEL)(retrain)
     app.command("test", rich_help_panel=PANEL)(start_testing)
     app.command(rich_help_panel=PANEL)(undo)
     app.command(rich_help_panel=PANEL)(redo)
@@ -135,57 +134,53 @@ def _bound(parameters: list[str]) -> dict[str, str]:
     return bound
 
 
-def retrain(
-    agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A trained behavior.")],
-    feature: Features,
-    show: ShowOnly = False,
-    swarm: SwarmName = None,
-) -> None:
-    """Learn a trained behavior again from other features, without demonstrating again.
-
-    Each example keeps whatever the agent could read when it was recorded, so any feature can be
-    chosen afterwards. The result is saved as the next version.
-
-    Examples:
-
-      hitab retrain keeper_1 ControlBall -f BallIsKickable --show
-
-      hitab retrain keeper_1 ControlBall -f BallIsKickable -f "DistanceTo(ball)"
-    """
-    with connection(swarm) as swarm_up:
-        agents = swarm_up.agents
-        agents.begin(agent, behavior, features=feature, resume=behavior)
-        saved = None
-        try:
-            shown = agents.behavior(agent)
-            if not show:
-                saved = agents.save(agent)
-        finally:
-            if saved is None:
-                agents.discard(agent)
-    if saved is not None:
-        console.say(f"{saved.message}: {saved.path}")
-        if saved.trimmed:
-            console.say(f"trimmed: {', '.join(saved.trimmed)}")
-        return
-    console.say(as_text(shown))
-
-
 def start_testing(
     agent: AgentName,
     restart: Annotated[
         bool, typer.Option("--restart", help="Begin at Start, not at the active state.")
     ] = False,
+    when_unsure: Annotated[
+        str,
+        typer.Option(
+            metavar="go_on|halt|hand_back",
+            help="From now on, when it is unsure: go on, do nothing until it is sure, or give "
+            "control to the demonstrator.",
+        ),
+    ] = "",
+    support: Annotated[
+        float,
+        typer.Option(
+            help="Unsure of a decision that rests on fewer examples than this. Default: any.",
+            show_default=False,
+        ),
+    ] = 0.0,
+    distance: Annotated[
+        float,
+        typer.Option(
+            help="Unsure farther than this from every example; 1 is about as far as the examples "
+            "are apart. Default: any.",
+            show_default=False,
+        ),
+    ] = 0.0,
     swarm: SwarmName = None,
 ) -> None:
     """Give control to what the agent has learned, without a reset.
 
-    Example:
+    What it does when it is unsure also holds for what it performs afterwards; `hitab status` shows
+    why it is unsure.
+
+    Examples:
 
       hitab test keeper_1 --restart
+
+      hitab test keeper_1 --when-unsure halt --distance 3
     """
     with connection(swarm) as swarm_up:
+        if when_unsure or support or distance:
+            cautious = swarm_up.agents.set_caution(
+                agent, when_unsure, support=support, distance=distance
+            )
+            console.say(cautious.message)
         answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
         faults = swarm_up.agents.statuses[agent].faults
     console.say(answer.message)

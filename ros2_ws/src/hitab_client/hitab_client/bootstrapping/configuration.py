@@ -25,9 +25,9 @@ from hitab_msgs.srv import Snapshot
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
+from hitab_client.lessons.condition_watch import ConditionWatch, WorldWatch
 from hitab_client.lessons.conditions import Condition, parse_condition
 from hitab_client.lessons.lesson_file import placed_things
-from hitab_client.lessons.watching import Watch, WorldWatch
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import has, some
@@ -165,8 +165,8 @@ class Configuration:
         condition = self.condition
         if condition is None:
             return
-        watch: AbstractContextManager[Watch] = (
-            Watch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
+        watch: AbstractContextManager[ConditionWatch] = (
+            ConditionWatch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
         )
         within = self.within if self.within is not None else float("inf")
         try:

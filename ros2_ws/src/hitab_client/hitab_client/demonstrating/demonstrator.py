@@ -19,7 +19,7 @@ from hitab_msgs.srv import Control
 from hitab_client import reaction_time
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.commanding import command, other_mode, outcome, put_earlier
-from hitab_client.demonstrating.pressed import Asked, Pressed
+from hitab_client.demonstrating.pressed import Pressed, TargetsAsked
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
 from hitab_client.errors import SwarmError
@@ -77,7 +77,7 @@ class Demonstrator:
         self.said = ""
         self.failed = False
         self.told = 0
-        self.asked: Asked | None = None
+        self.asked: TargetsAsked | None = None
         # Hands on: the topic is open before it is needed, so that a stop arrives at once.
         self.switch = EmergencySwitch(agents.link.node, hands_on=True)
         self._stops = Stops(agents.link, switch=self.switch)
@@ -323,7 +323,7 @@ class Demonstrator:
                 f"{use} needs a target for {parameter}: name the behavior with one, such as "
                 f"{use.name}({words.targets[0]}); the targets are {some(words.targets)}"
             )
-        self.asked = Asked(use, place, pressed, words.targets)
+        self.asked = TargetsAsked(use, place, pressed, words.targets)
         self.tell("")
 
     def _toggle(self, agent: str) -> str:

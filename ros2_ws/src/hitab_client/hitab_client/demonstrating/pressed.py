@@ -44,7 +44,7 @@ class Pressed:
 
 
 @dataclass(frozen=True)
-class Asked:
+class TargetsAsked:
     """A behavior whose next target is still to be chosen.
 
     Attributes:

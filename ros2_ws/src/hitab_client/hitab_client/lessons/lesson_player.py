@@ -18,6 +18,7 @@ from hitab_msgs.srv import Control, EditExamples
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
+from hitab_client.lessons.condition_watch import ConditionWatch, WorldWatch
 from hitab_client.lessons.lesson import (
     Begin,
     Check,
@@ -36,7 +37,6 @@ from hitab_client.lessons.lesson import (
     Undo,
     Until,
 )
-from hitab_client.lessons.watching import Watch, WorldWatch
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
@@ -107,7 +107,9 @@ class LessonPlayer:
         self.world = world
         self.report = LessonReport(lesson.name, lesson.budget)
         self.begun: dict[str, str] = {}
-        self.watch = Watch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
+        self.watch = (
+            ConditionWatch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
+        )
         self._discard = discard
         self._performing: dict[str, str] = {}
 

@@ -1,4 +1,4 @@
-"""The recorded runs: where they are, what they are called, and what can be done with them."""
+"""Each recording of a run: where it is, its name, and what can be done with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Questions about examples that several explanations fit, and what the answers do.
+"""Ambiguity: questions about examples that several explanations fit, and what the answers do.
 
 "In GotoBall with DistanceTo(closest_taker) = 12.2 m, BallIsKickable: GotoBall, because
 DistanceTo(closest_taker) > 8.2 m, or Stop, because BallIsKickable?" If the learned tree and an

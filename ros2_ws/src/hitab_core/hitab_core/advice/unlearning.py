@@ -27,9 +27,10 @@ from hitab_core.advice.proposals import Correction, Proposal, ProposalKind
 from hitab_core.advice.spread import distances, spreads
 from hitab_core.advice.support import situation_in_words
 from hitab_core.arrays import Floats
+from hitab_core.default_example import superseding
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example, superseding
+from hitab_core.example import Example
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.wording import quantity
 

@@ -1,13 +1,11 @@
 """Any scikit-learn classifier in place of the tree.
 
 It is named by a text such as ``sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)``, which is
-parsed, never run: a class that scikit-learn lists among its classifiers, and keywords with literal
-values. scikit-learn is imported when the first such function is learned, so agents that use trees
-do not need it. A decision takes one prediction of the classifier, usually a thousand times as long
-as a tree's.
+parsed, never run: a class of scikit-learn, and keywords with literal values. scikit-learn is
+imported when the first such function is learned, so agents that use trees do not need it. A
+decision takes one prediction of the classifier, usually a thousand times as long as a tree's.
 
-A missing value is given to a classifier that says it takes NaN (scikit-learn's tag ``allow_nan``).
-Any other refuses it by name. It is not filled in: a made-up value would be learned like a
+A missing value is refused by name. It is not filled in: a made-up value would be learned like a
 demonstrated one, and nobody would see it.
 """
 
@@ -16,11 +14,10 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-import math
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from functools import cache
+from dataclasses import asdict, dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -28,16 +25,13 @@ from numpy.typing import ArrayLike
 
 from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
-from hitab_core.errors import NoValueError, TrainingError, VocabularyError
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_encoding import FeatureEncoding
 from hitab_core.learning.feature_values import check_scales, feature_values
 from hitab_core.transition_function import Decide, Explanation, Values
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity
-
-_REMEMBERED = 64
-"""How many recent predictions a function keeps, so that explaining one needs no prediction."""
 
 
 def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
@@ -47,26 +41,11 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
     same function.
 
     Raises:
-        VocabularyError: if scikit-learn does not list the class, or the class lacks a keyword.
+        VocabularyError: if there is no such class in scikit-learn, or it cannot be made.
     """
-    try:
-        listed = _listed()
-    except ImportError as error:
-        raise VocabularyError(
-            f'"{spec}" needs scikit-learn, which is not installed; install it or use "tree"'
-        ) from error
-    if spec.name not in listed:
-        raise VocabularyError(
-            f'"{spec.name}" is not a classifier of scikit-learn '
-            f"{has(['tree', *listed], spec.name)}"
-        )
-    made = listed[spec.name]
-    known = sorted(inspect.signature(made).parameters)
-    for name in spec.arguments:
-        if name not in known:
-            raise VocabularyError(f'"{spec.name}" has no parameter "{name}" {has(known, name)}')
+    made = _class_called(spec.name)
     arguments = dict(spec.arguments)
-    if "random_state" in known:
+    if "random_state" in inspect.signature(made).parameters:
         arguments.setdefault("random_state", 0)
     try:
         made(**arguments)
@@ -75,22 +54,23 @@ def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:
     return lambda: made(**arguments)
 
 
-@cache
-def _listed() -> Mapping[str, type]:
-    """Return scikit-learn's classifiers by name; this imports all its modules."""
-    from sklearn.utils import all_estimators  # here, so that trees do without it
+def _class_called(name: str) -> type:
+    """Return a public classifier of scikit-learn; nothing else is imported or made."""
+    module, _, attribute = name.rpartition(".")
+    why = ""
+    if module.split(".")[0] == "sklearn" and "._" not in name:
+        try:
+            from sklearn.base import ClassifierMixin  # here, so that trees do without it
 
-    return {_public_name(made): made for _, made in all_estimators(type_filter="classifier")}
-
-
-def _public_name(made: type) -> str:
-    """Return a class's import path, leaving out private modules."""
-    path: list[str] = []
-    for part in made.__module__.split("."):
-        if part.startswith("_"):
-            break
-        path.append(part)
-    return ".".join([*path, made.__name__])
+            made = getattr(import_module(module), attribute, None)
+            if isinstance(made, type) and issubclass(made, ClassifierMixin):
+                return made
+        except ImportError as error:
+            why = f" ({error})"
+    raise VocabularyError(
+        f'"{name}" is not a classifier of scikit-learn{why}; write "tree", or its import path, '
+        "such as sklearn.neighbors.KNeighborsClassifier"
+    )
 
 
 @dataclass(frozen=True)
@@ -102,7 +82,6 @@ class ClassifierFunction:
         labels: the next states seen, sorted.
         classifier: fitted; its classes are the indices of ``labels``. None if there is only one.
         encoding: of the feature values for it.
-        takes_nan: whether it decides where a value is missing.
         data_digest: SHA-256 of the spec and the training data.
     """
 
@@ -110,11 +89,7 @@ class ClassifierFunction:
     labels: tuple[str, ...]
     classifier: Any
     encoding: FeatureEncoding
-    takes_nan: bool
     data_digest: str
-    _recent: dict[tuple[float, ...], list[float]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
 
     @property
     def features_used(self) -> tuple[int, ...]:
@@ -133,19 +108,15 @@ class ClassifierFunction:
             shape (n, n_labels), in the order of ``labels``.
 
         Raises:
-            FeatureValueError: naming a feature whose value is impossible, or missing if it takes
-                no NaN.
+            FeatureValueError: naming a feature whose value is impossible or missing.
         """
-        values = feature_values(X, self.encoding.scales, may_miss=self.takes_nan)
+        values = feature_values(X, self.encoding.scales)
         if self.classifier is None:
             return np.ones((len(values), 1))
         encoded = self.encoding(values)
         if hasattr(self.classifier, "predict_proba"):
-            found: Floats = np.asarray(self.classifier.predict_proba(encoded), np.float64)
-            totals: Floats = found.sum(axis=1, keepdims=True)
-            if np.isfinite(totals).all() and (totals > 0).all():
-                odds: Floats = found / totals
-                return odds
+            odds: Floats = np.asarray(self.classifier.predict_proba(encoded), np.float64)
+            return odds
         predicted = np.asarray(self.classifier.predict(encoded))
         certain: Floats = (predicted[:, None] == np.arange(len(self.labels))).astype(np.float64)
         return certain
@@ -169,22 +140,13 @@ class ClassifierFunction:
         order = sorted(range(len(self.labels)), key=lambda i: states[self.labels[i]])
         choices = [states[self.labels[i]] for i in order]
         used = [slots[f] for f in self.features_used]
-        takes_nan = self.takes_nan
         if not used and len(choices) == 1:
             only = choices[0]
             return lambda values, read, draw: only
 
         def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:
-            row = []
-            for slot in used:
-                value = values[slot]
-                try:
-                    row.append(read(slot) if value is None else value)
-                except NoValueError:
-                    if not takes_nan:
-                        raise
-                    row.append(math.nan)
-            odds = np.array(self._odds(row))[order]
+            row = [v if (v := values[slot]) is not None else read(slot) for slot in used]
+            odds = self.predict_proba([row])[0][order]
             if most_probable or odds.max() == 1.0:
                 return choices[int(odds.argmax())]
             cumulative = odds.cumsum()
@@ -195,37 +157,15 @@ class ClassifierFunction:
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
         """Explain the decision for a full feature vector: only the classifier's name."""
-        feature_values(
-            [values],
-            self.encoding.scales,
-            names,
-            ["the values to explain"],
-            may_miss=self.takes_nan,
-        )
         odds = self.predict_proba([values])[0].tolist()
         likely = {label: p for label, p in zip(self.labels, odds, strict=True) if p > 0}
         return Explanation((self.spec,), self.features_used, likely)
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
-        """Explain a past decision without predicting again."""
+        """Explain a past decision without predicting again: without probabilities."""
         read = tuple(i for i in self.features_used if values[i] is not None)
-        if self.classifier is None:
-            return Explanation((self.spec,), read, dict.fromkeys(self.labels, 1.0))
-        seen = (v for i in read if (v := values[i]) is not None)
-        odds = self._recent.get(tuple(math.nan if v != v else v for v in seen), ())
-        likely = {label: p for label, p in zip(self.labels, odds, strict=False) if p > 0}
+        likely = dict.fromkeys(self.labels, 1.0) if self.classifier is None else {}
         return Explanation((self.spec,), read, likely)
-
-    def _odds(self, row: Sequence[float]) -> list[float]:
-        """Return the probability of each next state; cache recent ones."""
-        key, recent = tuple(row), self._recent
-        odds = recent.get(key)
-        if odds is None:
-            odds = self.predict_proba([row])[0].tolist()
-            while len(recent) >= _REMEMBERED:
-                del recent[next(iter(recent))]
-            recent[key] = odds
-        return odds
 
     def digest(self) -> str:
         """Return a SHA-256, in hexadecimal, of the spec and the training data.
@@ -254,14 +194,11 @@ def learn_replacement(
         names: names of the features, for errors.
 
     Raises:
-        FeatureValueError: naming a feature whose value is impossible, or missing if the classifier
-            takes no NaN.
+        FeatureValueError: naming a feature whose value is impossible or missing.
         TrainingError: if the classifier cannot learn from these examples.
     """
     check_scales(scales, names)
-    classifier = make()
-    may_miss = takes_nan(classifier)
-    values = feature_values(X, scales, names, may_miss=may_miss)
+    values = feature_values(X, scales, names)
     encoding = FeatureEncoding.of(values, scales)
     labels, classes = np.unique(np.asarray(y, dtype=str), return_inverse=True)
     learned_from = json.dumps(
@@ -272,14 +209,12 @@ def learn_replacement(
             list(y),
         ]
     )
-    if len(labels) < 2:
-        classifier = None
+    classifier = make() if len(labels) > 1 else None
     function = ClassifierFunction(
         str(spec),
         tuple(labels.tolist()),
         classifier,
         encoding,
-        may_miss,
         hashlib.sha256(learned_from.encode()).hexdigest(),
     )
     if classifier is not None:
@@ -292,10 +227,3 @@ def learn_replacement(
                 "give more examples, other parameters, or use the tree"
             ) from error
     return function
-
-
-def takes_nan(classifier: Any) -> bool:
-    """Return whether a classifier of scikit-learn learns and decides where values are missing."""
-    from sklearn.utils import get_tags  # here, so that trees do without it
-
-    return bool(get_tags(classifier).input_tags.allow_nan)

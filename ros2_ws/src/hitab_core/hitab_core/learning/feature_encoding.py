@@ -18,7 +18,7 @@ class FeatureEncoding:
     A continuous feature is standardized by the mean and standard deviation of the examples, since
     many classifiers measure distances, in which meters must not outweigh radians. A toroidal one
     becomes the cosine and sine of its angle, so that zero is not special. A categorical one is
-    one-hot encoded; a boolean one stays 0 or 1. What is missing (NaN) stays so, in all columns.
+    one-hot encoded; a boolean one stays 0 or 1.
     """
 
     scales: tuple[Scale, ...]
@@ -29,10 +29,7 @@ class FeatureEncoding:
     @classmethod
     def of(cls, X: Floats, scales: Sequence[Scale]) -> FeatureEncoding:
         """Fit the encoding to examples, shape (n, m)."""
-        known = np.ma.masked_invalid(X)
-        means, deviations, largest = (
-            np.ma.filled(found(axis=0), 0.0) for found in (known.mean, known.std, known.max)
-        )
+        means, deviations, largest = X.mean(axis=0), X.std(axis=0), X.max(axis=0)
         n_categories = tuple(
             len(scale.categories) or int(largest[f]) + 1
             if scale.kind is FeatureKind.CATEGORICAL
@@ -55,10 +52,7 @@ class FeatureEncoding:
                 angle = values * (2 * np.pi / scale.period)
                 columns += [np.cos(angle), np.sin(angle)]
             elif scale.kind is FeatureKind.CATEGORICAL:
-                columns += [
-                    np.where(values == values, values == c, values)
-                    for c in range(self.n_categories[f])
-                ]
+                columns += [values == c for c in range(self.n_categories[f])]
             elif scale.kind is FeatureKind.CONTINUOUS:
                 columns.append((values - self.means[f]) / self.deviations[f])
             else:

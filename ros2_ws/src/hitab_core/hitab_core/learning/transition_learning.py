@@ -13,11 +13,7 @@ from numpy.typing import ArrayLike
 from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
-from hitab_core.learning.classifier_replacement import (
-    classifier_maker,
-    learn_replacement,
-    takes_nan,
-)
+from hitab_core.learning.classifier_replacement import classifier_maker, learn_replacement
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
 from hitab_core.learning.memo import LearningMemo
@@ -89,16 +85,6 @@ def earlier(classifier: str) -> list[str]:
     return [str(ClassifierSpec(TREE, {**arguments, **spec.arguments})) for arguments in meant]
 
 
-def takes_missing(classifier: str) -> bool:
-    """Return whether a classifier learns from examples that lack values.
-
-    Raises:
-        VocabularyError: if there is no such classifier.
-    """
-    spec = ClassifierSpec.parse(classifier)
-    return spec.name == TREE or takes_nan(classifier_maker(spec)())
-
-
 def learn_transitions(
     examples: Sequence[Example],
     scales: Sequence[Scale],
@@ -118,7 +104,7 @@ def learn_transitions(
 
     Raises:
         FeatureValueError: naming a feature and an example whose value is impossible, or missing if
-            the classifier takes no missing values.
+            the classifier is not the tree.
         VocabularyError: if there is no such classifier.
         TrainingError: if an example does not have one value per feature, or, naming the state, if
             the classifier cannot learn from its examples.
@@ -129,7 +115,8 @@ def learn_transitions(
         >>> {state: function.labels for state, function in functions.items()}
         {'Start': ['GoFast'], 'GoFast': ['Stop']}
     """
-    learn, may_miss = learner(classifier, scales, names), takes_missing(classifier)
+    learn = learner(classifier, scales, names)
+    may_miss = ClassifierSpec.parse(classifier).name == TREE
     by_state: dict[str, list[Example]] = {}
     for example in examples:
         if len(example.features) != len(scales):

@@ -12,8 +12,9 @@ from itertools import pairwise
 from typing import Any
 
 from hitab_core.example_codec import example_of
-from hitab_core.training.example_log import Edit, ExampleLog
+from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.training_record import prepared
+from hitab_core.training.undo import Edit
 
 RESUMED = "resume"
 """What a journal calls the moment from which on another process goes on with a training."""

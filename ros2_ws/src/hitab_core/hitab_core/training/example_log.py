@@ -1,81 +1,20 @@
-"""The examples of one training and the history of edits, for undo and redo."""
+"""The examples of one training, and preparing and making edits of them."""
 
 from __future__ import annotations
 
-from bisect import bisect_left, insort
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from enum import Enum, auto
-from operator import attrgetter
+from dataclasses import replace
 
+from hitab_core.default_example import default_example, marked
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example, ExampleKind, Place, marked
+from hitab_core.example import Example, ExampleKind, Place
+from hitab_core.training.undo import NUMBER, Edit, History
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered, quantity
 
-NUMBER = attrgetter("number")
-
 NUMBERS_MAX = 6
 """The description of an edit with more examples gives their number instead of listing them."""
-
-
-class Direction(Enum):
-    """Whether an edit is new, an undo or a redo."""
-
-    NEW = auto()
-    UNDO = auto()
-    REDO = auto()
-
-
-@dataclass(frozen=True, slots=True)
-class Edit:
-    """A change of the examples, stored as a difference.
-
-    Attributes:
-        words: what it does, for people, as in ``Start → GoFast, 2 examples``.
-        gone: removed examples, and those that it changes as they were, by number.
-        came: added examples, and those that it changes as they are then, by number.
-        left, entered: labels of the states before and after a command; None if the edit is not a
-            command. An undo swaps them.
-        features: names of the features after the edit; None: unchanged.
-        features_before: names of the features before it; None: unchanged.
-        direction: whether it is new, an undo or a redo.
-    """
-
-    words: str = "nothing"
-    gone: tuple[Example, ...] = ()
-    came: tuple[Example, ...] = ()
-    left: str | None = None
-    entered: str | None = None
-    features: tuple[str, ...] | None = None
-    features_before: tuple[str, ...] | None = None
-    direction: Direction = Direction.NEW
-
-    @property
-    def undone(self) -> Edit:
-        """The edit that undoes this one."""
-        return replace(
-            self,
-            gone=self.came,
-            came=self.gone,
-            left=self.entered,
-            entered=self.left,
-            features=self.features_before,
-            features_before=self.features,
-            direction=Direction.UNDO,
-        )
-
-    def __str__(self) -> str:
-        """Describe it for people."""
-        return self.words
-
-    def apply(self, examples: list[Example]) -> None:
-        """Apply it to a list that is sorted by number."""
-        for example in reversed(self.gone):
-            del examples[bisect_left(examples, example.number, key=NUMBER)]
-        for example in self.came:
-            insort(examples, example, key=NUMBER)
 
 
 class ExampleLog:
@@ -85,9 +24,10 @@ class ExampleLog:
     `make`. The history holds differences, and an edit looks only at the examples that it changes
     and at those with the same values. So both grow with the edits, not with the number of
     examples. Each edit also marks the default examples that a command contradicts, or no longer
-    does (`hitab_core.example.superseding`).
+    does (`hitab_core.default_example`).
 
     Attributes:
+        history: of the edits, for undo and redo.
         defaults: the number of default examples.
         recorded: how many examples commands have added, whatever became of them.
     """
@@ -100,12 +40,11 @@ class ExampleLog:
         self._commanded = defaultdict[Place, Counter[str]](Counter)  # next states there
         self._contradictory = set[Place]()  # where there are several
         self._told: tuple[Example, ...] | None = None
-        self._done: list[Edit] = []
-        self._undone: list[Edit] = []
         self.defaults = self.recorded = 0
         self._next_number = self._next_command = 1
+        self.history = History()
         self.make(self.replacement(examples))
-        self._done.clear()
+        self.history = History()
         self.recorded = 0
 
     @property
@@ -117,16 +56,6 @@ class ExampleLog:
 
     def __len__(self) -> int:
         return len(self._examples)
-
-    @property
-    def done(self) -> list[str]:
-        """Descriptions of what can be undone, oldest first."""
-        return [str(edit) for edit in self._done]
-
-    @property
-    def undone(self) -> list[str]:
-        """Descriptions of what can be redone, oldest first; redo begins with the first."""
-        return [str(edit) for edit in reversed(self._undone)]
 
     def preview(
         self,
@@ -147,13 +76,8 @@ class ExampleLog:
             entered: the values of the default example; None: there is none.
         """
         command, number = self._next_command, self._next_number
-        taught = [
-            Example(state, features, next_state, kind, number, command, cycle, ago, readings)
-        ]
-        if entered is not None:
-            kept = replace(taught[0], state=next_state, features=entered, number=number + 1)
-            taught.append(replace(kept, kind=ExampleKind.DEFAULT))
-        return taught
+        taught = Example(state, features, next_state, kind, number, command, cycle, ago, readings)
+        return [taught] if entered is None else [taught, default_example(taught, entered)]
 
     # -- preparing --------------------------------------------------------------------------
 
@@ -231,26 +155,6 @@ class ExampleLog:
         before, after = (tuple(sorted(es.values(), key=NUMBER)) for es in (gone, came))
         return Edit(words or "nothing", before, after)
 
-    def undoing(self) -> Edit:
-        """Prepare to undo the last addition, deletion or relabeling.
-
-        Raises:
-            TrainingError: if there is nothing to undo.
-        """
-        if not self._done:
-            raise TrainingError("nothing to undo")
-        return self._done[-1].undone
-
-    def redoing(self) -> Edit:
-        """Prepare to redo what was undone last.
-
-        Raises:
-            TrainingError: if nothing was undone, or a new edit came after it.
-        """
-        if not self._undone:
-            raise TrainingError("nothing to redo: nothing was undone, or a new edit came after it")
-        return replace(self._undone[-1], direction=Direction.REDO)
-
     # -- doing ------------------------------------------------------------------------------
 
     def after(self, edit: Edit) -> tuple[Example, ...]:
@@ -270,16 +174,9 @@ class ExampleLog:
             self._by_number[example.number] = example
             self._count(example, 1)
         self.recorded += sum(e.number >= self._next_number for e in edit.came)
-        match edit.direction:
-            case Direction.UNDO:
-                self._undone.append(self._done.pop())
-            case Direction.REDO:
-                self._done.append(self._undone.pop())
-            case Direction.NEW:
-                self._done.append(edit)
-                self._undone.clear()
-                self._next_number = max((self._next_number, *(e.number + 1 for e in edit.came)))
-                self._next_command = max((self._next_command, *(e.command + 1 for e in edit.came)))
+        self._next_number = max((self._next_number, *(e.number + 1 for e in edit.came)))
+        self._next_command = max((self._next_command, *(e.command + 1 for e in edit.came)))
+        self.history.add(edit)
 
     def _leaving(self, place: Place) -> int:
         """Return how many examples contradict default ones there."""

@@ -13,6 +13,9 @@ from dataclasses import replace
 from hitab_core.automaton import CLEARED
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.undo import Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity, some
@@ -64,6 +67,20 @@ def exchanged(
             "others"
         )
     return after
+
+
+def exchange(
+    log: ExampleLog, curriculum: Curriculum, features: Sequence[Use], readable: Sequence[Use]
+) -> Edit:
+    """Prepare to learn from other features; see `exchanged`."""
+    before = curriculum.features
+    after = exchanged(log.examples, before, features, readable, curriculum.name)
+    names = tuple(map(str, features))
+    return replace(
+        log.replacement(after, f"features {', '.join(names) or 'none'}"),
+        features=names,
+        features_before=tuple(map(str, before)),
+    )
 
 
 def any_readings(examples: Sequence[Example]) -> bool:

@@ -15,12 +15,11 @@ from typing import Any
 from hitab_core.advice.proposals import Correction
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START, as_entered
 from hitab_core.domain import Domain
-from hitab_core.errors import FeatureValueError, TrainingError
+from hitab_core.errors import FeatureValueError
 from hitab_core.example import Example
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.running.senses import Senses, value_or_nan
 from hitab_core.training.moments import (
-    STEP_SECONDS,
     Moment,
     Moments,
     nearest,
@@ -304,63 +303,6 @@ class Perceived:
                 values = self.in_moment(at, features)
                 yield Correction(at.state, values, wrong, right, number, last[command])
 
-    def retimed(
-        self,
-        examples: Sequence[Example],
-        commands: Mapping[int, int],
-        ago: float,
-        features: Sequence[Use],
-    ) -> list[Example]:
-        """Return the examples of some commands as if these were due at another time.
-
-        Args:
-            examples: that they recorded.
-            commands: numbers of the commands, each with one of its examples.
-            ago: how long before the command it was due, s.
-            features: of the automaton in training.
-
-        Raises:
-            TrainingError: if what was then is not kept.
-            FeatureValueError: as `values`.
-        """
-        dues = {command: self._then(command, n, ago) for command, n in commands.items()}
-
-        def changed(e: Example) -> Example:
-            due = dues[e.command]
-            values = self.values(due, features)
-            return replace(
-                e,
-                state=e.state if e.is_default else due.state,
-                features=as_entered(features, values) if e.is_default else values,
-                cycle=due.cycle,
-                ago=max(0.0, self._windows[e.command][0] - due.time),
-                readings=due.readings,
-            )
-
-        return [changed(e) for e in examples]
-
-    def _then(self, command: int, example: int, ago: float) -> Moment:
-        if command not in self._windows:
-            raise TrainingError(
-                f"example {example} was recorded in an earlier training, so what was before it is "
-                "not known; delete it, and demonstrate it again"
-            )
-        time, moments = self._windows[command]
-        longest = time - moments[0].time
-        if ago and longest <= 0.0:
-            raise TrainingError(
-                f"example {example} was commanded while the world stood still, so its command was "
-                "not late; delete it and demonstrate it again if it is wrong"
-            )
-        if not ago >= 0.0:
-            raise TrainingError(
-                f"a command cannot have been due {-ago:g} s after it was given; give a number "
-                f"from 0 to {longest:.2g}"
-            )
-        if ago > longest + STEP_SECONDS:
-            raise TrainingError(
-                f"{ago:g} s is too long ago: what was perceived in the last {longest:.2g} s "
-                f"before example {example} is kept; give a number from 0 to {longest:.2g}, or "
-                "delete the example and demonstrate it again"
-            )
-        return nearest(moments, time - ago)
+    def window(self, command: int) -> tuple[float, tuple[Moment, ...]] | None:
+        """Return when a command was given, s, and the moments that are kept around it."""
+        return self._windows.get(command)

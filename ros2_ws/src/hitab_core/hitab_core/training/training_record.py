@@ -7,7 +7,8 @@ from typing import Any
 
 from hitab_core.example import ExampleKind
 from hitab_core.example_codec import example_of, values_of
-from hitab_core.training.example_log import Edit, ExampleLog
+from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.undo import Edit
 
 
 def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
@@ -20,9 +21,9 @@ def prepared(log: ExampleLog, record: Mapping[str, Any]) -> Edit | None:
         case "command":
             return log.addition([example_of(e) for e in record["examples"]])
         case "undo":
-            return log.undoing()
+            return log.history.undo()
         case "redo":
-            return log.redoing()
+            return log.history.redo()
         case "delete":
             return log.deletion(record["numbers"])
         case "add":

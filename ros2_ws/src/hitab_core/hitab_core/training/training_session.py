@@ -17,12 +17,14 @@ from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
-from hitab_core.training.example_log import Direction, Edit, ExampleLog, these
-from hitab_core.training.exchange import exchanged
+from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.exchange import exchange
 from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
+from hitab_core.training.retiming import retiming
 from hitab_core.training.training_record import prepared
+from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
 from hitab_core.wording import some
@@ -472,7 +474,7 @@ class TrainingSession:
             VocabularyError: if there is no such feature.
         """
         self._check_features(features)
-        edit = self._exchange(tuple(features))
+        edit = exchange(self.log, self.curriculum, features, self.readable)
         return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
@@ -483,9 +485,11 @@ class TrainingSession:
         """
         match record["do"]:
             case "retime":
-                return self._retiming(record["numbers"], float(record["ago"]))
+                numbers, ago = record["numbers"], float(record["ago"])
+                return retiming(self.log, self.perception, numbers, ago, self.curriculum.features)
             case "features":
-                return self._exchange(tuple(map(Use.parse, record["features"])))
+                features = tuple(map(Use.parse, record["features"]))
+                return exchange(self.log, self.curriculum, features, self.readable)
         return prepared(self.log, record)
 
     def _check_features(self, features: Sequence[Use]) -> None:
@@ -499,23 +503,6 @@ class TrainingSession:
                 f"begins; begin again with it (`hitab train AGENT {self.curriculum.name} -f "
                 f'"{unread[0]}"`)'
             )
-
-    def _exchange(self, features: tuple[Use, ...]) -> Edit:
-        before = self.curriculum.features
-        after = exchanged(self.log.examples, before, features, self.readable, self.curriculum.name)
-        names = tuple(map(str, features))
-        return replace(
-            self.log.replacement(after, f"features {', '.join(names) or 'none'}"),
-            features=names,
-            features_before=tuple(map(str, before)),
-        )
-
-    def _retiming(self, numbers: Sequence[int], ago: float) -> Edit:
-        wanted = self.log.commands_of(numbers)
-        recorded = self.log.of_commands(wanted)
-        after = self.perception.retimed(recorded, wanted, ago, self.curriculum.features)
-        words = f"{these(wanted.values())} due {ago:g} s before its command"
-        return self.log.replacement(after, words)
 
     def _make(self, edit: Edit) -> None:
         """Make a prepared edit."""

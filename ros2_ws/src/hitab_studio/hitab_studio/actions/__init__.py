@@ -14,10 +14,10 @@ from hitab_studio.actions import (
     teaching,
     timing,
 )
-from hitab_studio.actions.registry import Wishes, is_urgent, perform
+from hitab_studio.actions.registry import RequestQueue, is_urgent, perform
 
 __all__ = [
-    "Wishes",
+    "RequestQueue",
     "answering",
     "arranging",
     "bootstrapping",

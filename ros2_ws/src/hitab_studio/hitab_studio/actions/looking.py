@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action, refuse
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
 from hitab_studio.session import TABS, Session
@@ -129,5 +129,5 @@ async def escape(session: Session, data: Data) -> None:
         session.lost = None
     elif session.table.marked:
         session.table.marked.clear()
-    elif session.is_training and not reasons.agent(session):
+    elif session.is_training and not unavailable.agent(session):
         await discard(session, data)

@@ -48,7 +48,7 @@ def is_urgent(data: Any) -> bool:
     return isinstance(data, Mapping) and data.get("do") in URGENT
 
 
-class Wishes:
+class RequestQueue:
     """The pending requests of a page, in order, without unintended repetitions.
 
     The second click of a double click is dropped, and so is a request that is pending already,

@@ -14,8 +14,8 @@ from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
 from hitab_studio.session import (
     CHOOSE_FIRST,
-    Asked,
     Session,
+    TargetsAsked,
     nothing_in_training,
     parameters_of,
 )
@@ -32,7 +32,7 @@ async def command(session: Session, data: Data) -> None:
     if training is not None:
         open_ = [p for p in open_ if p not in training.parameters]
     if open_:
-        session.asked = Asked(Use.parse(behavior).name, tuple(parameters), seen)
+        session.asked = TargetsAsked(Use.parse(behavior).name, tuple(parameters), seen)
         return
     if status is not None and status.mode in ("idle", "performing"):
         await _performed(session, behavior)

@@ -9,8 +9,8 @@ from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
-from hitab_studio.reasons import last_standing_still, standing_still
 from hitab_studio.session import Session
+from hitab_studio.unavailable import last_standing_still, standing_still
 
 RETIME = "retime"
 LONGEST_NAME = 60

@@ -12,8 +12,8 @@ from jinja2.utils import markupsafe
 
 from hitab_client.called_as import as_called
 from hitab_core import quantity
-from hitab_studio.reasons import off
 from hitab_studio.session import Session
+from hitab_studio.unavailable import off
 from hitab_studio.views import agents, dialog, emergency, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure
 

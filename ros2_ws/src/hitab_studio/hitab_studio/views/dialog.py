@@ -9,7 +9,7 @@ from typing import Any
 
 from hitab_client import SwarmError, reaction_time
 from hitab_core import FLAGS, Use, shown_unit
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.session import Session
@@ -81,7 +81,7 @@ def context(session: Session) -> dict[str, Any]:
                 for text, use in uses(vocabulary.behaviors, arguments)
             ],
             "running": world is not None and world.mode != "paused",
-            "agent_off": reasons.agent(session),
+            "agent_off": unavailable.agent(session),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
             "training": session.watched.training,
@@ -91,7 +91,7 @@ def context(session: Session) -> dict[str, Any]:
         arguments = [*session.watched.vocabulary.targets, *dialog["parameters"]]
         found |= {
             "features": _features(session, arguments),
-            "agent_off": reasons.agent(session),
+            "agent_off": unavailable.agent(session),
             "same": dialog["chosen"] == dialog["used"],
             "graph": _graph(session),
         }
@@ -101,7 +101,7 @@ def context(session: Session) -> dict[str, Any]:
         found |= {
             "when_unsure": WHEN_UNSURE,
             "now_unsure": session.status.when_unsure if session.status is not None else "",
-            "agent_off": reasons.agent(session),
+            "agent_off": unavailable.agent(session),
         }
     if kind == "reaction":
         found |= {"seconds": _reaction(session), "longest": reaction_time.LONGEST}

@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_client import Learned
 from hitab_core import Example, shown_unit
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.learned import is_contradicted, most_probable, superseding
 from hitab_studio.session import Session, Table
 from hitab_studio.views.numbers import measure
@@ -94,7 +94,7 @@ def _lines(session: Session, training: Learned) -> list[Line]:
                 superseded_by(superseded.get(example.number)),
                 moments.of(session.agent, training.name, example.number, example.cycle)
                 is not None,
-                reasons.standing_still(session, example),
+                unavailable.standing_still(session, example),
                 example.number in session.table.marked,
                 tuple((c, _cell(values[c], kinds[c], units.get(c, ""))) for c in columns),
             )

@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Generation, Generations
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.actions.bootstrapping import AS_IT_IS, SNAPSHOT
 from hitab_studio.generations import known_generations
 from hitab_studio.session import Session
@@ -56,7 +56,7 @@ def context(session: Session) -> dict[str, Any]:
         "mates": [a for a in session.agents if a != agent],
         "situations": [AS_IT_IS, *(f"{SNAPSHOT}{name}" for name in store.snapshots)],
         "has_world": store.known.world is not None,
-        "back_off": problem or busy or reasons.agent(session),
+        "back_off": problem or busy or unavailable.agent(session),
         "next_off": problem or busy or _next_off(session, behavior, trains=trains),
     }
 
@@ -64,7 +64,7 @@ def context(session: Session) -> dict[str, Any]:
 def _next_off(session: Session, behavior: str, *, trains: bool) -> str:
     if not trains:
         return f"{behavior} is not being trained: train it further, or go back to a generation."
-    return reasons.saving(session)
+    return unavailable.saving(session)
 
 
 def _rows(known: Generations) -> list[Row]:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_core import FLAGS, START, Use, some
-from hitab_ros.absence import STOPPED
+from hitab_ros.fault_texts import STOPPED
 from hitab_ros.names import WORLD
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.launching import Startable, unknown
@@ -54,15 +54,15 @@ def context(session: Session) -> dict[str, Any]:
         "stale": live and bool(world_absent or empty[0]),
         "lost": session.lost,
         "lost_off": _lost_off(session),
-        "agent_off": reasons.agent(session),
-        "undo_off": reasons.undoing(session),
-        "redo_off": reasons.redoing(session),
-        "earlier_off": reasons.retiming(session),
-        "test_off": reasons.testing(session),
-        "save_off": reasons.saving(session),
-        "switch_off": reasons.switching(session),
-        "command_off": reasons.commanding(session),
-        "raise_off": reasons.raising(session),
+        "agent_off": unavailable.agent(session),
+        "undo_off": unavailable.undoing(session),
+        "redo_off": unavailable.redoing(session),
+        "earlier_off": unavailable.retiming(session),
+        "test_off": unavailable.testing(session),
+        "save_off": unavailable.saving(session),
+        "switch_off": unavailable.switching(session),
+        "command_off": unavailable.commanding(session),
+        "raise_off": unavailable.raising(session),
         "last_done": history.done[-1] if history.done else "",
         "stuck": _stuck(session),
         "note": status.note if status is not None else "",

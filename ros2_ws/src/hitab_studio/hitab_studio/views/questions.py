@@ -25,7 +25,7 @@ TITLES = {
 
 
 @dataclass(frozen=True)
-class Asked:
+class ShownQuestion:
     """A question.
 
     Attributes:
@@ -41,10 +41,10 @@ class Asked:
     situation: tuple[tuple[str, str], ...]
 
 
-def questions(session: Session) -> list[Asked]:
+def questions(session: Session) -> list[ShownQuestion]:
     """Return the open questions of the agent."""
     return [
-        Asked(
+        ShownQuestion(
             question.number,
             TITLES.get(question.kind, "A question"),
             question.text,

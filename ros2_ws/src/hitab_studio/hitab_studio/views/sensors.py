@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 
 from hitab_core import quantity, some
-from hitab_ros import absence
+from hitab_ros import fault_texts
 from hitab_studio.robots.listening import SensorState
 from hitab_studio.robots.state import CameraState, RobotState
 from hitab_studio.session import Session
@@ -43,7 +43,7 @@ def row(sensor: SensorState, now: float) -> Row:
     if sensor.trouble:
         return Row(sensor.topic, sensor.kind, "not usable", True, f"It {sensor.trouble}.")
     if not sensor.publishers:
-        words = f"{absence.NOT_PUBLISHED.capitalize()}: start the robot's driver."
+        words = f"{fault_texts.NOT_PUBLISHED.capitalize()}: start the robot's driver."
         if sensor.heard is not None:
             ago = f"{now - sensor.heard:.0f} s ago"
             words = f"Its publisher is gone (last message {ago}): start the robot's driver again."
@@ -52,7 +52,7 @@ def row(sensor: SensorState, now: float) -> Row:
         return Row(sensor.topic, sensor.kind, "connected")
     if sensor.is_silent(now):
         seconds = round(now - (sensor.heard if sensor.heard is not None else sensor.since))
-        words = f"{absence.SILENT.capitalize()}."
+        words = f"{fault_texts.SILENT.capitalize()}."
         age = f"silent for {quantity(seconds, 'second')}"
         return Row(sensor.topic, sensor.kind, age, True, words)
     if sensor.heard is None:

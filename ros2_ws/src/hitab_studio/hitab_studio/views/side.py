@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.session import Session
 from hitab_studio.views import examples, learned, library, record, swarm, teach
@@ -41,7 +41,7 @@ def context(session: Session) -> dict[str, Any]:
         "agent": session.agent,
         "training": training,
         "absent": absent,
-        "agent_off": reasons.agent(session),
+        "agent_off": unavailable.agent(session),
         "ago_means": AGO_MEANS,
         "asks": bool(live) and not session.watched.vocabulary.domain,
         "counts": {

@@ -9,7 +9,7 @@ from typing import Any
 from hitab_client import SwarmError
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import FLAGS, Example, FeatureKind
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.learned import superseding
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
@@ -47,9 +47,9 @@ def context(session: Session) -> dict[str, Any]:
         "trained": sorted(session.watched.vocabulary.trained),
         "last_edits": [(text, False) for text in watched.history.done[-SHOWN:]]
         + [(text, True) for text in watched.history.undone[:SHOWN]],
-        "undo_off": reasons.undoing(session),
-        "redo_off": reasons.redoing(session),
-        "earlier_off": reasons.retiming(session),
+        "undo_off": unavailable.undoing(session),
+        "redo_off": unavailable.redoing(session),
+        "earlier_off": unavailable.retiming(session),
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),

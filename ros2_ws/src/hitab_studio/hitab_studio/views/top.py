@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Any
 
 from hitab_ros import names
-from hitab_studio import reasons
+from hitab_studio import unavailable
 from hitab_studio.absence import NOT_HEARD, absence
 from hitab_studio.known import Known
 from hitab_studio.session import Session
@@ -20,7 +20,7 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the bar shows."""
     store = session.shared.store
     world, scene = store.known.world, store.known.scene
-    world_off = reasons.world(session)
+    world_off = unavailable.world(session)
     pace = ""
     if world is not None:
         pace = "lockstep" if world.pace == "lockstep" else f"{world.factor:g}"

@@ -8,13 +8,13 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_ros import GuardedNode, Receivers, names, qos
-from hitab_world.attendance import Answer
 from hitab_world.host_registry import HostRegistry, PerceptOf
+from hitab_world.lockstep import Answer
 
 ALONE_MAX = 64  # agents for which topics are created before they join
 
 
-class Audience:
+class PerceptSender:
     """Sends percepts, one message per agent or host, and passes on the answers."""
 
     def __init__(self, node: GuardedNode, agents: tuple[str, ...]) -> None:

@@ -1,6 +1,6 @@
 """Measures how many cycles per second an in-process evaluation plays on one core.
 
-scripts/python research/inprocess.py --json inprocess.json
+scripts/python research/inprocess_speed.py --json speed.json
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-class Guard:
+class AccessControl:
     """Filters requests and web sockets before any other code sees them.
 
     For a page of another site, the browser sends that site's ``Origin``. With DNS rebinding,

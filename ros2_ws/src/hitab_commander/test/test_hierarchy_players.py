@@ -3,7 +3,7 @@
 import math
 
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.inprocess import Commander, InProcessHierarchy, Member
+from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
 from hitab_commander.kind_reader import parse_kind
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
@@ -52,7 +52,7 @@ def hierarchy(folder, features, behavior="Turns"):
     fields.complaints.raise_any()
     library = BehaviorLibrary(folder / "ants", ANT)
     chiefs = BehaviorLibrary(folder / "chief", commander_domain(kind))
-    return InProcessHierarchy(
+    return HierarchyPlayers(
         [Member("a", library, behavior), Member("b", library, "Wait")],
         [Commander("chief", kind, chiefs, "", ("a", "b"))],
     )

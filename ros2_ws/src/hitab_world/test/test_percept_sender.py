@@ -10,7 +10,7 @@ from hitab_msgs import msg
 from hitab_ros import qos
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, wait_until
-from hitab_world.audience import Audience
+from hitab_world.percept_sender import PerceptSender
 
 
 @pytest.fixture
@@ -28,10 +28,10 @@ def nodes() -> Iterator[tuple[GuardedNode, GuardedNode]]:
 
 def test_who_takes_the_place_of_another_at_once_is_noticed_and_shown_the_world(nodes):
     world, agent = nodes
-    audience = Audience(world, ("a",))
+    sender = PerceptSender(world, ("a",))
     first = agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
-    wait_until(lambda: audience.has("a"))
-    wait_until(lambda: not audience.look())
+    wait_until(lambda: sender.has("a"))
+    wait_until(lambda: not sender.look())
 
     def receivers() -> set[bytes]:
         ends = world.get_subscriptions_info_by_topic("/a/percept")
@@ -41,20 +41,20 @@ def test_who_takes_the_place_of_another_at_once_is_noticed_and_shown_the_world(n
     agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
     agent.destroy_subscription(first)
     wait_until(lambda: len(receivers()) == 1 and receivers().isdisjoint(before))
-    assert audience.has("a")
-    assert audience.look(), "there is as many as before, but another one"
-    wait_until(lambda: not audience.look())
+    assert sender.has("a")
+    assert sender.look(), "there is as many as before, but another one"
+    wait_until(lambda: not sender.look())
 
 
 def test_a_killed_process_that_is_given_up_after_another_took_its_place_changes_nothing(nodes):
     world, agent = nodes
-    audience = Audience(world, ("a",))
+    sender = PerceptSender(world, ("a",))
     killed = agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
     agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
     wait_until(lambda: world.count_subscribers("/a/percept") == 2)
-    wait_until(lambda: audience.has("a"))
-    wait_until(lambda: not audience.look())
+    wait_until(lambda: sender.has("a"))
+    wait_until(lambda: not sender.look())
     agent.destroy_subscription(killed)
     wait_until(lambda: world.count_subscribers("/a/percept") == 1)
-    assert not audience.look()
-    assert audience.has("a")
+    assert not sender.look()
+    assert sender.has("a")

@@ -103,7 +103,7 @@ class Watched:
     questions: tuple[Question, ...] = ()
 
 
-class Watch:
+class AgentWatch:
     """Asks one agent, without ever waiting for an answer.
 
     Args:

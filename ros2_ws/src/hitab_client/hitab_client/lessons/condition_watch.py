@@ -26,7 +26,7 @@ LOOK_SECONDS = 0.1
 """Between two looks at robots without a world."""
 
 
-class Watch:
+class ConditionWatch:
     """Watches the agents of a swarm that has no world; a context manager.
 
     Args:
@@ -109,7 +109,7 @@ class Watch:
         return True
 
 
-class WorldWatch(Watch):
+class WorldWatch(ConditionWatch):
     """Watches a paused world and steps it.
 
     Args:

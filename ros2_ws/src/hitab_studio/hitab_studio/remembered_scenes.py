@@ -18,7 +18,7 @@ Key = tuple[str, str, int, int]
 
 
 @dataclass(frozen=True)
-class Moments:
+class ExampleScenes:
     """The moments of examples, by agent, automaton, number and cycle of the example.
 
     Attributes:
@@ -38,7 +38,7 @@ class Moments:
         return (agent, automaton, number, cycle) in self.still
 
 
-class Situations:
+class RememberedScenes:
     """Remembers recent moments by the world's cycle, and those of examples permanently.
 
     Attributes:
@@ -46,7 +46,7 @@ class Situations:
     """
 
     def __init__(self) -> None:
-        self.kept = Moments()
+        self.kept = ExampleScenes()
         self._recent: OrderedDict[int, Scene] = OrderedDict()
         self._now: Scene | None = None
 
@@ -69,7 +69,7 @@ class Situations:
                 new[key] = scene
         if new or still - self.kept.still:
             scenes = MappingProxyType({**self.kept.scenes, **new})
-            self.kept = Moments(scenes, self.kept.still | still)
+            self.kept = ExampleScenes(scenes, self.kept.still | still)
 
     def _nearest(self, cycle: int) -> Scene | None:
         # Viewers see one state of several cycles: the next older one is as good.

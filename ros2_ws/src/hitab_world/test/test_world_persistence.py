@@ -6,12 +6,12 @@ import time
 import pytest
 from hitab_msgs.msg import WorldStatus
 
-from hitab_world.attendance import Attendance
 from hitab_world.control import Control
 from hitab_world.course import Course
+from hitab_world.lockstep import RoundAnswers
 from hitab_world.settings import WorldSettings
-from hitab_world.world_keeper import WorldKeeper
 from hitab_world.world_memory import LATEST
+from hitab_world.world_persistence import WorldPersistence
 
 
 class Pond:
@@ -27,12 +27,12 @@ class Pond:
 @pytest.fixture
 def course():
     control = Control(WorldStatus.LOCKSTEP, 1.0, paused=True)
-    return Course(Pond(), control, Attendance((), lambda _: True))
+    return Course(Pond(), control, RoundAnswers((), lambda _: True))
 
 
-def keeper_of(course, folder, warned):
+def persistence_of(course, folder, warned):
     settings = WorldSettings(swarm="pond-1", state_dir=str(folder), snapshot_period=60.0)
-    return WorldKeeper("world", course, settings, warned.append)
+    return WorldPersistence("world", course, settings, warned.append)
 
 
 def ask_for(course, episodes):
@@ -43,31 +43,31 @@ def ask_for(course, episodes):
 def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(course, tmp_path):
     """It was saved once the world had its leisure: a world killed before then stood still."""
     warned = []
-    keeper = keeper_of(course, tmp_path, warned)
-    keeper.attend()
+    persistence = persistence_of(course, tmp_path, warned)
+    persistence.save_if_due()
     for episodes in range(1, 6):
         ask_for(course, episodes)
-        keeper.keep_now()
+        persistence.save_now()
         saved = json.loads((tmp_path / "world" / LATEST).read_bytes())
         assert saved["control"]["episodes_left"] == episodes
-    keeper.close()
+    persistence.close()
     assert warned == []
 
 
 def test_a_request_that_changes_nothing_saves_nothing(course, tmp_path):
-    keeper = keeper_of(course, tmp_path, [])
-    keeper.keep_now()
+    persistence = persistence_of(course, tmp_path, [])
+    persistence.save_now()
     assert not (tmp_path / "world").exists()
 
 
 def test_what_cannot_be_saved_holds_up_no_request(course, tmp_path):
     (tmp_path / "world").write_text("no folder")
     warned = []
-    keeper = keeper_of(course, tmp_path, warned)
+    persistence = persistence_of(course, tmp_path, warned)
     for episodes in (1, 2):
         ask_for(course, episodes)
-        keeper.keep_now()
-    keeper.close()
-    keeper.keep_now()
+        persistence.save_now()
+    persistence.close()
+    persistence.save_now()
     (told,) = warned
     assert "a restart would not resume the world's latest state" in told

@@ -1,4 +1,4 @@
-"""Which agents of a world are present, and which have answered in this round."""
+"""Lockstep: which agents of a world are present, and have answered the percepts of a round."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 Answer = tuple[Sequence[float], str]
 
 
-class Attendance:
+class RoundAnswers:
     """Records the answers to one round of percepts.
 
     An agent that misses a deadline is not waited for until it answers again: a dead one must not

@@ -18,7 +18,7 @@ LEISURE = 50
 """Minimum time between two snapshots, as a multiple of the time that one takes."""
 
 
-class WorldKeeper:
+class WorldPersistence:
     """The memory of a world's course.
 
     The state is saved for the swarm with its identity; see `WorldMemory`. Nothing is saved for a
@@ -71,7 +71,7 @@ class WorldKeeper:
         course.control.take_over(control)
         return True
 
-    def attend(self) -> None:
+    def save_if_due(self) -> None:
         """Save the state if it is due and has changed; called between cycles."""
         if self._memory is None:
             return
@@ -79,7 +79,7 @@ class WorldKeeper:
         if now >= self._earliest_s and (self._course.touched or now >= self._next_s):
             self._keep(now)
 
-    def keep_now(self) -> None:
+    def save_now(self) -> None:
         """Save what a request has changed, and wait until it is saved: then acknowledge it."""
         if self._memory is not None and self._course.touched:
             self._keep(time.monotonic())

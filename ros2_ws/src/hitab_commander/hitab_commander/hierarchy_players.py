@@ -1,13 +1,13 @@
-"""Play swarms with commanders in one process: the same bodies and engine, without ROS.
+"""Players with commanders, for the loop that plays a world in one process.
 
-Agents and commanders are those of `hitab_core` and of this package, and what is decided is the
-same, bit for bit, as over topics in lockstep (`hitab_commander.lockstep`); reports and orders are
-passed as objects. The players are for the loop of `hitab_world.inprocess`.
+The loop is `hitab_world.inprocess.play`. Agents and commanders are those of `hitab_core` and of
+this package, and what is decided is the same, bit for bit, as over topics in lockstep
+(`hitab_commander.lockstep`); reports and orders are passed as objects.
 
 Example::
 
     world = ForagingWorld(seed=7)
-    hierarchy = InProcessHierarchy(
+    hierarchy = HierarchyPlayers(
         [Member(name, library) for name in world.agents],
         [Commander("squad_1", kind, squad_library, "SquadForage", world.agents[:5])],
     )
@@ -58,34 +58,7 @@ class Commander:
     subordinates: tuple[str, ...]
 
 
-class HierarchyPlayer:
-    """Plays one agent of a hierarchy; see `hitab_world.inprocess.Player`."""
-
-    def __init__(self, node: _Node, cycle_seconds: float) -> None:
-        self._node = node
-        self._cycle_seconds = cycle_seconds
-        self._cycle = 0
-        self.body = self
-
-    def begin(self, seed: int, episode: int) -> None:
-        """Begin an episode with the next percept, at Start; so do its commanders."""
-        self._node.begin(seed, episode)
-
-    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take a percept."""
-        self._node.perceive(values, heard, self._cycle, self._cycle * self._cycle_seconds)
-        self._cycle += 1
-
-    def tick(self) -> None:
-        """Perform one timestep."""
-        self._node.agent.tick()
-
-    def act(self) -> tuple[Sequence[float], str]:
-        """Return what the agent does."""
-        return self._node.agent.act()
-
-
-class InProcessHierarchy:
+class HierarchyPlayers:
     """Agents and their commanders, handing reports up and orders down.
 
     Args:
@@ -105,11 +78,11 @@ class InProcessHierarchy:
         cycle_seconds: float = 0.1,
     ) -> None:
         nodes: dict[str, _Node] = {}
+        self.players: dict[str, _Member] = {}
         for member in members:
             agent = Agent(member.name, member.library.domain, member.library)
-            nodes[member.name] = _Node(agent, member.behavior)
-        self._members = list(nodes.values())
-        self.players = {name: HierarchyPlayer(node, cycle_seconds) for name, node in nodes.items()}
+            player = _Member(agent, member.behavior, cycle_seconds)
+            nodes[member.name] = self.players[member.name] = player
         self._commanders: list[_CommanderNode] = []
         for commander in commanders:
             agent = Agent(commander.name, commander_domain(commander.kind), commander.library)
@@ -124,7 +97,7 @@ class InProcessHierarchy:
     def confer(self) -> None:
         """Pass reports up and orders down, once all have perceived and before anybody acts."""
         self._round += 1
-        for member in self._members:
+        for member in self.players.values():
             member.report(self._round)
         for commander in self._commanders:
             commander.report(self._round)
@@ -160,6 +133,21 @@ class _Node:
         report = self.subordinate.round_begins(number, look=False, restart=self._restarted)
         if self.superior is not None:
             self.superior.hear(report)
+
+
+class _Member(_Node):
+    """A player: see `hitab_world.inprocess.Player`; it is also its own body."""
+
+    def __init__(self, agent: Agent, behavior: str, cycle_seconds: float) -> None:
+        super().__init__(agent, behavior)
+        self.body = self
+        self.tick, self.act = agent.tick, agent.act
+        self._cycle_seconds = cycle_seconds
+        self._cycle = 0
+
+    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
+        self.perceive(values, heard, self._cycle, self._cycle * self._cycle_seconds)
+        self._cycle += 1
 
 
 class _CommanderNode(_Node):

@@ -1,0 +1,80 @@
+"""Saving: what a training adds to a library, and what the agent knows afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from hitab_core.automaton import Automaton
+from hitab_core.errors import VocabularyError
+from hitab_core.library.behavior_file import BehaviorFile
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.change import LibraryChange
+from hitab_core.library.edition import Edition
+from hitab_core.library.trimming import check_bound, rebind, trim
+from hitab_core.training.training_session import TrainingSession
+
+
+class Saved(NamedTuple):
+    """A training that was saved.
+
+    Attributes:
+        automaton: that was learned.
+        path: of its file.
+        notes: on what was trimmed or stopped.
+        replaced: the number of its version and what that replaces, in words; empty if nothing.
+    """
+
+    automaton: Automaton
+    path: Path
+    notes: list[str]
+    replaced: str
+
+
+def to_be_saved(
+    session: TrainingSession,
+    name: str = "",
+    bindings: Mapping[str, str] | None = None,
+    description: str = "",
+    *,
+    keep_unused: bool = False,
+) -> tuple[Automaton, list[str]]:
+    """Return what saving would add to the library and what it would trim; see `Agent.save`.
+
+    Raises:
+        TrainingError: if no example leaves Start.
+        VocabularyError: if something would remain unbound.
+    """
+    repertoire, classifier = session.context.repertoire, session.curriculum.classifier
+    learned = session.automaton("saved")
+    if name or description:
+        learned = replace(learned, name=name or learned.name, description=description)
+    if bindings:
+        learned = rebind(learned, bindings, repertoire, classifier=classifier)
+    if keep_unused:
+        check_bound(learned, repertoire.domain)
+        return learned, []
+    return trim(learned, repertoire, classifier=classifier)
+
+
+def edition_with(
+    saved: BehaviorFile, change: LibraryChange, library: BehaviorLibrary, known: Edition
+) -> Edition:
+    """Return the edition of a library that an agent knows after a change that saves a behavior.
+
+    Raises:
+        VocabularyError: if the behavior does not fit what is there.
+    """
+    losses = known.losses
+    try:
+        if losses and change.problems.keys() <= losses.reasons.keys():
+            return change.edition()  # what was lost may be usable again
+        # Other agents' additions to a shared library are picked up on reload.
+        return library.editions.of({**known.files, saved.name: saved}, losses)
+    except VocabularyError as error:
+        raise VocabularyError(
+            f'"{saved.name}" cannot be saved: {error}; save it under another name, or '
+            "first retrain what uses it"
+        ) from None
