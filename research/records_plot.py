@@ -26,7 +26,7 @@ MEANS: dict[str, dict[str, float]] = {
     "quantised": {"UT hand, real server": 18.3},
     "full": {"UT hand, real server": 32.9, "reinforcement learning, jointly": 88.0},
 }
-"""Mean hold times of others, s; docs/beyond-the-paper.md names their sources."""
+"""Mean hold times of others, s; research/beyond-the-paper.md names their sources."""
 
 
 def lasting(seconds: Sequence[float]) -> tuple[list[float], list[float]]:

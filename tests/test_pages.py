@@ -51,7 +51,6 @@ def reader(tmp_path, home, hitab, monkeypatch):
         pytest.param("docs/tutorial.md", marks=pytest.mark.long),
         pytest.param("docs/commanders.md", marks=pytest.mark.long),
         pytest.param("docs/bootstrapping.md", marks=pytest.mark.long),
-        pytest.param("docs/deleted-behavior.md", marks=pytest.mark.long),
         pytest.param("docs/second-thoughts.md", marks=pytest.mark.long),
     ],
 )
