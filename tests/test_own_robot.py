@@ -25,14 +25,12 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-import hitab_robots
 from hitab_client.domain_ids import reserved
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
 from hitab_core.domain import Domain, load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_robots.settings import DESCRIPTIONS, OF_SENSOR
 from hitab_robots.velocity_relay import SILENT_S
 from hitab_ros import qos
 from hitab_ros.stamps import seconds_of
@@ -501,15 +499,6 @@ def test_where_things_are_is_told_relative_to_the_robot():
     assert read("Bumped") == 1.0
     body = sensed(domain, **pose)
     assert math.isnan(read("Bumped"))
-
-
-def test_the_page_explains_each_word_and_parameter():
-    page = (EXAMPLE.parents[1] / "docs/robots.md").read_text(encoding="utf-8")
-    between_link_and_relay = {"agent_pid", "kills_hung_agent"}
-    base_class = {"Sensor"}
-    names = {*hitab_robots.__all__, *DESCRIPTIONS, *OF_SENSOR}
-    for name in names - between_link_and_relay - base_class:
-        assert re.search(rf"\b{name}\b", page), name
 
 
 def test_the_commands_of_the_page_make_a_copy_under_another_name(tmp_path):
