@@ -122,9 +122,9 @@ def test_a_swarm_listens_to_this_machine_only(home: Path, tmp_path: Path, monkey
         assert addresses([running.record.supervisor, *pids, os.getpid()]) == {"127.0.0.1"}
 
 
-@pytest.mark.parametrize(
-    ("said", "profile", "found"),
-    [
+def test_the_network_is_reached_only_if_the_user_says_so() -> None:
+    """What is chosen stays when a process that was started so starts others."""
+    for said, profile, found in [
         ({}, LOOPBACK, "SYSTEM_DEFAULT"),
         ({RANGE: "LOCALHOST"}, LOOPBACK, "SYSTEM_DEFAULT"),
         ({RANGE: "SUBNET"}, NETWORK, "SUBNET"),
@@ -132,15 +132,12 @@ def test_a_swarm_listens_to_this_machine_only(home: Path, tmp_path: Path, monkey
         ({RANGE: "SUBNET", VARIABLES[0]: str(LOOPBACK)}, NETWORK, "SUBNET"),
         ({VARIABLES[1]: "/home/me/mine.xml"}, Path("/home/me/mine.xml"), "LOCALHOST"),
         ({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, NETWORK, "LOCALHOST"),
-    ],
-)
-def test_the_network_is_reached_only_if_the_user_says_so(said, profile, found) -> None:
-    """What is chosen stays when a process that was started so starts others."""
-    chosen = dict(said)
-    for _ in range(2):
-        choose_profile(chosen)
-        assert {chosen[name] for name in VARIABLES if name in chosen} == {str(profile)}
-        assert chosen[RANGE] == found
+    ]:
+        chosen = dict(said)
+        for _ in range(2):
+            choose_profile(chosen)
+            assert {chosen[name] for name in VARIABLES if name in chosen} == {str(profile)}
+            assert chosen[RANGE] == found
 
 
 def seconds_between_announcements(profile: Path) -> float:

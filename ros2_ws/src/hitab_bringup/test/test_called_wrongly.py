@@ -23,9 +23,8 @@ def told(*arguments: str) -> str:
     return re.sub(r"[\s│╭╮╰╯─]+", " ", result.output)
 
 
-@pytest.mark.parametrize(
-    ("call", "expected"),
-    [
+def test_the_error_names_the_argument_and_what_it_may_be():
+    for call, expected in [
         ("world step x", """'cycles': it must be a whole number of at least 1, not "x\""""),
         ("world step -30", "cycles must be a whole number of at least 1, not a negative number"),
         ("world pace realtime --factor x", "'--factor': it must be a number"),
@@ -35,10 +34,8 @@ def told(*arguments: str) -> str:
         ("reaction -1", "-1 is no option, and no negative number is expected here"),
         ("world place keeper_1 z=1", 'keeper_1 has no field "z"; its fields are x (m), y (m), '),
         ("world place keeper_1 x=far", 'x must be a number, not "far"'),
-    ],
-)
-def test_the_error_names_the_argument_and_what_it_may_be(call, expected):
-    assert expected in told(*call.split())
+    ]:
+        assert expected in told(*call.split())
 
 
 def test_a_mistyped_file_gets_the_one_beside_it(tmp_path):

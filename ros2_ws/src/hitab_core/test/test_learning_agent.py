@@ -105,9 +105,8 @@ def test_a_feature_may_be_declared_in_full():
     assert domain.features["Heading"].kind is FeatureKind.TOROIDAL
 
 
-@pytest.mark.parametrize(
-    ("wrong", "error", "words"),
-    [
+def test_what_is_used_wrongly_is_refused_with_the_way_out():
+    for wrong, error, words in [
         (lambda a: a.step([1.0], command="Lft"), VocabularyError, 'Did you mean "Left"?)'),
         (lambda a: a.step([1.0, 2.0]), FeatureValueError, "has 2 values, the first one had 1"),
         (lambda a: a.learn(), TrainingError, "command the behavior"),
@@ -116,15 +115,13 @@ def test_a_feature_may_be_declared_in_full():
         (lambda a: a.train("Other", ["Positon"]), VocabularyError, "Position"),
         (lambda a: a.perform("Shutle"), VocabularyError, "(known: Left, Right)"),
         (lambda a: a.save(), TrainingError, "command the behavior"),
-    ],
-)
-def test_what_is_used_wrongly_is_refused_with_the_way_out(wrong, error, words):
-    agent = LearningAgent(cart()).train("Shuttle")
-    with pytest.raises(TrainingError):
-        agent.step([1.0])  # nothing was commanded yet
-    with pytest.raises(error) as raised:
-        wrong(agent)
-    assert words in str(raised.value)
+    ]:
+        agent = LearningAgent(cart()).train("Shuttle")
+        with pytest.raises(TrainingError):
+            agent.step([1.0])  # nothing was commanded yet
+        with pytest.raises(error) as raised:
+            wrong(agent)
+        assert words in str(raised.value)
 
 
 def test_an_agent_that_is_taught_nothing_says_how_to_begin():
@@ -150,19 +147,17 @@ def test_a_percept_that_is_too_short_names_the_feature():
         LearningAgent(domain).train("It").step([1.0], command="Go")
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"x": 1.0, "y": 2.0}, "1.0", ["a", "b"], [[1.0, 2.0]], 3.0, None, [], [1.0]]
-)
-def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_after_it(wrong):
-    domain = plain_domain("pair", ["Go", "Wait"], {"Sum": lambda p: p[0] + p[1]})
-    agent = LearningAgent(domain).train("It")
-    with pytest.raises(FeatureValueError):
-        agent.step(wrong, command="Go")
-    assert agent.examples == ()
-    agent.step([1.0, 2.0], command="Go")
-    agent.step([5.0, 2.0], command="Wait")
-    agent.learn()
-    assert [agent.decide([x, 2.0]) for x in (1.0, 5.0)] == ["Go", "Wait"]
+def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_after_it():
+    for wrong in [{"x": 1.0, "y": 2.0}, "1.0", ["a", "b"], [[1.0, 2.0]], 3.0, None, [], [1.0]]:
+        domain = plain_domain("pair", ["Go", "Wait"], {"Sum": lambda p: p[0] + p[1]})
+        agent = LearningAgent(domain).train("It")
+        with pytest.raises(FeatureValueError):
+            agent.step(wrong, command="Go")
+        assert agent.examples == ()
+        agent.step([1.0, 2.0], command="Go")
+        agent.step([5.0, 2.0], command="Wait")
+        agent.learn()
+        assert [agent.decide([x, 2.0]) for x in (1.0, 5.0)] == ["Go", "Wait"]
 
 
 def test_a_training_can_begin_again_with_percepts_of_another_length():
@@ -180,15 +175,12 @@ def test_a_feature_whose_function_fails_is_named_with_the_percept():
         LearningAgent(domain).train("It").step([1.0, 0.0], command="Go")
 
 
-@pytest.mark.parametrize(
-    ("behaviors", "features", "words"),
-    [
+def test_a_domain_that_cannot_be_is_refused():
+    for behaviors, features, words in [
         ({"Go": "fast"}, ["X"], "list of numbers"),
         ({"Go": []}, {"X": 3.0}, "give a function of the percept"),
         ({"Go on": []}, ["X"], "is not a name"),
         (["Go", "Stop"], ["X", "X"], '"X" twice'),
-    ],
-)
-def test_a_domain_that_cannot_be_is_refused(behaviors, features, words):
-    with pytest.raises(VocabularyError, match=words):
-        plain_domain("bad", behaviors, features)
+    ]:
+        with pytest.raises(VocabularyError, match=words):
+            plain_domain("bad", behaviors, features)

@@ -581,22 +581,19 @@ def test_a_parameter_is_passed_down_through_any_number_of_levels():
     assert agent.log() == ["start GoTo(y)", "pulse GoTo(y)"]
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
+def test_what_cannot_be_commanded_is_refused_with_what_could_be():
+    for wrong, message in [
         ("GoTo", r"takes 1 target, not 0; write, for example, GoTo\(\w+\)"),
         ("GoTo(x, y)", r"takes 1 target, not 2; write, for example, GoTo\(x\)"),
         ("A(x)", r"takes no targets, not 1; write A"),
         ("GoTo(z)", r'unknown target "z".*known: x, y'),
         ("Fly", r'unknown behavior "Fly" \(known: A, B, C, GoTo, Once\)'),
         ("Start", "cannot be commanded"),
-    ],
-)
-def test_what_cannot_be_commanded_is_refused_with_what_could_be(wrong, message):
-    session = Agent().train()
-    with pytest.raises(VocabularyError, match=message):
-        session.command(Use.parse(wrong))
-    assert not session.examples
+    ]:
+        session = Agent().train()
+        with pytest.raises(VocabularyError, match=message):
+            session.command(Use.parse(wrong))
+        assert not session.examples
 
 
 def test_an_automaton_with_parameters_is_trained_with_them_bound_to_targets():

@@ -1,5 +1,6 @@
 """What a transition tree learns from examples, and how it decides."""
 
+import itertools
 import math
 import subprocess
 import sys
@@ -89,11 +90,11 @@ def test_every_example_that_no_other_contradicts_is_reproduced(examples):
             assert odds[tree.labels.index(label)] == 1
 
 
-@pytest.mark.parametrize("scale", [CONTINUOUS, BOOLEAN, DEGREES, COLOR])
-def test_two_features_that_matter_only_together_are_both_tested(scale):
-    X = [[0, 0], [0, 1], [1, 0], [1, 1]]
-    tree = TransitionTree([scale, scale]).fit(X, ["Stop", "GoFast", "GoFast", "Stop"])
-    assert tree.predict(X).tolist() == ["Stop", "GoFast", "GoFast", "Stop"]
+def test_two_features_that_matter_only_together_are_both_tested():
+    for scale in [CONTINUOUS, BOOLEAN, DEGREES, COLOR]:
+        X = [[0, 0], [0, 1], [1, 0], [1, 1]]
+        tree = TransitionTree([scale, scale]).fit(X, ["Stop", "GoFast", "GoFast", "Stop"])
+        assert tree.predict(X).tolist() == ["Stop", "GoFast", "GoFast", "Stop"]
 
 
 def test_features_that_can_never_tell_contradicting_examples_apart_are_not_tested():
@@ -290,27 +291,29 @@ def test_an_arc_at_zero_is_the_same_as_one_elsewhere():
     assert at_zero.predict([[-1e-20], [0], [360], [-0.0]]).tolist() == ["Go"] * 4
 
 
-@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 1, 0)])
-@pytest.mark.parametrize("labels", ["AAB", "ABA", "BAA", "ABC"])
-@pytest.mark.parametrize("turn", [0, 10, 95, 180, -75])
-def test_an_end_of_an_arc_belongs_to_the_side_above_it_also_at_zero(order, labels, turn):
-    # Ends lie at 0, 95 and 265, turned; so some are exactly at zero.
-    places = [-10 + turn, 10 + turn, 180 + turn]
-    tree = TransitionTree([DEGREES]).fit([[places[i]] for i in order], [labels[i] for i in order])
-    decide, states = by_index(tree, tree.labels)
-    for end, above, below in ((0, 1, 0), (95, 2, 1), (265, 0, 2)):
-        at = end + turn
-        for place, index in (
-            (at, above),
-            (at + 360, above),
-            (at + 1e-9, above),
-            (at - 1e-9, below),
-            (at % 360 - 1e-20, above),  # too little to be another place than the end
-        ):
-            label = labels[index]
-            assert tree.explain([place], ["a"]).distribution == {label: 1}
-            assert tree.predict([[place]]).tolist() == [label]
-            assert states[decide([float(place)], no_reading, None)] == label
+def test_an_end_of_an_arc_belongs_to_the_side_above_it_also_at_zero():
+    for order, labels, turn in itertools.product(
+        [(0, 1, 2), (1, 0, 2), (2, 1, 0)], ["AAB", "ABA", "BAA", "ABC"], [0, 10, 95, 180, -75]
+    ):
+        # Ends lie at 0, 95 and 265, turned; so some are exactly at zero.
+        places = [-10 + turn, 10 + turn, 180 + turn]
+        tree = TransitionTree([DEGREES]).fit(
+            [[places[i]] for i in order], [labels[i] for i in order]
+        )
+        decide, states = by_index(tree, tree.labels)
+        for end, above, below in ((0, 1, 0), (95, 2, 1), (265, 0, 2)):
+            at = end + turn
+            for place, index in (
+                (at, above),
+                (at + 360, above),
+                (at + 1e-9, above),
+                (at - 1e-9, below),
+                (at % 360 - 1e-20, above),  # too little to be another place than the end
+            ):
+                label = labels[index]
+                assert tree.explain([place], ["a"]).distribution == {label: 1}
+                assert tree.predict([[place]]).tolist() == [label]
+                assert states[decide([float(place)], no_reading, None)] == label
 
 
 # The same as others find
@@ -547,20 +550,17 @@ def test_infinite_values_are_refused_by_the_name_of_the_feature(bad, decide_batc
         TransitionTree().fit([[bad]], ["Stop"])
 
 
-@pytest.mark.parametrize(
-    ("scale", "bad", "why"),
-    [
+def test_values_that_a_feature_cannot_have_are_refused():
+    for scale, bad, why in [
         (BOOLEAN, 0.5, "0 or 1"),
         (COLOR, 4, "0 to 3"),
         (COLOR, 1.5, "0 to 3"),
         (COLOR, -1, "0 to 3"),
         (Scale(FeatureKind.CATEGORICAL), 0.1, "0, 1, 2"),
-    ],
-)
-def test_values_that_a_feature_cannot_have_are_refused(scale, bad, why):
-    tree = TransitionTree([CONTINUOUS, scale])
-    with pytest.raises(FeatureValueError, match=f"feature 1 has value {bad}.*{why}"):
-        tree.fit([[1, 0], [2, bad]], ["Stop", "GoFast"])
+    ]:
+        tree = TransitionTree([CONTINUOUS, scale])
+        with pytest.raises(FeatureValueError, match=f"feature 1 has value {bad}.*{why}"):
+            tree.fit([[1, 0], [2, bad]], ["Stop", "GoFast"])
 
 
 def test_a_circle_without_a_length_is_refused():
@@ -710,9 +710,8 @@ def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
         assert held == [tree.explain([place], ["a"]).distribution]
 
 
-@pytest.mark.parametrize(
-    ("start", "end", "words"),
-    [
+def test_an_arc_of_radians_is_written_in_degrees_with_the_lower_end_first():
+    for start, end, words in [
         (-10, 10, "in -10..10 deg"),
         (10, -10, "outside -10..10 deg"),
         (-1.5, -6.5, "outside -6.5..-1.5 deg"),
@@ -729,14 +728,12 @@ def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
         (60 + 1e-9, 60, "!= 60 deg"),
         (180, 180 + 1e-9, "= 180 deg"),
         (-180 + 1e-9, 180 - 1e-9, "!= 180 deg"),
-    ],
-)
-def test_an_arc_of_radians_is_written_in_degrees_with_the_lower_end_first(start, end, words):
-    turn = Scale(FeatureKind.TOROIDAL, math.tau)
-    around = [math.radians(place) % math.tau for place in (start, end)]
-    node = ArcNode(0, math.tau, *around, (1, 1), Leaf((1, 0)), Leaf((0, 1)))
-    assert tree_text.conditions([(node, 0)], [turn], ["a"]) == (f"a {words}",)
-    assert tree_text.conditions([(node, 0)], [turn], ["a"], ["rad"]) == (f"a {words}",)
+    ]:
+        turn = Scale(FeatureKind.TOROIDAL, math.tau)
+        around = [math.radians(place) % math.tau for place in (start, end)]
+        node = ArcNode(0, math.tau, *around, (1, 1), Leaf((1, 0)), Leaf((0, 1)))
+        assert tree_text.conditions([(node, 0)], [turn], ["a"]) == (f"a {words}",)
+        assert tree_text.conditions([(node, 0)], [turn], ["a"], ["rad"]) == (f"a {words}",)
 
 
 def test_an_explanation_tells_the_tests_in_order_and_the_features_looked_at():

@@ -1,6 +1,6 @@
 """A page shows each message once, says how often it came, and lets it be closed."""
 
-from hitab_studio.messages import MOST, SECONDS, Messages, sentence
+from hitab_studio.messages import MOST, SECONDS, Messages
 
 
 class Clock:
@@ -42,13 +42,3 @@ def test_a_message_can_be_closed_and_old_ones_make_room():
     assert [m.text for m in messages.shown] == [f"message {i}" for i in range(2, MOST + 2)]
     messages.close(messages.shown[1].number)
     assert len(messages.shown) == MOST - 1
-
-
-def test_a_message_begins_with_a_capital_letter_but_a_name_stays_as_it_is():
-    names = {"keeper_1", "ball", "scout"}
-    assert sentence("the world is paused", names) == "The world is paused"
-    assert sentence("keeper_1 performs Chase", names) == "keeper_1 performs Chase"
-    assert sentence("keeper_9: not there", names) == "keeper_9: not there"
-    assert sentence("scout performs Chase", names) == "scout performs Chase"
-    assert sentence("nobody is called that", names) == "Nobody is called that"
-    assert sentence('"corner" is back', names) == '"corner" is back'
