@@ -21,7 +21,6 @@ from hitab_client.dds_profile import (
     RANGE,
     VARIABLES,
     choose_profile,
-    profile_for,
 )
 from hitab_client.run_processes import process_states
 from hitab_client.swarm_choice import LOOK_SECONDS
@@ -151,10 +150,3 @@ def seconds_between_announcements(profile: Path) -> float:
 def test_who_was_started_by_hand_is_found_while_it_is_looked_for() -> None:
     """A new process hears of the others when they announce themselves next."""
     assert seconds_between_announcements(LOOPBACK) <= LOOK_SECONDS / 3
-
-
-def test_large_swarms_announce_themselves_less_often(tmp_path: Path) -> None:
-    """Announcements cost the square of the number of processes."""
-    counts = (3, 25, 50, 100)
-    periods = [seconds_between_announcements(profile_for(tmp_path, count)) for count in counts]
-    assert periods == [0.25, 0.25, 1.0, 4.0]

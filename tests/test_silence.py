@@ -48,8 +48,6 @@ def suspended(swarm):
     "call",
     [
         ("demonstrate", ONE, "Stop"),
-        ("vocabulary", ONE),
-        ("distribute", ONE, "A"),
         ("distribute", "keeper_2", "A", "--to", ONE),
     ],
 )

@@ -20,13 +20,6 @@ swarm: {name}
 domain: keepaway
 agents: {{{agent}: {{}}}}
 """
-APART = """\
-swarm: {name}
-world: {{kind: keepaway, paused: true}}
-domain: keepaway
-namespace: {name}
-agents: {{{name}_1: {{}}}}
-"""
 WITH_WORLD = """\
 swarm: soccer
 world: {kind: keepaway, pace: lockstep, paused: true}
@@ -96,24 +89,6 @@ def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
     assert processes_of(folder) == []
     assert list(running_swarms()) == []
     assert not Path(record.socket).exists()
-
-
-def test_two_swarms_at_once_live_in_different_domains(hitab, swarm_home, monkeypatch):
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    for name in ("red", "blue"):
-        up = hitab("up", write(swarm_home, name, APART.format(name=name)))
-        assert up.returncode == 0, up.stderr
-    assert "ROS domain 0 " in up.stderr, "why it is in another one"
-    domains = {record.swarm: record.domain_id for _, record in running_swarms()}
-    assert len(set(domains.values())) == 2
-    which = hitab("status")
-    assert which.returncode == 1
-    assert "several swarms are up; choose one with --swarm NAME:" in which.stderr
-    assert "  red: started at " in which.stderr
-    status = hitab("status", "--swarm", "red", "--json", "-")
-    assert [agent["agent"] for agent in json.loads(status.stdout)["agents"]] == ["red_1"]
-    assert hitab("down", "red").stdout == "red is down\n"
-    assert [record.swarm for _, record in running_swarms()] == ["blue"]
 
 
 def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, swarm_home):

@@ -3,15 +3,6 @@
 ONE = "keeper_1"
 
 
-def test_every_behavior_and_feature_is_described(keepers):
-    words = keepers.agents.vocabulary(ONE)
-    behaviors = dict(zip(words.behaviors, words.behavior_descriptions, strict=True))
-    assert behaviors["TurnToBall"] == "turn to face the ball"
-    features = dict(zip(words.features, words.feature_descriptions, strict=True))
-    assert features["DistanceTo(X)"] == "distance to X"
-    assert all(features.values())
-
-
 def test_the_history_of_a_training_is_told(keepers):
     agents = keepers.agents
     agents.begin(ONE, "Told", features=["DistanceTo(ball)"], discard=True)

@@ -376,18 +376,6 @@ def test_feedback_is_a_feature_of_the_state_that_it_belongs_to(make):
     assert depth(body) == 0.0
 
 
-def test_a_goal_that_cannot_be_made_raises_failed_and_names_the_field(make):
-    one, server = make(kind=domain(goal={"behavior": lambda body, place: 3.0}))
-    one.agent.perform(Use("Walk"))
-    one.ticks_until("Cry")
-    assert 'the field "behavior" must be text, not 3.0' in one.faults
-    one.agent.domain.behaviors["GoTo"].goal["behavior"] = lambda body, place: body.nowhere
-    one.agent.perform(Use("Walk"))
-    one.ticks_until("Cry")
-    assert 'the field "behavior" of its goal could not be made: AttributeError' in one.faults
-    assert not server.goals
-
-
 class Held:
     """The stop of a robot, as its link would set it."""
 

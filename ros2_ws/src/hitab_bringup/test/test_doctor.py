@@ -40,21 +40,6 @@ def doctor(*arguments: str) -> int:
     return ended.value.code
 
 
-def test_each_line_has_a_level_and_whatever_is_not_right_a_way_out(capfd):
-    code = doctor("--json", "-")
-    found = json.loads(capfd.readouterr().out)
-    about = [finding["about"] for finding in found]
-    for expected in ("Python", "HiTAB", "ROS", "messages", "DDS", "discovery", "ROS domain"):
-        assert expected in about
-    for expected in ("swarm", "nodes", "files", "disk", "memory", "shared memory", "limits"):
-        assert expected in about
-    assert code == int(any(finding["level"] == "error" for finding in found))
-    for finding in found:
-        assert finding["level"] in ("ok", "warning", "error")
-        assert finding["text"]
-        assert bool(finding["way_out"]) == (finding["level"] != "ok")
-
-
 def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, capfd):
     monkeypatch.setenv("ROS_DOMAIN_ID", "abc")
     assert doctor() == 1
@@ -67,7 +52,6 @@ def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, ca
     ("said", "level", "text"),
     [
         (None, "ok", "not chosen: each swarm gets a free one"),
-        ("7", "ok", "7: all commands mean swarms in this domain"),
         ("150", "warning", "150: its ports may be in use"),
         ("233", "error", "is not a number from 0 to 232"),
     ],
@@ -101,14 +85,6 @@ def test_discovery_is_explained(variables, level, text, monkeypatch):
     assert text in finding.text
 
 
-def test_a_profile_of_the_users_own_is_named(monkeypatch, tmp_path):
-    own = tmp_path / "own.xml"
-    own.write_text("<dds/>")
-    monkeypatch.setenv(VARIABLES[0], str(own))
-    monkeypatch.setenv(VARIABLES[1], str(own))
-    assert f"by your own DDS profile {own}" in {finding.text for finding in ros.middleware()}
-
-
 def test_another_middleware_and_localhost_only_are_warned_of(monkeypatch):
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
@@ -121,8 +97,6 @@ def test_another_middleware_and_localhost_only_are_warned_of(monkeypatch):
     [
         ("RMW_IMPLEMENTATION", "rmw_none_cpp", "RMW_IMPLEMENTATION=rmw_none_cpp is not installed"),
         ("ROS_DOMAIN_ID", "abc", "ROS_DOMAIN_ID=abc is not a number from 0 to 232"),
-        ("ROS_DOMAIN_ID", "999", "ROS_DOMAIN_ID=999 is not a number from 0 to 232"),
-        (RANGE, "NEAR", f"{RANGE}=NEAR is none of LOCALHOST, SUBNET"),
         ("ROS_SECURITY_ENABLE", "true", "but ROS from wheels has no DDS security"),
     ],
 )
@@ -277,24 +251,3 @@ def test_little_memory_and_low_limits_are_reported(monkeypatch, tmp_path):
     monkeypatch.setattr(machine.resource, "getrlimit", lambda _: (500, 100_000))
     machine.BUFFER.write_text("4194304\n")
     assert one(machine.limits()).level == "ok"
-
-
-def test_packages_of_several_versions_are_reported(monkeypatch):
-    monkeypatch.setattr(machine, "version", lambda name: "2" if name == "hitab_core" else "1")
-    finding = one(machine.packages())
-    assert finding.level == "error"
-    assert "hitab_core 2" in finding.text
-
-
-def test_what_was_left_in_shared_memory_is_counted(tmp_path):
-    (tmp_path / "fastrtps_port7411").touch()
-    (tmp_path / "sem.fastrtps_port7411_mutex").touch()
-    finding = one(machine.shared_memory(tmp_path))
-    assert finding.text == f"2 files in {tmp_path} that ROS programs have left behind"
-
-
-def test_the_version_is_said(capfd):
-    with pytest.raises(SystemExit) as ended:
-        make_app()(["--version"])
-    assert ended.value.code == 0
-    assert capfd.readouterr().out == f"hitab {machine.version('hitab_bringup')}\n"

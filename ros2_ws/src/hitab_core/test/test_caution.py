@@ -65,18 +65,3 @@ def test_a_caution_that_means_nothing_is_refused() -> None:
     ]:
         with pytest.raises(TrainingError, match=why):
             Caution.parse(when, support, distance)
-
-
-@pytest.mark.parametrize(
-    ("caution", "words"),
-    [
-        (Caution(), "when it is unsure: go_on"),
-        (Caution(WhenUnsure.HALT, support=2), "when it has fewer than 2 examples: halt"),
-        (
-            Caution(WhenUnsure.HAND_BACK, distance=1.5),
-            "when it is farther than 1.5 from any example: hand_back",
-        ),
-    ],
-)
-def test_a_caution_is_put_into_words(caution: Caution, words: str) -> None:
-    assert str(caution) == words

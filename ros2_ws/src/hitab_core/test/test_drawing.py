@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,10 +10,6 @@ from hitab_core.drawing.graph import arrows
 from hitab_core.drawing.picture import draw_automata
 from hitab_core.drawing.text import automaton_as_text
 from hitab_core.errors import HitabError
-from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
-
-Teach = Callable[..., Automaton]
 
 
 def test_a_text_shows_states_transitions_as_rules_and_trees(
@@ -67,32 +62,6 @@ def test_automata_are_drawn_side_by_side_into_a_file(
         words = set(re.findall(r">([^<>\n]+)</text>", path.read_text()))
         assert {"Start", "Approach", "Control", "Kick", "GoTo(goal)", "Done"} <= words
         assert "BallIsKickable" in words
-
-
-def test_the_same_automaton_gives_the_same_picture(tmp_path: Path, keepaway: Automaton) -> None:
-    one = draw_automata([keepaway], tmp_path / "one.svg").read_bytes()
-    assert draw_automata([keepaway], tmp_path / "two.svg").read_bytes() == one
-
-
-def test_automata_without_rules_and_with_many_states_can_be_drawn(
-    tmp_path: Path, teach: Teach
-) -> None:
-    empty = Automaton("Empty", (), (), {})
-    written = Automaton("Fixed", (Use("Stop"),), (), {"Start": HandWritten(lambda: "Stop")})
-    states = ["GoFast", "GoSlow", "Stop", "Kick", "GoTo(ball)", "GoTo(goal)", "Patrol", "Failed"]
-    many = teach(
-        "Many",
-        ["DistanceTo(ball)"],
-        [
-            (s, [i + j], t)
-            for i, s in enumerate(["Start", *states[:-1]])
-            for j, t in enumerate(states)
-            if s != t and (i + j) % 3
-        ],
-    )
-    path = draw_automata([empty, written, many], tmp_path / "all.png")
-    assert path.stat().st_size > 10_000
-    assert "a function without rules decides" in automaton_as_text(written)
 
 
 def test_a_picture_that_cannot_be_drawn_is_named(tmp_path: Path, keepaway: Automaton) -> None:

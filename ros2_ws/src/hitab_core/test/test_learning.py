@@ -81,10 +81,6 @@ def test_default_examples_leave_the_rest_of_the_world_to_keeping_on():
     ]
 
 
-def test_no_examples_no_functions():
-    assert learn_transitions([], SCALES) == {}
-
-
 def test_the_trees_parameters_can_be_given_in_words():
     pruned = learn_transition(
         "tree(prune=True, min_samples_leaf=2)",

@@ -41,12 +41,6 @@ def test_ten_lines_train_an_agent_that_goes_on_by_itself():
     assert seen.index(5.0) < seen.index(0.0)
 
 
-def test_what_it_decides_is_the_name_of_a_state():
-    agent = shuttle(LearningAgent(cart()))
-    agent.learn()
-    assert [agent.decide([x]) for x in (1.0, 4.0, 6.0, 3.0)] == ["Right", "Right", "Left", "Left"]
-
-
 def test_an_unsaved_training_is_not_thrown_away_and_the_error_says_what_to_call():
     agent = shuttle(LearningAgent(cart()))
     with pytest.raises(TrainingError, match=r'"Shuttle" has 6 unsaved .* call save\(\)'):
@@ -65,18 +59,6 @@ def test_a_command_after_learning_is_a_correction():
 
     assert agent.examples[-2].kind == "correction"
     assert agent.decide([3.0]) == "Left"
-
-
-def test_a_saved_behavior_is_a_state_of_the_next(tmp_path):
-    agent = shuttle(LearningAgent(cart(), tmp_path / "library"))
-    file = agent.save(description="To and fro.")
-    agent.train("Both", states=["Shuttle", "Left"])
-    agent.step([0.0], command="Shuttle")
-    agent.learn()
-
-    assert file.name == "Shuttle.hfa.yaml"
-    assert agent.decide([0.0]) == "Shuttle"
-    assert LearningAgent(cart(), tmp_path / "library").perform("Shuttle").step([0.0]) == (1.0,)
 
 
 def test_a_damaged_library_is_a_warning_and_what_is_lost_is_refused_with_the_reason(tmp_path):

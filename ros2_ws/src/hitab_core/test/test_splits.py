@@ -19,7 +19,6 @@ from hitab_core.learning.splits import (
     Split,
     Threshold,
     choose_split,
-    split_boolean,
     split_by,
     split_categorical,
     split_continuous,
@@ -353,13 +352,6 @@ def test_there_is_no_split_where_all_values_are_the_same(kind):
     assert split_by(examples([1, 1, 1], [0, 1, 2]), Scale(kind, 360.0)) is None
 
 
-def test_a_boolean_feature_splits_into_false_and_true():
-    split = split_boolean(examples([1, 0, 1, 0], [0, 1, 0, 1]))
-    assert split.test == Threshold(0.5)
-    assert [part.tolist() for part in split.parts] == [[1, 3], [0, 2]]
-    assert (split.gain, split.ratio) == (1, 1)
-
-
 def test_a_categorical_feature_splits_into_all_categories_seen():
     split = split_categorical(examples([4, 0, 2, 0], [0, 1, 2, 1]))
     assert split.test == Categories((0, 2, 4))
@@ -411,7 +403,3 @@ def test_ties_go_to_the_first_feature_where_boolean_ones_have_no_precedence():
 def test_differences_that_come_from_rounding_decide_nothing():
     close = [made(1 - 1e-14, 1 - 1e-14), made(1, 1)]
     assert choose_split(close, [CONTINUOUS] * 2)[0] == 0
-
-
-def test_there_is_no_choice_where_no_feature_splits():
-    assert choose_split([None, None], [CONTINUOUS] * 2) is None

@@ -16,9 +16,7 @@ from sklearn.tree import DecisionTreeClassifier
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
-from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import tree_text
-from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, ThresholdNode, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors, prune
@@ -120,21 +118,6 @@ def test_the_distribution_at_a_leaf_is_that_of_the_examples_that_came_to_it(exam
         tuple(Counter(label for _, label in together)[s] for s in tree.labels)
         for together in came.values()
     )
-
-
-def test_a_threshold_lies_half_way_between_two_examples():
-    tree = TransitionTree().fit([[2.0], [5.0]], ["Stop", "GoFast"])
-    assert tree.root_ == ThresholdNode(0, 3.5, (1, 1), Leaf((0, 1)), Leaf((1, 0)))
-
-
-def test_a_threshold_lies_beside_the_example_that_is_not_a_default_one():
-    X, y = [[2.0], [5.0]], ["Stop", "GoFast"]
-    above = TransitionTree().fit(X, y, default=[False, True])
-    below = TransitionTree().fit(X, y, default=[True, False])
-    assert above.root_.threshold == math.nextafter(2, 5)
-    assert below.root_.threshold == math.nextafter(5, 2)
-    assert above.predict([[2.0], [2.001]]).tolist() == ["Stop", "GoFast"]
-    assert below.predict([[4.999], [5.0]]).tolist() == ["Stop", "GoFast"]
 
 
 LOST_AT_5_M = [
@@ -563,11 +546,6 @@ def test_values_that_a_feature_cannot_have_are_refused():
             tree.fit([[1, 0], [2, bad]], ["Stop", "GoFast"])
 
 
-def test_a_circle_without_a_length_is_refused():
-    with pytest.raises(VocabularyError, match=r"feature 0.*period"):
-        TransitionTree([Scale(FeatureKind.TOROIDAL)]).fit([[1]], ["Stop"])
-
-
 def test_wrong_shapes_and_parameters_are_refused():
     for arguments in (
         ([1, 2], ["A", "B"]),
@@ -607,41 +585,6 @@ def a_tree():
         ],
         ["Stop"] * 3 + ["GoFast"] * 2 + ["GoSlow"] * 2 + ["Pass", "Stop", "Pass", "Stop"],
     )
-
-
-def test_a_tree_is_drawn_with_a_line_for_each_branch():
-    assert a_tree().as_text(NAMES).splitlines() == [
-        "DirectionTo(ball) outside -60..50",
-        "|   not BallIsKickable",
-        "|   |   DistanceTo(ball) <= 4.5: Stop (2)",
-        "|   |   DistanceTo(ball) > 4.5: GoSlow (2)",
-        "|   BallIsKickable",
-        "|   |   Color = red: Pass 0.667, Stop 0.333 (3)",
-        "|   |   Color = blue: Stop (1)",
-        "|   |   Color is none of red, blue: Pass 0.5, Stop 0.5 (4)",
-        "DirectionTo(ball) in -60..50",
-        "|   DistanceTo(ball) <= 3.5: Stop (1)",
-        "|   DistanceTo(ball) > 3.5: GoFast (2)",
-    ]
-
-
-def test_a_tree_that_tests_nothing_is_drawn_in_one_line():
-    assert TransitionTree().fit([[1], [1]], ["A", "B"]).as_text(["x"]) == "A 0.5, B 0.5 (2)"
-
-
-def test_a_rule_for_one_long_number_leaves_no_room_for_it_in_the_others():
-    measured = 0.48750999569892883  # by a scanner, in 32 bits
-    shown = (
-        Example("F", (0.3,), "F", ExampleKind.DEFAULT, 1),
-        Example("F", (measured,), "T", ExampleKind.DEMONSTRATED, 2),
-        Example("F", (0.6,), "F", ExampleKind.DEFAULT, 3),
-    )
-    rules = learn_transitions(shown, (Scale(),))["F"].rules(["X"])
-    assert [rule.conditions for rule in rules] == [
-        ("X < 0.48751",),
-        ("X = 0.48751",),
-        ("X > 0.48751",),
-    ]
 
 
 def test_there_is_a_rule_for_each_leaf():
@@ -841,9 +784,3 @@ def test_a_pruned_tree_is_the_tree_with_some_nodes_made_leaves(examples, confide
             assert type(whole) is type(pruned)
             assert whole.feature == pruned.feature
             waiting.extend(zip(whole.branches, pruned.branches, strict=True))
-
-
-def test_the_ends_of_an_interval_have_as_many_digits_as_tell_them_apart():
-    tree = TransitionTree().fit([[0.2088405], [0.2088409], [0.2088413]], ["a", "b", "a"])
-    between = next(rule for rule in tree.rules(["x"]) if rule.distribution.get("b") == 1.0)
-    assert between.conditions == ("0.2088407 < x <= 0.2088411",)

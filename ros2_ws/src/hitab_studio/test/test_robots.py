@@ -17,16 +17,13 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import CompressedImage, LaserScan
 
-from hitab_ros import absence
 from hitab_studio.robots import messages
 from hitab_studio.robots.frames import Frames, applied, heading, in_plane
-from hitab_studio.robots.listening import SensorState
 from hitab_studio.robots.messages import Refused
 from hitab_studio.robots.serving import png_of
 from hitab_studio.robots.showing import Ground, robot_scene, scans_frame
 from hitab_studio.robots.topics import Options, map_topic, robots_topics
 from hitab_studio.scene import Palette, roster
-from hitab_studio.views.sensors import row
 
 Kinds = Sequence[tuple[str, list[str]]]
 
@@ -335,26 +332,3 @@ def test_robots_are_a_field_in_which_no_command_means_a_moment_of_a_world():
     data = scans_frame(scene.names, {"robot_10": [cloud, cloud], "gone": [cloud]})
     assert struct.unpack("<6I", data[:24]) == (2, 2, 0, 0, 1, 2)
     assert np.frombuffer(data[24:], "<f4").tolist() == [1.0, 2.0, 1.0, 2.0]
-
-
-def test_each_sensor_says_how_old_it_is_or_how_it_is_absent():
-    for sensor, age in [
-        (SensorState("/t", "Imu", 1, since=0.0, heard=99.6), "0.4 s ago"),
-        (SensorState("/t", "Imu", 1, since=0.0, heard=90.0), "silent for 10 seconds"),
-        (SensorState("/t", "BatteryState", 1, since=0.0, heard=90.0), "10.0 s ago"),
-        (SensorState("/t", "Imu", 1, since=0.0), "silent for 100 seconds"),
-        (SensorState("/t", "Imu", 1, since=99.5), "waiting for it"),
-        (SensorState("/t", "Imu", 0, since=0.0, heard=99.6), "no publisher"),
-        (SensorState("/t", "Image", 1), "connected"),
-        (SensorState("/t", "Imu", 1, since=0.0, heard=99.6, trouble="is wrong"), "not usable"),
-    ]:
-        shown = row(sensor, 100.0)
-        assert shown.age == age
-        assert shown.bad == ("ago" not in age and age not in ("connected", "waiting for it"))
-
-
-def test_an_absent_sensor_is_told_in_the_words_of_the_agents_status():
-    silent = row(SensorState("/t", "Imu", 1, since=0.0, heard=90.0), 100.0)
-    unpublished = row(SensorState("/t", "Imu", 0, since=0.0), 100.0)
-    assert silent.about.lower().startswith(absence.SILENT)
-    assert unpublished.about.lower().startswith(absence.NOT_PUBLISHED)

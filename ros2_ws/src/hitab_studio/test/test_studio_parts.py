@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from hitab_msgs.msg import Entity, Look, WorldState
-from hypothesis import given
-from hypothesis import strategies as st
 from visualization_msgs.msg import MarkerArray
 
 from hitab_client import Learned
@@ -21,9 +19,9 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.guard import Guard, is_loopback, new_token
 from hitab_studio.known import Known
-from hitab_studio.learned import effect, is_contradicted, superseding
+from hitab_studio.learned import effect, is_contradicted
 from hitab_studio.locks import Holder, Locks
-from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, roster, scene_of
+from hitab_studio.scene import NO_COLOR, Palette, frame, roster, scene_of
 from hitab_studio.situations import RECENT, Situations
 from hitab_studio.store import Store
 from hitab_studio.tree_rows import tree_rows
@@ -92,16 +90,6 @@ async def page(scope: Any, receive: Any, send: Any) -> None:
     await send({"type": "http.response.start", "status": 200, "headers": []})
 
 
-@pytest.mark.parametrize("kind", ["http", "websocket"])
-def test_only_this_page_talks_to_the_server(kind):
-    guard, refused = Guard(page), 403 if kind == "http" else 1008
-    assert answer_of(guard, kind) == 200
-    assert answer_of(guard, kind, origin="http://127.0.0.1:80") == 200
-    assert answer_of(guard, kind, origin="http://127.0.0.1:81") == refused
-    assert answer_of(guard, kind, origin="null") == refused
-    assert answer_of(guard, kind, host="evil.example") == refused
-
-
 def test_with_a_token_only_who_shows_it_is_let_in():
     guard = Guard(page, "0.0.0.0", "right-token")
     there = {"host": "robot.lan:8080"}
@@ -167,13 +155,6 @@ def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():
     assert len(data) == 16 + 14 * 2
 
 
-@given(st.lists(st.text(min_size=1), min_size=1))
-def test_a_state_keeps_its_color(states):
-    palette = Palette()
-    first = {state: palette.index(state) for state in states}
-    assert all(palette.index(state) == color < COLORS for state, color in first.items())
-
-
 def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
     situations = Situations()
     situations.see(scene(1, 3.0))
@@ -217,17 +198,6 @@ def test_the_effect_of_other_features_is_told_in_decisions_on_the_same_examples(
     told = effect(before, blind)
     assert [(e.number, was) for e, was, _ in told.decisions] in ([(1, "GoFast")], [(2, "GoSlow")])
     assert all("BallIsKickable" not in rule for rule in told.rules_gone)
-
-
-def test_what_supersedes_an_example_is_named():
-    examples = [
-        example(1, "Start", 2.0, "GoFast"),
-        example(2, "GoFast", 2.0, "GoFast", "superseded"),
-        example(3, "GoFast", 2.0, "Stop"),
-        example(4, "Stop", 2.0, "Stop", "default"),
-        example(5, "GoFast", 3.0, "Stop"),
-    ]
-    assert superseding(examples) == {2: [3]}
 
 
 def test_the_path_of_a_decision_is_lit_in_the_tree():
