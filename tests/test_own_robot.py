@@ -370,15 +370,6 @@ def test_what_a_robot_perceives_now_is_shown_with_units_and_faults(desk):
     assert 'unknown feature "Height"' in refused.stderr
 
 
-def test_status_and_doctor_say_the_same_of_wiring_that_cannot_work(desk):
-    desk.link.node.create_publisher(Twist, f"/{ROBOT}/cmd_vel", qos.EVENTS)
-    past = f"publishes /{ROBOT}/cmd_vel, past the velocity_relay"
-    desk.until(lambda: desk.has_fault(past))
-    (told,) = (fault for fault in desk.agents.statuses[ROBOT].faults if past in fault)
-    for verb in ("status", "doctor"):
-        assert told in " ".join(desk.run("hitab_bringup.main", verb).stdout.split()), verb
-
-
 def test_what_stands_for_nav2_drives_through_the_relay_as_the_page_says(desk):
     root = EXAMPLE.parents[1]
     page = (root / "docs/robots.md").read_text(encoding="utf-8")

@@ -20,9 +20,6 @@ def shown_at(person: Person, name: str, x: float, y: float) -> None:
     )
 
 
-# -- seeing -----------------------------------------------------------------------------------
-
-
 # -- fingers ----------------------------------------------------------------------------------
 
 
@@ -82,36 +79,6 @@ def test_a_finger_chooses_drags_and_turns(swarm, tablet):
         lambda: abs(entity(swarm, ONE).heading - math.pi / 2) < 0.2, "it was turned"
     )
     assert entity(swarm, ONE).x == pytest.approx(place.x, abs=0.05)
-
-
-@needs_browser
-def test_the_knob_of_what_is_chosen_turns_it_although_it_lies_on_another_thing(swarm, person):
-    away_from_everybody(swarm, 6.0)
-    shown_at(person, ONE, -6.0, 0.0)
-    person.click(f"agent-{ONE}")
-    person.waits_until(lambda: field(person, "f.handles.length") == 1, "it has a knob")
-    knob = "f.toField(f.handles[0].x, f.handles[0].y)"
-    x, y = field(person, knob)
-    swarm.world.shown(swarm.world.place({"taker_1": {"x": x, "y": y}}))
-    shown_at(person, "taker_1", x, y)
-    box = person.page.locator("canvas#field").bounding_box()
-    at = field(person, "f.handles[0]")
-    person.page.keyboard.down("Shift")  # chooses the other one, too
-    person.page.mouse.click(box["x"] + at["x"], box["y"] + at["y"])
-    person.page.keyboard.up("Shift")
-    person.waits_until(lambda: len(field(person, "[...f.chosen]")) == 2, "both are chosen")
-    person.click(f"agent-{ONE}")
-    person.waits_until(lambda: field(person, "[...f.chosen]") == [ONE], "one is chosen")
-    at = field(person, "f.handles[0]")
-    person.page.mouse.move(box["x"] + at["x"], box["y"] + at["y"])
-    person.page.mouse.down()
-    place = entity(swarm, ONE)
-    person.page.mouse.move(*person.on_screen(place.x, place.y + 5.0), steps=5)
-    person.page.mouse.up()
-    person.waits_until(
-        lambda: abs(entity(swarm, ONE).heading - math.pi / 2) < 0.2, "it was turned"
-    )
-    assert entity(swarm, "taker_1").x == pytest.approx(x, abs=0.3)
 
 
 @needs_browser

@@ -223,18 +223,3 @@ def test_features_are_exchanged_after_a_look_at_what_would_be_learned(swarm, per
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     person.sees("recorded", "DistanceTo(ball)")
-
-
-@needs_browser
-def test_an_example_that_a_command_supersedes_is_struck_through_and_says_why(swarm, person):
-    away_from_everybody(swarm, 5.0)
-    begin(person, "Second")
-    for behavior, examples in (("GoFast", 2), ("Stop", 4)):  # in the same situation
-        person.click(f"do-{behavior}")
-        person.sees("counts", f"{examples} examples")
-    person.click("tab-examples")
-    row = person.page.wait_for_selector('[data-test="example-2"].superseded')
-    cell = row.query_selector("td:nth-child(4)")
-    assert "superseded by example 3" in cell.get_attribute("title")
-    assert "line-through" in cell.evaluate("e => getComputedStyle(e).textDecoration")
-    assert person.page.locator(".superseded").count() == 1
