@@ -194,27 +194,6 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
     assert "Stop" in shown.stdout
 
 
-def test_a_training_that_was_not_meant_is_named_and_discarded(begun, hitab):
-    shown = hitab("demonstrate", ONE, "Stop")
-    assert shown.stdout == "keeper_1 performs Stop; Near has 2 examples (1 default)\n"
-    refused = hitab("train", ONE, "Other", "-f", "DistanceTo(ball)")
-    assert refused.returncode == 1
-    assert '"Near" has 2 unsaved examples' in refused.stderr
-    assert "`hitab discard keeper_1`" in refused.stderr
-    assert hitab("test", ONE).stdout == 'keeper_1 is testing "Near"\n'
-    assert hitab("train", ONE).stdout == 'keeper_1 is training "Near"\n'
-    assert hitab("undo", ONE).stdout == '"Near" has 0 examples\n'
-    assert hitab("redo", ONE).stdout == '"Near" has 2 examples\n'
-    discarded = hitab("discard", ONE)
-    assert discarded.stdout == 'keeper_1 is idle; discarded "Near" with 2 unsaved examples\n'
-    assert begun.link.spin_until(lambda: begun.agents.statuses[ONE].mode == "idle", 5)
-    again = hitab("discard", ONE)
-    assert again.returncode == 1
-    assert "keeper_1 has no training to discard" in again.stderr
-    assert hitab("train", ONE, "Other", "-f", "Done").stdout == 'training "Other"\n'
-    assert begun.agents.discard(ONE).message.endswith('"Other", which had no examples')
-
-
 def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
     begun.agents.begin(ONE, "Fresh", features=["DistanceTo(ball)"], discard=True)
     begun.agents.command(ONE, "GoFast")

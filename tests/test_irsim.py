@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor_msgs.msg import LaserScan
@@ -70,23 +69,6 @@ def test_the_trained_robots_do_not_drive_at_what_is_near_whatever_they_do(seen):
         velocity, _ = player.body.act()
         if velocity:  # none where a round ends
             assert velocity[0] == 0.0 or ahead > 0.5
-
-
-def test_each_seed_gives_a_room_of_its_own_with_space_around_robots():
-    from irsim_robots.room import CLEARANCE, HULL, room
-
-    rooms = [room(seed, 2, 0.1) for seed in range(20)]
-    assert rooms[3] == room(3, 2, 0.1)
-    assert len({yaml.safe_dump(one) for one in rooms}) == len(rooms)
-    for one in rooms:
-        places = [robot["state"][:2] for robot in one["robot"]]
-        assert math.dist(*places) > 2 * HULL + CLEARANCE
-        for obstacle in one["obstacle"]:
-            shape = obstacle["shape"]
-            if shape["name"] == "rectangle":
-                half = math.hypot(shape["length"], shape["width"]) / 2.0
-                for at in places:
-                    assert math.dist(at, obstacle["state"][:2]) - half > HULL
 
 
 @given(

@@ -1,6 +1,5 @@
 """A robot of one's own, examples/diff_drive: trained by topics, and safe when something fails."""
 
-import json
 import math
 import os
 import re
@@ -348,26 +347,6 @@ def test_an_agent_that_hung_goes_on_only_once_re_armed(desk):
     assert desk.stays_where_it_is()
     desk.arm()
     desk.until(lambda: not desk.told_to_stand_still())
-
-
-def test_what_a_robot_perceives_now_is_shown_with_units_and_faults(desk):
-    desk.await_value("RangeAhead")
-    shown = desk.run("hitab_bringup.main", "perceive", ROBOT).stdout
-    rows = [line.split() for line in shown.splitlines()]
-    assert ["RangeAhead", "2.5", "m"] in rows
-    assert ["HeadingTo(goal)", "-26.6", "deg"] in rows
-    assert ["Bumped", "no"] in rows
-    desk.end("robot")
-    desk.until(lambda: desk.has_fault("nobody publishes it"))
-    shown = desk.run("hitab_bringup.main", "perceive", ROBOT, "RangeAhead").stdout
-    assert ["RangeAhead", "no", "value"] in [line.split() for line in shown.splitlines()]
-    assert f"sensor scan, /{ROBOT}/scan: nobody publishes it" in " ".join(shown.split())
-    told = desk.run("hitab_bringup.main", "perceive", ROBOT, "RangeAhead", "--json", "-")
-    (feature,) = json.loads(told.stdout)["features"]
-    assert (feature["name"], feature["value"], feature["unit"]) == ("RangeAhead", None, "m")
-    refused = desk.run("hitab_bringup.main", "perceive", ROBOT, "Height")
-    assert refused.returncode == 1
-    assert 'unknown feature "Height"' in refused.stderr
 
 
 def test_what_stands_for_nav2_drives_through_the_relay_as_the_page_says(desk):

@@ -96,13 +96,6 @@ def test_the_watching_status_notices_who_falls_silent(swarm, suspended):
         os.close(terminal)
 
 
-def test_a_suspended_world_is_named(swarm, hitab, suspended):
-    suspended("world")
-    done = hitab("world", "resume")
-    assert done.returncode == 1
-    assert "world's process is suspended" in done.stderr
-
-
 def test_an_agent_that_runs_but_does_not_answer_is_silent_for_as_long_as_it_was_waited_for(
     swarm, monkeypatch
 ):

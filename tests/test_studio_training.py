@@ -7,7 +7,7 @@ import getpass
 from typing import Any
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, begin, needs_browser
+from browsing import ONE, Person, away_from_everybody, begin, needs_browser
 
 from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
@@ -68,19 +68,6 @@ def test_the_history_shows_what_undo_undoes_and_redo_redoes(swarm, person):
     person.page.keyboard.press("y")
     person.page.wait_for_selector('[data-test="history"] .undone', state="detached")
     person.sees("counts", "4 examples")
-
-
-@needs_browser
-def test_esc_in_the_search_shows_all_agents_again_and_ends_no_training(swarm, person):
-    away_from_everybody(swarm, 5.0)
-    begin(person, "Found")
-    person.page.fill(".search input", "nobody")
-    person.page.wait_for_selector("text=No agent matches.")
-    person.page.focus(".search input")
-    person.page.keyboard.press("Escape")
-    person.sees(f"agent-{TWO}")
-    person.sees("mode", "Training")
-    assert not person.page.query_selector("[data-modal]")
 
 
 # -- for when a command counts ----------------------------------------------------------------

@@ -284,17 +284,3 @@ def test_a_swarm_whose_supervisor_died_is_taken_down_by_any_of_its_names(hitab, 
         name = {"lone": "lone", "identity": record.identity, "folder": str(folder.path)}[which]
         assert hitab("down", "--swarm", name).stdout == "lone is down\n"
         assert folder.processes() == []
-
-
-def test_a_temporary_swarm_looks_for_a_domain_where_its_names_are_free(
-    home, place, tmp_path, monkeypatch
-):
-    # What outlives the process that had reserved a domain is still there.
-    with domain_ids.reserved() as first, domain_ids.reserved() as second:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(first))
-    with by_hand(tmp_path):
-        offered = iter((first, second))
-        monkeypatch.setattr(domain_ids, "reserved", lambda: contextlib.nullcontext(next(offered)))
-        swarm = parse_swarm(LONE, tmp_path / "lone.yaml")
-        with temporary_swarm(swarm, tmp_path / "run") as running:
-            assert running.record.domain_id == second

@@ -133,13 +133,6 @@ def test_a_read_only_place_for_the_files_of_a_swarm_is_told_with_the_way_out(
     assert list(running_swarms()) == []
 
 
-def test_up_says_that_nothing_can_be_saved_to_a_read_only_library(hitab, swarm_home, read_only):
-    description = write(swarm_home, "one", ONE.format(name="one", agent="keeper_1"))
-    up = hitab("up", description, "--library", str(read_only))
-    assert up.returncode == 0, up.stderr
-    assert f"keeper_1: nothing can be saved to {read_only}: it is read-only" in up.stderr
-
-
 def test_a_killed_agent_is_started_again(hitab, swarm_home):
     assert (
         hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0

@@ -157,12 +157,6 @@ def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Wal
     assert sorted(walkers.library("one").load()) == ["Stroll", "Walk"]
 
 
-def test_what_every_agent_has_does_not_need_to_be_sent(walkers: Walkers) -> None:
-    walkers.start("one")
-    refused = walkers.ask("one", srv.Distribute, names.DISTRIBUTE, behavior="Go")
-    assert refused.message.startswith('"Go" does not need to be sent: it comes with domain')
-
-
 def test_what_was_taken_out_is_shown_until_it_is_loaded(walkers: Walkers) -> None:
     walkers.shared.domains["marchers"] = Domain.of(
         "marchers",

@@ -98,21 +98,6 @@ def test_who_interrupts_down_learns_how_to_end_the_rest(tmp_path, monkeypatch):
     assert f"`hitab down --run-dir {tmp_path}` ends what is left of it" in result.stderr
 
 
-def test_lessons_are_listed_and_checked():
-    listed = hitab("lesson", "list").stdout
-    assert "approach_ball: teaches ApproachBall to keeper_1, at most 18 examples" in listed
-    result = hitab("lesson", "check", "approach_ball", "keepaway")
-    assert result.exit_code == 0
-    assert result.stdout.count("nothing is wrong") == 2
-
-
-def test_a_bad_lesson_is_told_by_file_and_line(tmp_path):
-    (tmp_path / "bad.yaml").write_text("lesson: A\nagent: b\nsteps:\n  - comand: Stop\n")
-    result = hitab("lesson", "check", "bad.yaml")
-    assert result.exit_code == 1
-    assert "bad.yaml:4: a step has no known kind" in in_one_line(result.stderr)
-
-
 def test_json_goes_where_it_is_asked_to(tmp_path, capsys):
     from hitab_client import console
     from hitab_core.errors import HitabError

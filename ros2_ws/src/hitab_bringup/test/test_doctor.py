@@ -122,14 +122,6 @@ def test_with_variables_that_ros_cannot_start_with_doctor_goes_on_and_others_ref
     assert told == f"error: {error['text']}; {error['way_out']}"
 
 
-def test_a_security_that_ros_refuses_is_told_instead_of_raised(monkeypatch, capfd):
-    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
-    monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
-    monkeypatch.setattr(ros_environment, "is_from_wheels", lambda: False)
-    assert doctor() == 1
-    assert "error   ROS            ROS does not start: " in capfd.readouterr().out
-
-
 def test_nodes_that_hitab_up_did_not_start_are_reported(alone, monkeypatch):
     monkeypatch.setattr(ros, "LOOK_SECONDS", 0.01)
     assert one(ros.neighbors(started_here=False)).text.startswith("0 agents and worlds")
@@ -187,20 +179,6 @@ def test_a_swarm_that_has_crashed_and_its_processes_are_reported():
     assert lost.way_out == f"`hitab down --run-dir {folder.path}`"
 
 
-def test_a_swarm_that_is_up_is_reported_with_its_processes(monkeypatch):
-    folder = RunFolder.of_swarm("red")
-    folder.prepare()
-    folder.write(
-        RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-1"), register=True
-    )
-    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
-    states = [{"name": "world", "statename": "RUNNING", "pid": 11}]
-    monkeypatch.setattr(runs, "process_states", lambda _, seconds: states)
-    assert one(runs.swarms()).text == "red is up in ROS domain 7, supervisor 1: world 11"
-    states.append({"name": "a", "statename": "EXITED", "pid": 0})
-    assert one(runs.swarms()).way_out == "`hitab logs a` shows why"
-
-
 def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
     assert list(agents.faults()) == [], "no swarm is up"
     folder = RunFolder.of_swarm("red")
@@ -237,17 +215,3 @@ def test_little_room_is_reported(monkeypatch, tmp_path):
     (tmp_path / "file").touch()
     monkeypatch.setenv("HITAB_HOME", str(tmp_path / "file" / "home"))
     assert one(machine.home()).way_out == "name another folder in HITAB_HOME"
-
-
-def test_little_memory_and_low_limits_are_reported(monkeypatch, tmp_path):
-    memory = namedtuple("memory", "available")
-    monkeypatch.setattr(psutil, "virtual_memory", lambda: memory(100 << 20))
-    assert one(machine.memory()).level == "warning"
-    monkeypatch.setattr(machine.resource, "getrlimit", lambda _: (500, 500))
-    monkeypatch.setattr(machine, "BUFFER", tmp_path / "rmem_max")
-    machine.BUFFER.write_text("212992\n")
-    levels = [finding.level for finding in machine.limits()]
-    assert levels == ["error", "warning", "warning"]
-    monkeypatch.setattr(machine.resource, "getrlimit", lambda _: (500, 100_000))
-    machine.BUFFER.write_text("4194304\n")
-    assert one(machine.limits()).level == "ok"

@@ -169,26 +169,6 @@ def test_a_library_whose_only_file_is_damaged_can_be_restored(lib: Path) -> None
 # -- changing ---------------------------------------------------------------------------------
 
 
-def test_what_others_use_is_deleted_only_on_request(lib: Path) -> None:
-    text = refused("library", "delete", "GotoBall", "-l", "lib")
-    assert "ControlBall, Keepaway could no longer be used" in text
-    assert "or give --anyway" in text
-    text = done("library", "delete", "GotoBall", "--anyway", "-l", "lib")
-    assert "ControlBall, Keepaway cannot be used until there is a GotoBall again" in text
-    command = re.search(r"`hitab (library restore GotoBall 1 -l \S+)`", text)
-    assert command
-    done(*command[1].split())
-    assert sorted(library_of(lib).load()) == KEEPAWAY
-
-
-def test_a_behavior_is_renamed_in_what_uses_it(lib: Path) -> None:
-    assert "give --with-users" in refused("library", "rename", "GotoBall", "Reach", "-l", "lib")
-    text = done("library", "rename", "GotoBall", "Reach", "--with-users", "-l", "lib")
-    assert "renamed GotoBall to Reach" in text
-    assert "changed ControlBall, which uses it" in text
-    assert sorted(library_of(lib).load()) == ["ApproachBall", "ControlBall", "Keepaway", "Reach"]
-
-
 def test_what_is_exported_is_imported_elsewhere_with_what_it_is_made_of(
     lib: Path, tmp_path: Path
 ) -> None:
@@ -275,12 +255,6 @@ def test_what_a_swarm_learned_before_can_be_used_by_another(home: Path) -> None:
     before = run_before(home)
     description = with_library(swarm("keepaway"), "keepaway_trained/keeper_1")
     assert {a.library for a in description.agents} == {before.path / "libraries" / "keeper_1"}
-
-
-def test_a_new_folder_is_filled_as_the_description_says(tmp_path: Path, home: Path) -> None:
-    description = with_library(swarm("keepaway_trained"), "mine")
-    prepare(description, home)
-    assert sorted(library_of(tmp_path / "mine").load()) == KEEPAWAY
 
 
 def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:

@@ -66,15 +66,6 @@ def test_one_log_is_shown_without_names_and_an_agents_is_its_hosts(run):
     assert "started a" in hitab("logs", "supervisor").stdout
 
 
-def test_the_last_run_is_shown_after_it_has_ended(run, monkeypatch):
-    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: None)
-    run.forget()
-    result = hitab("logs", "a")
-    assert result.exit_code == 0
-    assert "fourth" in result.stdout
-    assert "team is down; these are the logs of its last run" in result.stderr
-
-
 def test_following_shows_what_is_added_until_the_swarm_is_down(run, monkeypatch):
     log = run.log("a")
 

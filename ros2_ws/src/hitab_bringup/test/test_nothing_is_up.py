@@ -116,14 +116,6 @@ def record(folder: RunFolder, domain_id: int, supervisor: int) -> RunRecord:
     return told
 
 
-def test_a_swarm_that_has_ended_by_itself_is_named(nothing_up, monkeypatch):
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    record(RunFolder.of_swarm("red"), 0, 1)
-    told = swarm_choice.none_is_up(None)
-    assert told.startswith(f"No swarm runs under {nothing_up}. ")
-    assert f'"red" has ended without `hitab down`: {nothing_up}/red. `hitab down red` ends' in told
-
-
 def test_a_swarm_in_another_domain_is_named_with_the_way_to_it(monkeypatch):
     record(RunFolder.of_swarm("red"), 7, 1)
     monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
@@ -183,15 +175,6 @@ def test_nodes_that_no_registry_knows_are_used_as_they_are(elsewhere, swarm):
     elsewhere[1](swarm)
     with connection() as there:
         assert there.agents.await_agent("lone", 60.0).swarm == swarm
-
-
-def test_a_verb_that_reads_says_whose_swarm_it_shows(elsewhere, capfd):
-    identity, _ = elsewhere
-    with connection(reads=True) as there:
-        there.note_whose([there.agents.await_agent("lone", 60.0).swarm])
-    told = capfd.readouterr().err.splitlines()[-1]
-    assert told.startswith(f"{identity} was not started from here")
-    assert told.endswith(f"need --swarm {identity}")
 
 
 def test_a_wait_is_announced_once_it_is_noticed(monkeypatch):

@@ -132,17 +132,6 @@ def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:
     assert "a.mcap cannot be read" in refusal(path)
 
 
-def test_a_recording_of_other_topics_names_what_is_missing(tmp_path: Path) -> None:
-    write(tmp_path / "a.mcap", {"/one/status": msg.AgentStatus(agent="one")})
-    assert "no agent can be trained from a.mcap" in refusal(tmp_path / "a.mcap")
-    write(tmp_path / "b.mcap", session())
-    assert 'no session of an agent "two" (known: /one' in refusal(tmp_path / "b.mcap", "two")
-    without = session()
-    del without["/one/status"]
-    write(tmp_path / "c.mcap", without)
-    assert "lacks the topic /one/status" in refusal(tmp_path / "c.mcap")
-
-
 def test_messages_with_another_definition_are_not_trained_from(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from hitab_core.automaton import Automaton
-from hitab_core.drawing.graph import arrows
 from hitab_core.drawing.picture import draw_automata
 from hitab_core.drawing.text import automaton_as_text
 from hitab_core.errors import HitabError
@@ -41,14 +40,6 @@ def test_a_text_shows_states_transitions_as_rules_and_trees(
             "    BallIsKickable: Control (1)",
         ]
     )
-
-
-def test_arrows_lead_from_flags_back_to_start_and_tell_each_way(control: Automaton) -> None:
-    found = {(arrow.source, arrow.target): arrow for arrow in arrows(control)}
-    assert found["Done", "Start"].leaves_flag
-    assert found["Approach", "Approach"].is_loop
-    assert str(found["Approach", "Kick"].ways[0]) == "BallIsKickable"
-    assert str(found["Start", "Approach"].ways[0]) == "always"
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hitab_core import VocabularyError
 from hitab_robots import Mount, Scan, Sector
 
 QUARTERS = tuple(
@@ -167,10 +166,3 @@ def test_a_mount_is_read_from_a_transform():
     over = Mount.of_transform((0.0, 0.0, 0.3), (1.0, 0.0, 0.0, 0.0))
     assert over.upside_down
     assert over.yaw == pytest.approx(0.0)
-
-
-def test_sectors_have_names_of_their_own():
-    with pytest.raises(VocabularyError, match='sectors of sensor "scan" are a, a'):
-        Scan(sectors=(Sector("a"), Sector("a")))
-    with pytest.raises(VocabularyError, match='"straight on" is not a name for a sector'):
-        Sector("straight on")

@@ -186,15 +186,6 @@ def test_what_the_robot_does_not_have_is_named():
         stuck(seconds=60.0)
 
 
-def test_each_ready_word_says_what_it_is():
-    words = (*DOMAIN.behaviors.values(), *DOMAIN.features.values())
-    assert [word.name for word in words if not word.description] == []
-    assert DOMAIN.behaviors["Left"].description == "1 rad/s to the left"
-    assert motion("Stop").description == "stands still"
-    assert motion("Stop", description="waits").description == "waits"
-    assert reading("Speed", "odom.vx", description="how fast").description == "how fast"
-
-
 def test_a_commander_hears_where_the_robot_is_unless_it_does_not_know():
     robot = Robot((Odometry(), Scan()))
     body = robot("robot_1")

@@ -10,18 +10,6 @@ class Clock:
         return self.now
 
 
-def test_the_same_message_is_shown_once_with_how_often_it_came():
-    clock = Clock()
-    messages = Messages(clock)
-    for _ in range(3):
-        messages.say("keeper_1 does not answer", "bad")
-    messages.say("saved")
-    assert [(m.text, m.times) for m in messages.shown] == [
-        ("keeper_1 does not answer", 3),
-        ("saved", 1),
-    ]
-
-
 def test_a_message_goes_after_its_time_from_when_it_was_last_said():
     clock = Clock()
     messages = Messages(clock)

@@ -1,7 +1,6 @@
 """What the studio is made of, without a browser and without a swarm."""
 
 import asyncio
-import json
 import struct
 from dataclasses import replace
 from typing import Any
@@ -21,7 +20,7 @@ from hitab_studio.guard import Guard, is_loopback, new_token
 from hitab_studio.known import Known
 from hitab_studio.learned import effect, is_contradicted
 from hitab_studio.locks import Holder, Locks
-from hitab_studio.scene import NO_COLOR, Palette, frame, roster, scene_of
+from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of
 from hitab_studio.situations import RECENT, Situations
 from hitab_studio.store import Store
 from hitab_studio.tree_rows import tree_rows
@@ -130,20 +129,6 @@ def test_an_agent_is_held_by_one_demonstrator_until_another_takes_it_or_he_leave
 # -- moments --------------------------------------------------------------------------------
 
 
-def test_things_are_drawn_as_their_world_declares_and_others_like_agents():
-    looks = json.loads(roster(scene(), Palette()))["looks"]
-    assert looks["ball"] == {
-        "color": "#123456",
-        "shape": "ball",
-        "faces": False,
-        "labelled": False,
-        "opacity": 0.5,
-        "layer": 1,
-    }
-    assert looks["keeper"]["color"].startswith("#")
-    assert (looks["keeper"]["shape"], looks["keeper"]["layer"]) == ("disc", 0)
-
-
 def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():
     palette = Palette()
     data = frame(scene(7, 3.0), {"keeper_1": ("training", "GoFast")}, palette)
@@ -189,15 +174,6 @@ def test_the_effect_of_a_correction_is_told_in_rules_and_in_decisions():
     assert any("<= 6" in rule for rule in told.rules_gone)
     assert any("<= 3" in rule for rule in told.rules_new)
     assert [(e.number, was, now) for e, was, now in told.decisions] == [(3, "GoSlow", "GoFast")]
-
-
-def test_the_effect_of_other_features_is_told_in_decisions_on_the_same_examples():
-    before = learned(example(1, "Start", 8.0, "GoFast"), example(2, "Start", 2.0, "GoSlow"))
-    near = [replace(e, features=(0.0,)) for e in before.examples]
-    blind = replace(before, features=("BallIsKickable",), examples=tuple(near))
-    told = effect(before, blind)
-    assert [(e.number, was) for e, was, _ in told.decisions] in ([(1, "GoFast")], [(2, "GoSlow")])
-    assert all("BallIsKickable" not in rule for rule in told.rules_gone)
 
 
 def test_the_path_of_a_decision_is_lit_in_the_tree():

@@ -135,12 +135,6 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
     assert not both.is_waiting
 
 
-def test_a_world_that_was_not_heard_yet_is_not_said_to_be_none():
-    said = shown(Known(UP, statuses=hears(ONE)), "overlay")
-    assert "No world" not in said
-    assert "Waiting for the world of keepaway" in said
-
-
 def test_an_order_stands_under_a_commander_that_was_not_heard_yet():
     groups = {
         "general_1": CommanderStatus(commander="general_1", subordinates=["staff_1"]),
