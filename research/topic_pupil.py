@@ -96,9 +96,8 @@ class TopicPupil:
 
     def _sight(self, *, ended: bool = False) -> Sight:
         answer = self._agents.ask(PUPIL, ReadFeatures, names.READ_FEATURES, also=list(VISIBLE))
-        read = list(zip(answer.automata, answer.features, answer.values, strict=True))
-        values = {feature: value for automaton, feature, value in read if not automaton}
-        done = [value for automaton, feature, value in read if automaton and feature == DONE]
+        values = {r.feature: r.value for r in answer.readings if not r.automaton}
+        done = [r.value for r in answer.readings if r.automaton and r.feature == DONE]
         values[DONE] = done[0] if done else 0.0
         return Sight(self._path[0], values, ended, dict(pairwise(self._path)))
 

@@ -44,7 +44,7 @@ def put(team: RunningSwarm, ball: tuple[float, float], takers: tuple[float, floa
 def ordered(team: RunningSwarm, view: CommandView, order: str) -> bool:
     def all_obey() -> bool:
         group = view.groups["captain"]
-        return group.order == order and all(group.obeying)
+        return group.order == order and all(member.obeys for member in group.subordinates)
 
     return team.link.spin_until(all_obey, SECONDS)
 

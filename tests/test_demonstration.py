@@ -150,7 +150,7 @@ def test_a_parameter_is_bound_to_a_target_while_training(begun):
     put(begun, 2.0)
     agents.command(ONE, "Stop")
     agents.save(ONE)
-    assert "Toward(A)" in agents.vocabulary(ONE).behaviors
+    assert "Toward(A)" in [b.name for b in agents.vocabulary(ONE).behaviors]
     agents.perform(ONE, "Toward", ["closest_taker"])
     assert agents.await_agent(ONE).behavior == "Toward(closest_taker)"
     agents.perform(ONE, "")

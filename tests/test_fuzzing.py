@@ -109,7 +109,8 @@ def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[Runni
         words = [*agents, *(path.name for path in run.iterdir())]
         for agent in (agents[0], agents[-1]):
             known = running.agents.vocabulary(agent)
-            words += [*known.behaviors, *known.features, *known.targets]
+            words += [word.name for word in (*known.behaviors, *known.features)]
+            words += known.targets
         before, files_before, elsewhere_before = pids(running), files(folder, run), elsewhere()
         memory_before = memory(running)
         with RosLink(running.record.domain_id) as link:

@@ -117,7 +117,7 @@ class Desk:
 
     def _value(self, feature: str) -> float:
         answer = self.agents.ask(ROBOT, ReadFeatures, "read_features", also=[feature])
-        return float(answer.values[answer.features.index(feature)])
+        return next(r.value for r in answer.readings if r.feature == feature)
 
     def told_to_stand_still(self) -> bool:
         """Whether the last thing that the robot was told is to stand still."""

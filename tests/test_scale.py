@@ -95,7 +95,7 @@ def test_each_agent_is_a_node_with_topics_and_services_of_its_own(swarm: Running
     assert "/forager_60/save" in services()
     assert "/forager_59/save" not in services()
     assert swarm.link.spin_until(lambda: "Forward" in performed(swarm), SECONDS)
-    assert "RotateLeft" in swarm.agents.vocabulary("forager_60").behaviors
+    assert "RotateLeft" in [b.name for b in swarm.agents.vocabulary("forager_60").behaviors]
     with pytest.raises(SwarmError, match="unknown behavior"):
         swarm.agents.perform("forager_59", "Fly")
 

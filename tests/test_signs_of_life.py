@@ -107,7 +107,7 @@ def test_a_restarted_agent_perceives_a_paused_world(swarm, process, agent):
         answer = swarm.agents.ask(
             agent, ReadFeatures, names.READ_FEATURES, also=["DistanceTo(ball)"]
         )
-        return not math.isnan(answer.values[-1])
+        return not math.isnan(answer.readings[-1].value)
 
     assert swarm.link.spin_until(perceives, SECONDS), "it has perceived nothing"
 

@@ -28,11 +28,12 @@ def told(swarm, **fields):
 def test_what_an_agent_perceives_is_told_level_by_level(begun):
     place(begun, 5.0)
     read = begun.agents.ask(ONE, ReadFeatures, "read_features", also=["DirectionTo(ball)", "Done"])
-    assert list(read.automata) == ["Told"] * 3 + [""] * 2
-    assert list(read.features)[:2] == ["DistanceTo(ball)", "BallIsKickable"]
-    assert read.values[0] == pytest.approx(5.0, abs=0.5)
-    assert list(read.values[1:3]) == [0.0, 0.0]
-    assert math.isnan(read.values[4])
+    assert [r.automaton for r in read.readings] == ["Told"] * 3 + [""] * 2
+    assert [r.feature for r in read.readings][:2] == ["DistanceTo(ball)", "BallIsKickable"]
+    values = [r.value for r in read.readings]
+    assert values[0] == pytest.approx(5.0, abs=0.5)
+    assert values[1:3] == [0.0, 0.0]
+    assert math.isnan(values[4])
 
 
 def test_the_training_under_way_is_told_and_how_it_would_be_saved(begun):
@@ -43,10 +44,10 @@ def test_the_training_under_way_is_told_and_how_it_would_be_saved(begun):
     training = told(begun)
     assert (training.origin, training.name) == (GetBehavior.Response.TRAINING, "Told")
     assert list(training.states) == ["GoFast", "Stop"]
-    assert list(training.feature_kinds) == ["continuous", "boolean", "boolean"]
+    assert [f.kind for f in training.features] == ["continuous", "boolean", "boolean"]
     assert len(training.examples) == 4
     preview = told(begun, trim=True)
-    assert list(preview.features) == ["DistanceTo(ball)"]
+    assert [f.name for f in preview.features] == ["DistanceTo(ball)"]
     assert len(preview.trimmed) == 2
     assert begun.agents.await_agent(ONE).mode == "training"
 

@@ -31,7 +31,7 @@ from hitab_core.library import SUFFIX
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
-from hitab_ros.conversions import example_message, report_costs, use_of
+from hitab_ros.conversions import cost_message, example_message, feature_message, use_of
 
 
 class AgentServices:
@@ -240,7 +240,7 @@ class AgentServices:
                 f'{agent.name} has no record of a training of "{name}" '
                 f"{has(agent.journal.trained(), name)}; ask the agent that was trained"
             )
-        report_costs(costs, response)
+        response.costs = [cost_message(cost) for cost in costs]
         return quantity(len(costs), "training")
 
     def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:
@@ -316,18 +316,18 @@ class AgentServices:
         features = sorted(domain.features.values(), key=lambda feature: feature.name)
         response.domain = domain.name
         response.signature = domain.signature
-        response.behaviors = [str(Use(b.name, b.parameters)) for b in behaviors]
-        response.behavior_descriptions = [b.description for b in behaviors]
-        response.trained = sorted(agent.edition.files)
-        response.one_shot = [
-            b.name for b in behaviors if isinstance(b, BasicBehavior) and b.one_shot
+        response.behaviors = [
+            msg.Behavior(
+                name=str(Use(b.name, b.parameters)),
+                description=b.description,
+                trained=b.name in agent.edition.files,
+                one_shot=isinstance(b, BasicBehavior) and b.one_shot,
+            )
+            for b in behaviors
         ]
         words = [(Use(f.name, f.parameters), f) for f in features]
         words += [(use, domain.feature(use.name)) for use in OWN_FEATURES if use.name not in FLAGS]
-        response.features = [str(use) for use, _ in words]
-        response.feature_kinds = [f.kind.value for _, f in words]
-        response.feature_units = [f.unit for _, f in words]
-        response.feature_descriptions = [f.description for _, f in words]
+        response.features = [feature_message(str(use), feature) for use, feature in words]
         response.targets = sorted(domain.targets)
         return response
 

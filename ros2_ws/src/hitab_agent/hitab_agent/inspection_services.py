@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_msgs import srv
+from hitab_msgs import msg, srv
 
 from hitab_agent.guarded_tick import failing
 from hitab_core import FLAGS, Agent, Automaton, BasicBehavior, Domain, TrainingError, Use, quantity
 from hitab_core.library import difference, scale_of
 from hitab_ros import GuardedNode, names
-from hitab_ros.conversions import example_message
+from hitab_ros.conversions import example_message, feature_message
 
 Origin: Any = srv.GetBehavior.Response
 
@@ -29,9 +29,10 @@ class InspectionServices:
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
     ) -> srv.ReadFeatures.Response:
         readings = self._agent.live_features([Use.parse(text) for text in request.also])
-        answer.automata = [automaton for automaton, _, _ in readings]
-        answer.features = [feature for _, feature, _ in readings]
-        answer.values = [value for _, _, value in readings]
+        answer.readings = [
+            msg.Reading(automaton=automaton, feature=feature, value=value)
+            for automaton, feature, value in readings
+        ]
         answer.cycle = self._agent.cycle
         answer.message = failing(self._agent)
         answer.success = True
@@ -132,14 +133,8 @@ def _fill_in(answer: srv.GetBehavior.Response, automaton: Automaton, domain: Dom
     answer.description = automaton.description
     answer.parameters = list(automaton.parameters)
     answer.states = list(automaton.labels)
-    answer.features = [str(feature) for feature in automaton.features]
-    scales = [scale_of(feature, domain) for feature in automaton.features]
-    answer.feature_kinds = [scale.kind.value for scale in scales]
-    answer.feature_periods = [float(scale.period) for scale in scales]
-    answer.feature_categories = ["|".join(scale.categories) for scale in scales]
-    answer.feature_units = [_unit(feature, domain) for feature in automaton.features]
+    answer.features = [
+        feature_message(str(feature), domain.feature(feature.name), scale_of(feature, domain))
+        for feature in automaton.features
+    ]
     answer.examples = [example_message(example) for example in automaton.examples]
-
-
-def _unit(feature: Use, domain: Domain) -> str:
-    return domain.feature(feature.name).unit

@@ -108,8 +108,7 @@ def test_features_that_are_read_before_the_first_percept_have_no_value(one):
     # This ended the process.
     answer = one.ask(srv.ReadFeatures, names.READ_FEATURES, also=["X"])
     assert answer.success
-    assert list(answer.features) == ["X"]
-    assert str(answer.values[0]) == "nan"
+    assert [(r.feature, str(r.value)) for r in answer.readings] == [("X", "nan")]
     assert not one.status.faults
 
 

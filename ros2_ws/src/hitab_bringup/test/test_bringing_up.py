@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
-from hitab_msgs.msg import CommanderStatus
+from hitab_msgs.msg import CommanderStatus, Subordinate
 
 from hitab_bringup import bringing_up
 from hitab_client import RosLink, domain_ids
@@ -24,8 +24,10 @@ def group():
                 CommanderStatus(
                     commander="captain",
                     swarm=RECORD.identity,
-                    subordinates=["a", "b"],
-                    silent=silent,
+                    subordinates=[
+                        Subordinate(name=name, silent=quiet)
+                        for name, quiet in zip("ab", silent, strict=True)
+                    ],
                 )
             )
 

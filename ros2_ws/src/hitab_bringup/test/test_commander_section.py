@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from hitab_msgs.msg import Subordinate
 
 from hitab_bringup.libraries import prepare
 from hitab_bringup.opened_library import open_library
@@ -205,8 +206,11 @@ class Group:
     def __init__(self, name, subordinates, behaviors, obeying, silent=None, faults=()):
         self.commander = name
         self.behavior, self.order, self.mode, self.active_path = "X", "X", "performing", []
-        self.subordinates, self.behaviors, self.obeying = subordinates, behaviors, obeying
-        self.silent = silent or [False] * len(subordinates)
+        quiet = silent or [False] * len(subordinates)
+        told = zip(subordinates, behaviors, obeying, quiet, strict=True)
+        self.subordinates = [
+            Subordinate(name=n, behavior=b, obeys=o, silent=s) for n, b, o, s in told
+        ]
         self.faults = list(faults)
 
 

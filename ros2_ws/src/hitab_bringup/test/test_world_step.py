@@ -61,10 +61,12 @@ def test_ctrl_c_pauses_the_world_and_says_where(stepped):
     assert world.last == world.cycle == 103
 
 
-def test_a_world_that_is_not_there_is_not_waited_for_twice(monkeypatch):
+def test_that_there_is_no_world_is_said_to_who_would_change_it(monkeypatch):
     class NoWorld:
-        def wait(self) -> None:
+        def control(self, *_: object, **__: object) -> None:
             raise SwarmError("this swarm has no world")
+
+        place = control
 
     @contextmanager
     def connection(swarm):

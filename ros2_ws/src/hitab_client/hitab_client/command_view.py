@@ -57,7 +57,11 @@ class CommandView:
     def incomplete(self, commanders: Iterable[str]) -> list[str]:
         """Return the commanders that have not heard from all their subordinates yet."""
         groups = self.groups
-        return [name for name in commanders if name not in groups or any(groups[name].silent)]
+        return [
+            name
+            for name in commanders
+            if name not in groups or any(s.silent for s in groups[name].subordinates)
+        ]
 
     def _watch(self, commander: str) -> None:
         if commander not in self._watched:
@@ -165,7 +169,7 @@ class Branch:
 
 def tree_of(groups: Mapping[str, CommanderStatus]) -> list[Branch]:
     """Return the tree made of these commanders' groups."""
-    commanded = {name for group in groups.values() for name in group.subordinates}
+    commanded = {member.name for group in groups.values() for member in group.subordinates}
     return [_branch(name, groups, ()) for name in sorted(groups) if name not in commanded]
 
 
@@ -177,10 +181,10 @@ def _branch(
         obeys = bool(seen.get("obeys"))
         return Branch(name, **seen, leaves=(int(obeys and not seen.get("silent")), 1))
     below = tuple(
-        _branch(member, groups, (*above, name), behavior=behavior, obeys=obeying, silent=silent)
-        for member, behavior, obeying, silent in zip(
-            group.subordinates, group.behaviors, group.obeying, group.silent, strict=False
+        _branch(
+            m.name, groups, (*above, name), behavior=m.behavior, obeys=m.obeys, silent=m.silent
         )
+        for m in group.subordinates
     )
     obeying = [b.obeys and not b.silent for b in below]
     leaves = [

@@ -100,12 +100,7 @@ class Learned:
 
 def learned_of(answer: Any) -> Learned:
     """Return the content of an answer of `GetBehavior`."""
-    scales = [
-        Scale(FeatureKind(kind), period, tuple(c for c in categories.split("|") if c))
-        for kind, period, categories in zip(
-            answer.feature_kinds, answer.feature_periods, answer.feature_categories, strict=True
-        )
-    ]
+    scales = [Scale(FeatureKind(f.kind), f.period, tuple(f.categories)) for f in answer.features]
     return Learned(
         name=answer.name,
         origin=answer.origin,
@@ -114,8 +109,8 @@ def learned_of(answer: Any) -> Learned:
         parameters=tuple(answer.parameters),
         arguments=tuple(answer.arguments),
         states=tuple(answer.states),
-        features=tuple(answer.features),
-        units=tuple(answer.feature_units),
+        features=tuple(f.name for f in answer.features),
+        units=tuple(f.unit for f in answer.features),
         scales=tuple(scales),
         examples=tuple(example_of(e) for e in answer.examples),
         version=answer.version,

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
+from hitab_msgs.msg import AgentStatus, Behavior, WorldState, WorldStatus
 
 from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import Demonstrator, KeyboardInput, outcome
@@ -78,10 +78,8 @@ class Agents:
         return self.statuses[agent]
 
     def vocabulary(self, agent: str) -> Any:
-        behaviors = ["Forward", "GoTo(A)"]
-        return SimpleNamespace(
-            domain="test", behaviors=behaviors, trained=[], targets=["goal", "home"]
-        )
+        behaviors = [Behavior(name=name) for name in ("Forward", "GoTo(A)")]
+        return SimpleNamespace(domain="test", behaviors=behaviors, targets=["goal", "home"])
 
     def ask(self, agent: str, kind: Any, service: str) -> Any:
         return SimpleNamespace(name="Wander", chosen_states=[], states=[], parameters=["B"])

@@ -5,6 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from hitab_msgs.msg import Reading
 
 from hitab_client.errors import LessonError
 from hitab_client.lessons.lesson_file import parse_lesson
@@ -37,6 +38,8 @@ def test_that_nothing_can_be_put_somewhere_is_told_by_file_and_line(step):
     ],
 )
 def test_a_flag_is_read_as_the_automaton_sees_it(automata, values, expected):
-    answer = SimpleNamespace(automata=automata, features=["Done"] * len(values), values=values)
+    read = zip(automata, values, strict=True)
+    readings = [Reading(automaton=a, feature="Done", value=value) for a, value in read]
+    answer = SimpleNamespace(readings=readings)
     swarm = SimpleNamespace(statuses={"robot_1": None}, ask=lambda *_, **__: answer)
     assert Watch(swarm)._reading("robot_1", "Done") == expected

@@ -54,7 +54,15 @@ class GroupStatus:
             return
         self.changed = False
         self._doing = doing
-        reports = [member.latest for member in body.members.values()]
+        subordinates = [
+            msg.Subordinate(
+                name=name,
+                behavior=told.path[0] if (told := member.latest) is not None and told.path else "",
+                obeys=body.obeys(name),
+                silent=quiet,
+            )
+            for (name, member), quiet in zip(body.members.items(), silent, strict=True)
+        ]
         self._publisher.publish(
             msg.CommanderStatus(
                 commander=agent.name,
@@ -66,10 +74,7 @@ class GroupStatus:
                 order=body.given,
                 epoch=body.order.epoch,
                 sequence=body.order.sequence,
-                subordinates=list(body.members),
-                behaviors=[r.path[0] if r is not None and r.path else "" for r in reports],
-                obeying=[body.obeys(name) for name in body.members],
-                silent=silent,
+                subordinates=subordinates,
                 faults=faults,
                 swarm=self._settings.swarm,
             )

@@ -90,6 +90,10 @@ class Team:
 
     # -- nodes ------------------------------------------------------------------------------
 
+    def obeying(self) -> list[bool]:
+        """Return which subordinates of the chief perform what it ordered."""
+        return [member.obeys for member in self.groups["chief"].subordinates]
+
     def ant(self, name: str, commander: str = "", role: str = "", **settings: Any) -> AntNode:
         return self._join(AntNode, name, commander=commander, role=role, **settings)
 
@@ -226,7 +230,7 @@ class Team:
     def sees(self, name: str, feature: str) -> float:
         """Return the value of a feature as an agent or commander perceives it now."""
         answer = self.ask(srv.ReadFeatures, name, "read_features", also=[feature])
-        return answer.values[list(answer.features).index(feature)]
+        return next(r.value for r in answer.readings if r.feature == feature)
 
     def begun(self, name: str) -> list[str]:
         return self.nodes[name].agent.body.begun

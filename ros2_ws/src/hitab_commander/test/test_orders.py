@@ -79,7 +79,7 @@ def test_who_performs_the_ordered_behavior_already_is_not_restarted(team):
     team.ant("b", "chief", "carrier", behavior="Follow")
     team.perform("chief", "Attack")
     team.until(lambda: team.statuses["b"].ordered == "Follow")
-    team.until(lambda: team.groups["chief"].obeying == [False, True])
+    team.until(lambda: team.obeying() == [False, True])
     assert team.begun("b") == ["Follow"]
 
 
@@ -94,7 +94,7 @@ def test_the_orders_of_a_restarted_commander_are_newer_and_it_goes_on_where_it_w
     team.until(lambda: team.orders["chief"][-1].epoch > before.epoch)
     now = team.orders["chief"][-1]
     assert (now.order, team.performs("chief")) == ("Retreat", "Retreat")
-    team.until(lambda: list(team.groups["chief"].obeying)[:1] == [True])
+    team.until(lambda: team.obeying()[:1] == [True])
     assert team.begun("a") == ["Home"]
     team.perform("chief", "Attack")
     team.until(lambda: team.performs("a") == "Search")
@@ -111,7 +111,7 @@ def test_a_commander_that_cannot_remember_its_orders_gives_them_all_the_same(tea
 def test_a_commander_that_ordered_nothing_leaves_its_subordinates_alone(team):
     team.ant("a", "chief", "scout", behavior="Wait")
     squad(team)
-    team.until(lambda: list(team.groups["chief"].behaviors)[:1] == ["Wait"])
+    team.until(lambda: [s.behavior for s in team.groups["chief"].subordinates][:1] == ["Wait"])
     assert team.begun("a") == ["Wait"]
     assert team.groups["chief"].order == ""
 
@@ -195,7 +195,7 @@ def test_who_is_to_go_on_goes_on_though_all_others_get_an_order(team):
     team.until(lambda: [team.performs(name) for name in "bc"] == ["Home", "Home"])
     team.perform("chief", "Spare(first)")
     team.until(lambda: [team.performs(name) for name in "bc"] == ["Wait", "Wait"])
-    team.until(lambda: list(team.groups["chief"].obeying) == [True, True, True])
+    team.until(lambda: team.obeying() == [True, True, True])
     assert team.begun("a") == ["Search"]
 
 
@@ -209,7 +209,7 @@ def test_a_commander_that_was_made_idle_is_idle_after_a_restart(team):
     team.end("chief")
     squad(team, behavior="Attack")
     team.until(lambda: team.orders["chief"][-1].epoch > before.epoch)
-    team.until(lambda: list(team.groups["chief"].obeying)[:1] == [True])
+    team.until(lambda: team.obeying()[:1] == [True])
     assert (team.performs("chief"), team.performs("a")) == ("", "Search")
 
 
@@ -257,7 +257,7 @@ def test_an_order_that_could_not_be_begun_is_begun_with_a_later_percept(team):
     body.begun = []
     team.perceive("a", 0.0, 0.0, 0.0)
     team.until(lambda: team.statuses["a"].behavior == "Search")
-    team.until(lambda: list(team.groups["chief"].obeying)[:1] == [True])
+    team.until(lambda: team.obeying()[:1] == [True])
     assert body.begun == ["Search"]
     assert not team.statuses["a"].last_error
 
@@ -313,7 +313,7 @@ def test_the_real_commander_is_obeyed_after_somebody_has_ordered_in_its_name(tea
     team.until(lambda: team.performs("a") == "Search")
     team.perform("chief", "Retreat")
     team.until(lambda: team.performs("a") == "Home")
-    team.until(lambda: list(team.groups["chief"].obeying) == [True, False])
+    team.until(lambda: team.obeying() == [True, False])
     team.link.destroy_publisher(forged)
 
 

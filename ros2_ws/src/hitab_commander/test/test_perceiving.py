@@ -117,7 +117,7 @@ def test_a_subordinate_that_falls_silent_is_left_out_and_counted(team):
     team.end("b")
     await_value(team, "FractionSilent", 0.5)
     assert team.sees("chief", "MeanX") == 1.0
-    team.until(lambda: list(team.groups["chief"].silent) == [False, True])
+    team.until(lambda: [s.silent for s in team.groups["chief"].subordinates] == [False, True])
     team.ant("b", "chief")
     await_value(team, "FractionSilent", 0.0)
 
@@ -213,7 +213,7 @@ def test_a_training_goes_on_after_the_commander_was_restarted(team):
     team.end("chief")
     crew(team)
     team.until(lambda: team.statuses["chief"].examples == 2)
-    team.until(lambda: list(team.groups["chief"].obeying) == [True, True])
+    team.until(lambda: team.obeying() == [True, True])
     assert team.begun("a") == ["Search"]
 
 

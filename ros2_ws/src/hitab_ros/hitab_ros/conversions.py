@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_core import Example, ExampleKind, Use
+from hitab_core import Example, ExampleKind, Feature, Scale, Use
 from hitab_core.commanding import Order, Report
 from hitab_core.training import TrainingCost
 
@@ -107,18 +107,28 @@ def report_message(report: Report) -> msg.Report:
     )
 
 
-def report_costs(costs: Sequence[TrainingCost], report: Any) -> None:
-    """Fill in an answer of GetReport.srv, which has a list for each field of a cost."""
-    for name, column in _cost_columns():
-        setattr(report, column, [getattr(cost, name) for cost in costs])
+def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> msg.Feature:
+    """Return a feature as a message.
+
+    Args:
+        name: with its targets or parameters.
+        feature: as the domain declares it.
+        scale: of its values; None: it is not asked for.
+    """
+    told = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
+    told.description = feature.description
+    if scale is not None:
+        told.kind, told.period = scale.kind.value, float(scale.period)
+        told.categories = list(scale.categories)
+    return told
+
+
+def cost_message(cost: TrainingCost) -> msg.TrainingCost:
+    """Return what a training cost as a message, which has the same fields."""
+    return msg.TrainingCost(**asdict(cost))
 
 
 def costs_of(report: Any) -> list[TrainingCost]:
     """Return the costs in an answer of GetReport.srv, oldest first."""
-    columns = (getattr(report, column) for _, column in _cost_columns())
-    return [TrainingCost(*row) for row in zip(*columns, strict=True)]
-
-
-def _cost_columns() -> list[tuple[str, str]]:
     names = [field.name for field in fields(TrainingCost)]
-    return [(name, "automata" if name == "automaton" else name) for name in names]
+    return [TrainingCost(*(getattr(cost, name) for name in names)) for cost in report.costs]

@@ -43,14 +43,14 @@ class Vocabulary:
         """Read an answer."""
         return cls(
             domain=answer.domain,
-            behaviors=tuple(answer.behaviors),
-            behavior_descriptions=_by_name(answer.behaviors, answer.behavior_descriptions),
-            trained=frozenset(answer.trained),
-            one_shot=frozenset(answer.one_shot),
-            features=tuple(answer.features),
-            units=_by_name(answer.features, answer.feature_units),
-            kinds=_by_name(answer.features, answer.feature_kinds),
-            feature_descriptions=_by_name(answer.features, answer.feature_descriptions),
+            behaviors=tuple(b.name for b in answer.behaviors),
+            behavior_descriptions=_by_name(answer.behaviors, "description"),
+            trained=frozenset(Use.parse(b.name).name for b in answer.behaviors if b.trained),
+            one_shot=frozenset(Use.parse(b.name).name for b in answer.behaviors if b.one_shot),
+            features=tuple(f.name for f in answer.features),
+            units=_by_name(answer.features, "unit"),
+            kinds=_by_name(answer.features, "kind"),
+            feature_descriptions=_by_name(answer.features, "description"),
             targets=tuple(answer.targets),
         )
 
@@ -73,10 +73,9 @@ def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use
     return found
 
 
-def _by_name(labels: Sequence[str], values: Sequence[str]) -> Mapping[str, str]:
-    """Return what is said of each label, by name; nothing if the agent says nothing at all."""
-    pairs = zip(labels, values, strict=True) if values else ()
-    return MappingProxyType({Use.parse(label).name: value for label, value in pairs})
+def _by_name(words: Sequence[Any], what: str) -> Mapping[str, str]:
+    """Return what is said of each behavior or feature, by name without parameters."""
+    return MappingProxyType({Use.parse(word.name).name: getattr(word, what) for word in words})
 
 
 def is_taken_out(behavior: Learned) -> bool:

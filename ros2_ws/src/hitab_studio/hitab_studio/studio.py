@@ -182,7 +182,7 @@ class Studio:
                         "t": "order",
                         "from": name,
                         "order": group.order,
-                        "to": list(group.subordinates),
+                        "to": [member.name for member in group.subordinates],
                     }
                 )
         return found

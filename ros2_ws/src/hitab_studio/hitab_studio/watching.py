@@ -354,13 +354,12 @@ class Watch:
     def _take_features(self, answer: Any) -> None:
         if not answer.success:
             return
-        there = zip(answer.automata, answer.features, answer.values, strict=True)
         before = self.known.readings
         readings, probed = {}, {}
-        for automaton, feature, value in there:
-            if automaton:
-                past = before.get((automaton, feature), ())
-                readings[automaton, feature] = (*past, value)[-HISTORY:]
+        for read in answer.readings:
+            if read.automaton:
+                past = before.get((read.automaton, read.feature), ())
+                readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY:]
             else:
-                probed[feature] = value
+                probed[read.feature] = read.value
         self._know(readings=MappingProxyType(readings), probed=MappingProxyType(probed))

@@ -82,18 +82,18 @@ class StandIn:
 
     def _vocabulary(self, agent: str, answer: Any) -> Any:
         answer.domain = "stand_in"
-        answer.features = ["Range", "Angle"]
-        wrong = self.nonsense and agent == "keeper_2"
-        answer.feature_units = ["m"] if wrong else ["m", "rad"]
+        name = "Angle(" if self.nonsense and agent == "keeper_2" else "Angle"
+        answer.features = [msg.Feature(name="Range", unit="m"), msg.Feature(name=name, unit="rad")]
         return answer
 
     def _read_features(self, _: Any, answer: Any) -> Any:
         """Answer with many features that all have the same value, another one each time."""
         self._reading += 1
         answer.success = True
-        answer.automata = ["Go"] * FEATURES
-        answer.features = [f"Feature{i}" for i in range(FEATURES)]
-        answer.values = [float(self._reading)] * FEATURES
+        answer.readings = [
+            msg.Reading(automaton="Go", feature=f"Feature{i}", value=float(self._reading))
+            for i in range(FEATURES)
+        ]
         return answer
 
     def _spin(self) -> None:

@@ -2,11 +2,14 @@
 
 from types import SimpleNamespace
 
+from hitab_msgs.msg import Subordinate
+
 from hitab_studio.views.agent_tree import FEW, tree, unfolded
 
 
 def commander(*subordinates: str, superior: str = "") -> SimpleNamespace:
-    return SimpleNamespace(subordinates=subordinates, superior=superior)
+    members = [Subordinate(name=name) for name in subordinates]
+    return SimpleNamespace(subordinates=members, superior=superior)
 
 
 def shown(agents, groups, folds=None, agent=""):
@@ -29,7 +32,7 @@ def thousand():
         f"squad_{s}": commander(*(f"robot_{10 * s + i}" for i in range(10))) for s in range(100)
     }
     groups = {"staff": commander(*squads), **squads}
-    agents = [*groups, *(sub for squad in squads.values() for sub in squad.subordinates)]
+    agents = [*groups, *(sub.name for squad in squads.values() for sub in squad.subordinates)]
     return agents, groups
 
 

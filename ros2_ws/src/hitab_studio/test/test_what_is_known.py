@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, CommanderStatus, WorldStatus
+from hitab_msgs.msg import AgentStatus, CommanderStatus, Subordinate, WorldStatus
 
 from hitab_client import SwarmError
 from hitab_studio.actions import perform
@@ -137,7 +137,9 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
 
 def test_an_order_stands_under_a_commander_that_was_not_heard_yet():
     groups = {
-        "general_1": CommanderStatus(commander="general_1", subordinates=["staff_1"]),
+        "general_1": CommanderStatus(
+            commander="general_1", subordinates=[Subordinate(name="staff_1")]
+        ),
         "company_1": CommanderStatus(commander="company_1", superior="staff_1", order="Go"),
     }
     agents = ("company_1", "general_1", "staff_1")

@@ -214,39 +214,27 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
     """Show an agent's vocabulary: its behaviors, features and targets."""
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
-    trained, one_shot = set(words.trained), set(words.one_shot)
-    behaviors = list(zip(words.behaviors, words.behavior_descriptions, strict=True))
-    features = list(
-        zip(
-            words.features,
-            words.feature_kinds,
-            words.feature_units,
-            words.feature_descriptions,
-            strict=True,
-        )
-    )
+
     if json != "-":
         console.say(f"domain    {words.domain}")
-        for name, description in behaviors:
-            bare = name.split("(")[0]
-            kinds = [
-                k for k, there in (("trained", trained), ("one-shot", one_shot)) if bare in there
-            ]
-            console.say(f"behavior  {_with_description(name, kinds, description)}")
-        for name, kind, unit, description in features:
-            kinds = [kind, unit] if unit else [kind]
-            console.say(f"feature   {_with_description(name, kinds, description)}")
+        for b in words.behaviors:
+            kinds = ["trained"] * b.trained + ["one-shot"] * b.one_shot
+            console.say(f"behavior  {_with_description(b.name, kinds, b.description)}")
+        for f in words.features:
+            kinds = [f.kind, f.unit] if f.unit else [f.kind]
+            console.say(f"feature   {_with_description(f.name, kinds, f.description)}")
         for name in words.targets:
             console.say(f"target    {name}")
     console.write_json(
         json,
         {
             "domain": words.domain,
-            "behaviors": [{"name": n, "description": d} for n, d in behaviors],
-            "trained": list(words.trained),
-            "one_shot": list(words.one_shot),
+            "behaviors": [{"name": b.name, "description": b.description} for b in words.behaviors],
+            "trained": [b.name.split("(")[0] for b in words.behaviors if b.trained],
+            "one_shot": [b.name.split("(")[0] for b in words.behaviors if b.one_shot],
             "features": [
-                {"name": n, "kind": k, "unit": u, "description": d} for n, k, u, d in features
+                {"name": f.name, "kind": f.kind, "unit": f.unit, "description": f.description}
+                for f in words.features
             ],
             "targets": list(words.targets),
         },

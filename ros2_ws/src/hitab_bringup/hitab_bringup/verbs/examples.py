@@ -61,8 +61,8 @@ def examples_list(
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.list_examples(agent, automaton)
         words = swarm_up.agents.vocabulary(agent)
-        units = _of_features(words, words.feature_units, answer.features)
-        kinds = _of_features(words, words.feature_kinds, answer.features)
+        units = _of_features(words, "unit", answer.features)
+        kinds = _of_features(words, "kind", answer.features)
     if json != "-":
         late = any(e.ago for e in answer.examples)
         shown = (
@@ -115,9 +115,9 @@ def examples_list(
     )
 
 
-def _of_features(words: Any, said: Sequence[str], features: Sequence[str]) -> list[str]:
+def _of_features(words: Any, what: str, features: Sequence[str]) -> list[str]:
     """Return what the vocabulary of the agent says of features in use, such as their units."""
-    known = {Use.parse(name).name: unit for name, unit in zip(words.features, said, strict=True)}
+    known = {Use.parse(f.name).name: getattr(f, what) for f in words.features}
     return [known.get(Use.parse(feature).name, "") for feature in features]
 
 

@@ -252,7 +252,7 @@ def order(
         name = Use(use.name, (*use.arguments, *(targets or [])))
         swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(name)), 2.0)
         group = view.groups[commander]
-    obeying = sum(group.obeying)
+    obeying = sum(member.obeys for member in group.subordinates)
     console.say(
         f"{commander} performs {name} and orders {group.order or 'nothing yet'}: "
         f"{obeying} of {len(group.subordinates)} perform it"
@@ -276,4 +276,4 @@ def _obeyed(group: Any, behavior: str) -> bool:
     """Whether a commander performs a behavior and the reachable members of its group obey."""
     if group.behavior != behavior or not group.order:
         return False
-    return all(o or s for o, s in zip(group.obeying, group.silent, strict=True))
+    return all(member.obeys or member.silent for member in group.subordinates)

@@ -82,11 +82,10 @@ class _Words:
     @classmethod
     def asked(cls, swarm_up: Connection, agent: str) -> _Words:
         told = swarm_up.agents.vocabulary(agent)
-        found = [Use.parse(feature).name for feature in told.features]
         return cls(
-            list(told.features),
-            dict(zip(found, told.feature_kinds, strict=True)),
-            dict(zip(found, told.feature_units, strict=True)),
+            [feature.name for feature in told.features],
+            {Use.parse(f.name).name: f.kind for f in told.features},
+            {Use.parse(f.name).name: f.unit for f in told.features},
             list(told.targets),
         )
 
@@ -134,12 +133,13 @@ def _read(
     told = swarm_up.agents.ask(agent, ReadFeatures, names.READ_FEATURES, also=list(chosen))
     own = {use.name for use in OWN_FEATURES}
     found = []
-    for automaton, feature, value in zip(told.automata, told.features, told.values, strict=True):
-        name = Use.parse(feature).name
-        if automaton and name not in own:
+    for read in told.readings:
+        name = Use.parse(read.feature).name
+        if read.automaton and name not in own:
             continue  # it is among the chosen ones, or not asked for
         kind = FeatureKind.BOOLEAN if name in FLAGS else words.kinds.get(name, "")
-        found.append(_Reading(automaton, feature, value, kind, words.units.get(name, "")))
+        unit = words.units.get(name, "")
+        found.append(_Reading(read.automaton, read.feature, read.value, kind, unit))
     found.sort(key=lambda reading: bool(reading.automaton))
     status = swarm_up.agents.statuses.get(agent)
     faults = [*(status.faults if status is not None else ()), told.message]

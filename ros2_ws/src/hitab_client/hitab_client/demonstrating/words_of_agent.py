@@ -10,7 +10,7 @@ from hitab_msgs.srv import GetBehavior
 
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import FLAGS
+from hitab_core import FLAGS, Use
 from hitab_ros import names
 
 
@@ -85,9 +85,9 @@ class WordsOfAgents:
                 "chosen": training.chosen_states,
                 "states": training.states,
             }
-        there = self._keys.commandable(
-            told.domain, told.behaviors, set(told.trained), **of_training
-        )
+        behaviors = [b.name for b in told.behaviors]
+        trained = {Use.parse(b.name).name for b in told.behaviors if b.trained}
+        there = self._keys.commandable(told.domain, behaviors, trained, **of_training)
         keys = ((self._keys.of(told.domain, name), name) for name in there)
         return Words(
             told.domain,

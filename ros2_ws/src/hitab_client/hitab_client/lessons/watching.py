@@ -84,9 +84,8 @@ class Watch:
         if agent not in self.swarm.statuses:
             self.swarm.await_agent(agent)
         answer = self.swarm.ask(agent, ReadFeatures, names.READ_FEATURES, also=[feature])
-        read = list(zip(answer.automata, answer.features, answer.values, strict=True))
-        used = [value for automaton, name, value in read if automaton and name == feature]
-        asked = [value for automaton, _, value in read if not automaton]
+        used = [r.value for r in answer.readings if r.automaton and r.feature == feature]
+        asked = [r.value for r in answer.readings if not r.automaton]
         return float(used[0] if used else asked[-1])
 
     def until(

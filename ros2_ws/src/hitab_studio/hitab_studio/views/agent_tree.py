@@ -60,7 +60,9 @@ def commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, lis
         agents: names of those that should be there; nobody else commands.
     """
     there = {*groups, *agents}
-    found = {name: list(group.subordinates) for name, group in groups.items()}
+    found = {
+        name: [member.name for member in group.subordinates] for name, group in groups.items()
+    }
     for name, group in groups.items():
         if group.superior in there and name not in found.get(group.superior, ()):
             found.setdefault(group.superior, []).append(name)

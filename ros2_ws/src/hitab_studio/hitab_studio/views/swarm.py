@@ -84,7 +84,8 @@ def _groups(groups: Mapping[str, Any], agents: Sequence[str]) -> Iterator[Group]
         if (group := groups.get(name)) is None:
             yield Group(name, depth, None, 0, 0, len(below[name]))
         else:
-            obeying, silent = sum(group.obeying), sum(group.silent)
+            obeying = sum(member.obeys for member in group.subordinates)
+            silent = sum(member.silent for member in group.subordinates)
             yield Group(name, depth, group.order, obeying, silent, len(group.subordinates))
         for sub in sorted(below[name], key=natural):
             if sub in below and depth < DEEPEST:
