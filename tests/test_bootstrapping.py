@@ -13,7 +13,6 @@ from hitab_bringup.libraries import libraries_of
 from hitab_bringup.verbs import bootstrap
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping, Configuration, Evaluation, with_condition
-from hitab_client.bootstrapping.generations import held
 from hitab_client.run_processes import process_states
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
@@ -73,10 +72,6 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert child.version == made.version + 1
     again = steps(team).next(ONE, evaluation=QUICK)
     assert again.score == child.score, "the same seed gives the same score"
-
-
-def test_a_training_begun_anew_has_no_parent(team):
-    assert steps(team).next(ONE, evaluation=NONE).parent == 0
 
 
 def test_one_goes_back_to_a_generation_with_the_team(team):
@@ -176,33 +171,6 @@ def test_ctrl_c_leaves_everything_sound(team):
     assert "is complete and keeper_1 is in training mode" in work.left
     assert team.agents.statuses[ONE].mode == "training"
     assert len(team.agents.behavior(ONE).examples) == 2
-
-
-def test_nothing_changes_if_there_is_nothing_to_give(team):
-    agents, work = team.agents, steps(team)
-    before = agents.behavior(ONE, "Run").version
-    agents.edit_examples(ONE, "undo")
-    with pytest.raises(SwarmError, match='no example of "Run" leaves Start'):
-        work.next(ONE)
-    agents.discard(ONE)
-    with pytest.raises(SwarmError, match="keeper_1 is not training anything"):
-        work.next(ONE)
-    with pytest.raises(SwarmError, match=r'no agent "keeper_9".*Did you mean'):
-        work.next("keeper_9")
-    assert agents.behavior(ONE, "Run").version == before
-
-
-def test_two_steps_at_once_and_mates_in_training_are_refused(team):
-    with (
-        held(team.folder.path),
-        pytest.raises(SwarmError, match="another `hitab bootstrap` is at work in this swarm"),
-    ):
-        steps(team).next(ONE)
-    team.agents.begin(TWO, "Other", features=["BallIsKickable"])
-    with pytest.raises(SwarmError, match="keeper_2 is in training itself; save that"):
-        steps(team).next(ONE)
-    assert steps(team).next(ONE, to=[THREE], evaluation=NONE).team == (THREE,)
-    team.agents.discard(TWO)
 
 
 def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):

@@ -5,7 +5,6 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
-import pytest
 from mentions import ROOT
 
 SOURCES = ROOT / "ros2_ws" / "src"
@@ -23,22 +22,6 @@ def fields(interface: Path) -> list[tuple[str, str]]:
     )
 
 
-@pytest.mark.parametrize("manifest", MANIFESTS, ids=lambda path: path.parent.name)
-def test_names_and_manifests_of_packages(manifest):
-    root = ElementTree.parse(manifest).getroot()
-    name = str(root.findtext("name"))
-    assert name == manifest.parent.name
-    assert re.fullmatch(r"[a-z][a-z0-9_]+", name)
-    assert name.startswith("hitab_") or f"`{name}`" in PAGE
-    assert "ros" not in name.split("_") or f"`{name}` contains" in PAGE
-    assert root.get("format") == "3"
-    assert not root.findall("url")
-
-
-def test_what_contains_interfaces_says_so():
-    assert {path.parents[1].name for path in SOURCES.glob("*/*/*.msg")} == {"hitab_msgs"}
-
-
 def test_all_packages_have_one_version():
     versions = {str(ElementTree.parse(path).getroot().findtext("version")) for path in MANIFESTS}
     (version,) = versions
@@ -53,17 +36,6 @@ def test_messages_with_places_have_a_header():
     for path in INTERFACES:
         if path.suffix == ".msg" and placed & {kind for kind, _ in fields(path)}:
             assert ("std_msgs/Header", "header") in fields(path), path.name
-
-
-@pytest.mark.parametrize("path", INTERFACES, ids=lambda path: path.name)
-def test_interfaces_are_named_and_commented_as_ros_has_it(path):
-    text = path.read_text()
-    assert text.startswith("# ")
-    for _, name in fields(path):
-        assert re.fullmatch(r"[a-z][a-z0-9_]*", name)
-    constants = re.findall(r"^(\w+) +(\w+)=", text, re.MULTILINE)
-    assert all(kind == "string" and name.isupper() for kind, name in constants)
-    assert not re.search(r"\bdeg(rees)?\b", text)
 
 
 def test_only_the_topics_that_the_page_names_are_absolute():

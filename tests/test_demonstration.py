@@ -8,7 +8,6 @@ import time
 
 import pytest
 from hitab_msgs.msg import Example
-from hitab_msgs.srv import SetMode
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_processes import RunProcesses, process_states
@@ -52,26 +51,6 @@ def test_a_command_is_obeyed_and_acknowledged_with_its_examples(begun):
     )
     assert (status.examples, status.default_examples) == (2, 1)
     assert by_name(begun.world.step(5).entities)[ONE].x > -6.0
-
-
-def test_examples_hold_what_the_agent_perceived(begun):
-    put(begun, 8.0)
-    begun.agents.command(ONE, "GoFast")
-    listed = begun.agents.list_examples(ONE)
-    assert list(listed.features) == ["DistanceTo(ball)"]
-    told = [(e.state, e.next_state, e.kind, round(e.values[0])) for e in listed.examples]
-    assert told == [
-        ("Start", "GoFast", Example.DEMONSTRATED, 8),
-        ("GoFast", "GoFast", Example.DEFAULT, 8),
-    ]
-
-
-def test_a_one_shot_behavior_and_the_running_one_record_no_default_example(begun):
-    put(begun, 8.0)
-    begun.agents.command(ONE, "Stop")
-    assert begun.agents.command(ONE, "Stop").examples == 3
-    assert begun.agents.command(ONE, "Pass").examples == 4
-    assert begun.agents.command(ONE, "Done").examples == 5
 
 
 def test_examples_can_be_taken_back_deleted_and_relabeled(begun):
@@ -156,20 +135,6 @@ def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
     assert len(digests) == 1
 
 
-def test_a_training_goes_on_from_what_was_saved(begun):
-    agents = begun.agents
-    put(begun, 8.0)
-    agents.command(ONE, "GoFast")
-    agents.save(ONE, name="Runner")
-    agents.begin(ONE, "Runner", resume="Runner")
-    assert agents.await_agent(ONE).mode == "training"
-    assert len(agents.list_examples(ONE).examples) == 2
-    put(begun, 1.0)
-    agents.command(ONE, "Stop")
-    agents.edit_examples(ONE, "undo")
-    agents.save(ONE)
-
-
 def test_a_parameter_is_bound_to_a_target_while_training(begun):
     agents = begun.agents
     agents.begin(
@@ -189,13 +154,6 @@ def test_a_parameter_is_bound_to_a_target_while_training(begun):
     agents.perform(ONE, "Toward", ["closest_taker"])
     assert agents.await_agent(ONE).behavior == "Toward(closest_taker)"
     agents.perform(ONE, "")
-
-
-def test_a_receiver_that_is_not_there_is_told(begun):
-    begun.agents.command(ONE, "GoFast")
-    begun.agents.save(ONE, name="Solo")
-    with pytest.raises(SwarmError, match='no agent "keeper_9" answers'):
-        begun.agents.distribute(ONE, "Solo", receivers=["keeper_9"])
 
 
 def test_a_receiver_that_does_not_answer_is_told(begun):
@@ -236,51 +194,6 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
     assert "Stop" in shown.stdout
 
 
-def test_a_training_that_was_not_meant_is_named_and_discarded(begun, hitab):
-    shown = hitab("demonstrate", ONE, "Stop")
-    assert shown.stdout == "keeper_1 performs Stop; Near has 2 examples (1 default)\n"
-    refused = hitab("train", ONE, "Other", "-f", "DistanceTo(ball)")
-    assert refused.returncode == 1
-    assert '"Near" has 2 unsaved examples' in refused.stderr
-    assert "`hitab discard keeper_1`" in refused.stderr
-    assert hitab("test", ONE).stdout == 'keeper_1 is testing "Near"\n'
-    assert hitab("train", ONE).stdout == 'keeper_1 is training "Near"\n'
-    assert hitab("undo", ONE).stdout == '"Near" has 0 examples\n'
-    assert hitab("redo", ONE).stdout == '"Near" has 2 examples\n'
-    discarded = hitab("discard", ONE)
-    assert discarded.stdout == 'keeper_1 is idle; discarded "Near" with 2 unsaved examples\n'
-    assert begun.link.spin_until(lambda: begun.agents.statuses[ONE].mode == "idle", 5)
-    again = hitab("discard", ONE)
-    assert again.returncode == 1
-    assert "keeper_1 has no training to discard" in again.stderr
-    assert hitab("train", ONE, "Other", "-f", "Done").stdout == 'training "Other"\n'
-    assert begun.agents.discard(ONE).message.endswith('"Other", which had no examples')
-
-
-def test_status_names_a_training_that_is_kept_meanwhile(begun, hitab):
-    begun.agents.command(ONE, "GoFast")
-    begun.agents.perform(ONE, "")
-    shown = " ".join(hitab("status").stdout.split())
-    assert (
-        'keeper_1: the training of "Near" (2 examples) is kept; `hitab train keeper_1` goes on '
-        "with it"
-    ) in shown
-    begun.agents.discard(ONE)
-
-
-def test_beginning_another_training_says_what_it_discards(begun, hitab):
-    begun.agents.command(ONE, "GoFast")
-    done = hitab("train", ONE, "Other", "-f", "DistanceTo(ball)", "--discard")
-    assert done.stdout == 'training "Other"; discarded "Near" with 2 unsaved examples\n'
-
-
-def test_a_training_is_discarded_on_going_idle_only(begun):
-    with pytest.raises(
-        SwarmError, match='by an agent that goes idle; set mode "idle", not "testing"'
-    ):
-        begun.agents.ask(ONE, SetMode, "set_mode", mode="testing", discard=True)
-
-
 def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
     begun.agents.begin(ONE, "Fresh", features=["DistanceTo(ball)"], discard=True)
     begun.agents.command(ONE, "GoFast")
@@ -294,17 +207,6 @@ def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
         assert refused.stderr.startswith(f'error: {ONE}: "{name}" {why}'), refused.stderr
 
 
-def test_a_receiver_in_place_of_a_target_is_refused(begun, hitab):
-    put(begun, 8.0)
-    begun.agents.command(ONE, "GoFast")
-    begun.agents.save(ONE, name="Sent")
-    refused = hitab("distribute", ONE, "Sent", TWO)
-    assert refused.returncode == 2
-    assert f"--to {TWO}" in refused.stderr
-    begun.agents.begin(ONE, "Sent", resume="Sent")
-    assert begun.agents.discard(ONE).message.endswith('"Sent", which stays as it was saved')
-
-
 def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
     pid = RunProcesses(begun.record).pid(TWO)
     os.kill(pid, signal.SIGSTOP)
@@ -315,31 +217,6 @@ def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
     assert done.stdout == "stepped 1 cycle\n"
     assert f"but: {TWO}'s process is suspended" in done.stderr
     assert begun.link.spin_until(lambda: not begun.world.wait().missing, 30)
-
-
-def test_a_step_over_the_end_of_an_episode_says_that_another_one_has_begun(begun, hitab):
-    still = {"ball": {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}}
-    here = begun.world.shown(begun.world.place(still, new_episode=True)).episode
-    assert hitab("world", "step", "2").stderr == ""
-    hitab("world", "place", "ball", "x=9.9", "y=0", "vx=2", "vy=0")
-    done = hitab("world", "step", "9")
-    assert done.stdout == "stepped 9 cycles\n"
-    told = " ".join(done.stderr.split())
-    assert told == (
-        f"episode {here} (out) ended, and episode {here + 1} began: everything has a new place, "
-        "and all behaviors are in Start"
-    )
-
-
-def test_a_mistyped_target_on_saving_is_told_to_be_a_parameter_now(begun, hitab):
-    put(begun, 8.0)
-    begun.agents.command(ONE, "GoFast")
-    put(begun, 2.0)
-    begun.agents.command(ONE, "Stop")
-    done = hitab("save", ONE, "--name", "NearIt", "--bind", "ball=closest_takr")
-    assert 'saved "NearIt(closest_takr)" with 4 examples' in done.stdout, done.stderr
-    assert '"closest_takr" is now a parameter' in done.stdout
-    assert 'Did you mean "closest_taker"?' in done.stdout
 
 
 def test_contradicting_commands_end_in_a_question_that_is_answered_once(begun, hitab):

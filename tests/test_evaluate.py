@@ -101,27 +101,3 @@ def test_trained_keepers_keep_the_ball_at_least_as_long_as_the_papers(hitab, tau
     ]
     assert sum(longer) >= 30
     assert (tmp_path / "lengths.png").stat().st_size > 1000
-
-
-@pytest.mark.parametrize("pace", ["inprocess", "lockstep"])
-def test_a_figure_of_the_game_that_cannot_be_is_told(hitab, taught, pace):
-    done = hitab(
-        "keepaway",
-        "evaluate",
-        "-l",
-        str(taught.library),
-        "--pace",
-        pace,
-        "--parameter",
-        "takers=-1",
-    )
-    assert done.returncode == 1
-    assert "Traceback" not in done.stderr
-    assert "takers is -1; it must be a whole number" in done.stderr
-
-
-def test_a_behavior_that_is_not_in_the_library_is_told(hitab, taught):
-    done = hitab("keepaway", "evaluate", "-l", str(taught.library), "--behavior", "Keepawya")
-    assert done.returncode == 1
-    assert 'has no behavior "Keepawya" (known: ApproachBall' in done.stderr
-    assert 'Did you mean "Keepaway"?' in done.stderr

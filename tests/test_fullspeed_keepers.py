@@ -40,12 +40,6 @@ def test_what_is_shipped_is_what_the_lessons_teach_with_at_most_sixty_examples(l
     assert sum(len(of_one) for of_one in learned.values()) <= MOST_EXAMPLES
 
 
-def test_what_is_shipped_uses_no_hand_written_automaton():
-    opened = open_library(LIBRARY)
-    names = {name for a in opened.load().values() for name in (s.name for s in a.states)}
-    assert not names & set(opened.domain.automata)
-
-
 def test_they_last_longer_than_keepers_that_know_distances_only():
     """Half of the others' episodes are over after ten seconds, so twenty of each tell enough."""
 

@@ -1,22 +1,18 @@
 """Robots in ir-sim, examples/irsim_robots: what holds without the simulator, and a run with it."""
 
-import ast
 import importlib.util
 import math
-import re
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor_msgs.msg import LaserScan
 
 from hitab_bringup import parse_swarm
-from hitab_client.lessons.lesson_file import read_lesson
 from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
 from hitab_core import Automaton, BehaviorLibrary, Repertoire, Use
@@ -26,11 +22,9 @@ from hitab_world.inprocess import AutomatonPlayer
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples/irsim_robots"
-PACKAGE = EXAMPLE / "irsim_robots"
 LIBRARIES = EXAMPLE / "libraries"
 sys.path.insert(0, str(EXAMPLE))
 BEAMS = 72
-ROBOT_LEARNS = {"Wander", "Steer", "GoAround", "GoTo", "Patrol"}
 
 
 def trained(folder: str) -> dict[str, Automaton]:
@@ -40,35 +34,6 @@ def trained(folder: str) -> dict[str, Automaton]:
     else:
         domain = commander_domain(read_kind(LIBRARIES / folder / KIND_FILE))
     return dict(BehaviorLibrary(LIBRARIES / folder, domain).load())
-
-
-def imported(path: Path) -> set[str]:
-    """Return the packages that a file imports, anywhere in it."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name.partition(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found.add((node.module or "").partition(".")[0])
-    return found
-
-
-def test_the_bridge_and_its_room_know_nothing_of_hitab():
-    # What they import of this package they import without its words.
-    assert [name for name in imported(PACKAGE / "bridge.py") if name.startswith("hitab")] == []
-    of_room = imported(PACKAGE / "room.py")
-    assert [name for name in of_room if name.startswith(("hitab", "rclpy"))] == []
-    text = (PACKAGE / "bridge.py").read_text(encoding="utf-8")
-    assert set(re.findall(r"^from irsim_robots\.(\w+)", text, re.MULTILINE)) == {"room"}
-    assert imported(PACKAGE / "__init__.py") == set()
-
-
-def test_everything_that_is_installed_is_pinned_with_hashes():
-    text = (EXAMPLE / "requirements.txt").read_text(encoding="utf-8")
-    lines = text.replace("\\\n", "").splitlines()
-    pinned = [line for line in lines if line and not line.startswith("#")]
-    assert all(re.match(r"[\w-]+==[\d.]+ .*--hash=sha256:", line) for line in pinned)
-    assert any(line.startswith("ir-sim==") for line in pinned)
 
 
 @pytest.mark.parametrize("name", ["school.yaml", "swarm.yaml"])
@@ -82,21 +47,6 @@ def test_the_swarms_are_of_two_robots_under_a_captain(name):
     assert [agent.name for agent in swarm.agents] == ["robot_1", "robot_2"]
     (captain,) = swarm.commanders
     assert captain.kind == read_kind(LIBRARIES / "captain" / KIND_FILE)
-
-
-def test_the_lessons_take_ten_commands_each_at_most_and_the_page_says_how_many():
-    page = (ROOT / "docs/irsim.md").read_text(encoding="utf-8")
-    lessons = [read_lesson(path) for path in sorted((EXAMPLE / "lessons").glob("*.yaml"))]
-    assert {lesson.name for lesson in lessons} == {*ROBOT_LEARNS, "Duty"}
-    for lesson in lessons:
-        commands = [step for step in lesson.steps if step.kind == "command"]
-        assert len(commands) <= 10
-        assert f"{len(commands)} commands" in lesson.file.read_text(encoding="utf-8")
-        (row,) = re.findall(rf"^\| `{lesson.name}\b.*\| (\d+) \| (\d+) \|$", page, re.MULTILINE)
-        folder = "captain" if lesson.name == "Duty" else "robot"
-        learned = trained(folder)[lesson.name]
-        assert (int(row[0]), int(row[1])) == (len(commands), len(learned.examples))
-        assert len({example.command for example in learned.examples}) == len(commands)
 
 
 near = st.floats(0.2, 6.0)
@@ -119,23 +69,6 @@ def test_the_trained_robots_do_not_drive_at_what_is_near_whatever_they_do(seen):
         velocity, _ = player.body.act()
         if velocity:  # none where a round ends
             assert velocity[0] == 0.0 or ahead > 0.5
-
-
-def test_each_seed_gives_a_room_of_its_own_with_space_around_robots():
-    from irsim_robots.room import CLEARANCE, HULL, room
-
-    rooms = [room(seed, 2, 0.1) for seed in range(20)]
-    assert rooms[3] == room(3, 2, 0.1)
-    assert len({yaml.safe_dump(one) for one in rooms}) == len(rooms)
-    for one in rooms:
-        places = [robot["state"][:2] for robot in one["robot"]]
-        assert math.dist(*places) > 2 * HULL + CLEARANCE
-        for obstacle in one["obstacle"]:
-            shape = obstacle["shape"]
-            if shape["name"] == "rectangle":
-                half = math.hypot(shape["length"], shape["width"]) / 2.0
-                for at in places:
-                    assert math.dist(at, obstacle["state"][:2]) - half > HULL
 
 
 @given(

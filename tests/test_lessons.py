@@ -128,13 +128,6 @@ def test_a_lesson_that_replaces_a_behavior_says_so(keepers, hitab, tmp_path):
     assert re.search(r"; version \d+, replaces version \d+ \(2 examples\)$", message)
 
 
-def test_a_lesson_that_saves_nothing_says_so(keepers, hitab, tmp_path):
-    done = hitab("lesson", "run", lesson_file(tmp_path, ""), "--discard")
-    assert done.returncode == 0, done.stderr
-    assert 'keeper_1 is still training "Stand"' in done.stderr
-    keepers.agents.discard("keeper_1")
-
-
 def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):
     keepers.world.control("pace", pace="realtime", factor=50.0)
     keepers.world.control("resume")

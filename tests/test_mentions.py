@@ -3,9 +3,9 @@
 import importlib.util
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-import pytest
 import typer
 from mentions import ROOT, Mention, mentions, strings
 
@@ -84,10 +84,13 @@ def of_hitab(mention: Mention) -> bool:
     return mention.words[0].rpartition("/")[2] == "hitab"
 
 
-@pytest.mark.parametrize("mention", list(filter(of_hitab, FOUND)), ids=str)
-def test_every_command_that_is_mentioned_is_there(mention):
+def test_every_command_that_is_mentioned_is_there():
     # Without it an error may send its reader to a command that does not exist.
-    assert not complaint(list(mention.words[1:]), in_passing=mention.in_passing)
+    wrong = {
+        str(mention): complaint(list(mention.words[1:]), in_passing=mention.in_passing)
+        for mention in filter(of_hitab, FOUND)
+    }
+    assert {mention: what for mention, what in wrong.items() if what} == {}
 
 
 def test_what_is_not_there_is_found_out():
@@ -100,12 +103,15 @@ def test_what_is_not_there_is_found_out():
     assert len([m for m in FOUND if of_hitab(m)]) > 100
 
 
-@pytest.mark.parametrize(("path", "command"), list(leaves()), ids=lambda value: str(value)[:40])
-def test_every_command_that_talks_to_a_swarm_can_be_told_which(path, command):
+def test_every_command_that_talks_to_a_swarm_can_be_told_which():
     # "Several swarms are up; choose one with --swarm NAME" must hold for each of them.
-    names = set(command.callback.__code__.co_names) | set(command.callback.__code__.co_consts)
-    if names & {"connection", "_control", "_open", "to_take_down", "Finder"}:
-        assert "--swarm" in options_of(command)
+    talking = {"connection", "_control", "_open", "to_take_down", "Finder"}
+    wrong = []
+    for path, command in leaves():
+        code = command.callback.__code__
+        if talking & {*code.co_names, *code.co_consts} and "--swarm" not in options_of(command):
+            wrong.append(path)
+    assert wrong == []
 
 
 def test_options_that_errors_name_are_those_of_a_command():
@@ -122,50 +128,62 @@ def of_scripts(mention: Mention) -> bool:
     return mention.words[0].startswith("scripts/") and not of_hitab(mention)
 
 
-@pytest.mark.parametrize("mention", list(filter(of_scripts, FOUND)), ids=str)
-def test_every_script_that_is_mentioned_takes_its_options(mention):
-    script, *words = mention.words
-    assert (ROOT / script).is_file()
+def fits_script(script: str, *words: str) -> bool:
+    """Whether a script is there and takes these words."""
     if script == "scripts/test":  # what follows is for pytest
-        assert all((ROOT / word).exists() for word in words if "/" in word)
-        return
+        return all((ROOT / word).exists() for word in words if "/" in word)
     if script == "scripts/python":
         script, *words = words
-        if not script.endswith(".py"):
-            return
-        if not script.startswith(("research/", "examples/")):
-            return  # one of the reader's own
+        if not re.match(r"(research|examples)/.*\.py$", script):
+            return True  # one of the reader's own
+    if not (ROOT / script).is_file():
+        return False
     text = (ROOT / script).read_text(encoding="utf-8")
-    for option in (word.partition("=")[0] for word in words if word.startswith("--")):
-        declared = f"{option[2:].replace('-', '_')}:" in text  # by typer, from a parameter's name
-        assert declared or option in text or option == "--help"
+    # Typer makes an option of a parameter's name.
+    options = [word.partition("=")[0] for word in words if word.startswith("--")]
+    return all(
+        option in (*re.findall(r"--[a-z-]+", text), "--help")
+        or f"{option[2:].replace('-', '_')}:" in text
+        for option in options
+    )
+
+
+def test_every_script_that_is_mentioned_takes_its_options():
+    wrong = [str(m) for m in filter(of_scripts, FOUND) if not fits_script(*m.words)]
+    assert wrong == []
 
 
 def of_python(mention: Mention) -> bool:
     return mention.words[:2] == ("python", "-m")
 
 
-@pytest.mark.parametrize("mention", list(filter(of_python, FOUND)), ids=str)
-def test_every_module_that_is_mentioned_can_be_run(mention):
+def fits_module(mention: Mention) -> bool:
+    """Whether `python -m` can run the module with these parameters."""
     from hitab_agent.settings import DESCRIPTIONS as OF_AGENTS
     from hitab_robots.settings import DESCRIPTIONS as OF_ROBOTS
     from hitab_world.settings import DESCRIPTIONS as OF_WORLDS
 
     module = mention.words[2]
     if module.startswith("my_"):
-        return  # the reader's own
+        return True  # the reader's own
     if (example := ROOT / "examples" / module.split(".")[0]).is_dir():
-        assert (example / f"{module.replace('.', '/')}.py").is_file()
-        return
+        return (example / f"{module.replace('.', '/')}.py").is_file()
     spec = importlib.util.find_spec(module)
-    assert spec is not None
-    assert spec.origin is not None
+    if spec is None or spec.origin is None:
+        return False
     if not module.startswith(("hitab_", "keepaway_", "foraging_")):
-        return
-    with open(spec.origin, encoding="utf-8") as file:
-        assert '__name__ == "__main__"' in file.read()
+        return True
+    if '__name__ == "__main__"' not in Path(spec.origin).read_text(encoding="utf-8"):
+        return False
     known = {*OF_AGENTS, *OF_WORLDS, *OF_ROBOTS}
     known |= {"agents", "roster", "subordinates", "roles", "asks_position"}
-    for flag, word in zip(mention.words, mention.words[1:], strict=False):
-        if flag == "-p" and (match := re.match(r"(\w+)(\.\w+)?:=", word)):
-            assert match[2] or match[1] in known
+    given = [
+        re.match(r"(\w+)(\.\w+)?:=", word)
+        for flag, word in zip(mention.words, mention.words[1:], strict=False)
+        if flag == "-p"
+    ]
+    return all(match[2] or match[1] in known for match in given if match)
+
+
+def test_every_module_that_is_mentioned_can_be_run():
+    assert [str(m) for m in filter(of_python, FOUND) if not fits_module(m)] == []

@@ -19,8 +19,3 @@ def test_the_page_shows_what_its_code_prints(tmp_path, monkeypatch):
         with contextlib.redirect_stdout(printed):
             exec(compile(code, str(PAGE), "exec"), names)  # our own page
         assert printed.getvalue() == shown
-
-
-def test_the_first_example_has_ten_lines():
-    first = re.search(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
-    assert len([line for line in first[1].splitlines() if line]) <= 10

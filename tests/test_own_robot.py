@@ -1,6 +1,5 @@
 """A robot of one's own, examples/diff_drive: trained by topics, and safe when something fails."""
 
-import json
 import math
 import os
 import re
@@ -25,14 +24,12 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-import hitab_robots
 from hitab_client.domain_ids import reserved
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
 from hitab_core.domain import Domain, load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_robots.settings import DESCRIPTIONS, OF_SENSOR
 from hitab_robots.velocity_relay import SILENT_S
 from hitab_ros import qos
 from hitab_ros.stamps import seconds_of
@@ -364,35 +361,6 @@ def test_an_agent_that_hung_goes_on_only_once_re_armed(desk):
     desk.until(lambda: not desk.told_to_stand_still())
 
 
-def test_what_a_robot_perceives_now_is_shown_with_units_and_faults(desk):
-    desk.await_value("RangeAhead")
-    shown = desk.run("hitab_bringup.main", "perceive", ROBOT).stdout
-    rows = [line.split() for line in shown.splitlines()]
-    assert ["RangeAhead", "2.5", "m"] in rows
-    assert ["HeadingTo(goal)", "-26.6", "deg"] in rows
-    assert ["Bumped", "no"] in rows
-    desk.end("robot")
-    desk.until(lambda: desk.has_fault("nobody publishes it"))
-    shown = desk.run("hitab_bringup.main", "perceive", ROBOT, "RangeAhead").stdout
-    assert ["RangeAhead", "no", "value"] in [line.split() for line in shown.splitlines()]
-    assert f"sensor scan, /{ROBOT}/scan: nobody publishes it" in " ".join(shown.split())
-    told = desk.run("hitab_bringup.main", "perceive", ROBOT, "RangeAhead", "--json", "-")
-    (feature,) = json.loads(told.stdout)["features"]
-    assert (feature["name"], feature["value"], feature["unit"]) == ("RangeAhead", None, "m")
-    refused = desk.run("hitab_bringup.main", "perceive", ROBOT, "Height")
-    assert refused.returncode == 1
-    assert 'unknown feature "Height"' in refused.stderr
-
-
-def test_status_and_doctor_say_the_same_of_wiring_that_cannot_work(desk):
-    desk.link.node.create_publisher(Twist, f"/{ROBOT}/cmd_vel", qos.EVENTS)
-    past = f"publishes /{ROBOT}/cmd_vel, past the velocity_relay"
-    desk.until(lambda: desk.has_fault(past))
-    (told,) = (fault for fault in desk.agents.statuses[ROBOT].faults if past in fault)
-    for verb in ("status", "doctor"):
-        assert told in " ".join(desk.run("hitab_bringup.main", verb).stdout.split()), verb
-
-
 def test_what_stands_for_nav2_drives_through_the_relay_as_the_page_says(desk):
     root = EXAMPLE.parents[1]
     page = (root / "docs/robots.md").read_text(encoding="utf-8")
@@ -513,15 +481,6 @@ def test_where_things_are_is_told_relative_to_the_robot():
     assert read("Bumped") == 1.0
     body = sensed(domain, **pose)
     assert math.isnan(read("Bumped"))
-
-
-def test_the_page_explains_each_word_and_parameter():
-    page = (EXAMPLE.parents[1] / "docs/robots.md").read_text(encoding="utf-8")
-    between_link_and_relay = {"agent_pid", "kills_hung_agent"}
-    base_class = {"Sensor"}
-    names = {*hitab_robots.__all__, *DESCRIPTIONS, *OF_SENSOR}
-    for name in names - between_link_and_relay - base_class:
-        assert re.search(rf"\b{name}\b", page), name
 
 
 def test_the_commands_of_the_page_make_a_copy_under_another_name(tmp_path):

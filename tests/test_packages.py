@@ -7,7 +7,6 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 from xml.etree import ElementTree
 
-import pytest
 from ament_index_python.packages import get_packages_with_prefixes
 
 ROOT = Path(__file__).parents[1]
@@ -79,40 +78,43 @@ def imports(package: Path) -> set[str]:
     return found - sys.stdlib_module_names - {package.name}
 
 
-@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
-def test_a_package_declares_all_that_it_imports(package):
-    # A comment names what rosdep does not know.
-    declared = re.findall(r"\w+", (package / "package.xml").read_text())
-    assert imports(package) - {*declared} == set()
-
-
-@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
-def test_a_package_depends_on_no_other_of_this_workspace_without_need(package):
-    declared = re.findall(
-        r"<exec_depend>(\w+)</exec_depend>", (package / "package.xml").read_text()
-    )
-    ours = {path.name for path in PACKAGES} & {*declared}
-    started = {"hitab_agent"}  # as processes of their own, not imported
-    assert ours - imports(package) - started == set()
-
-
-@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
-def test_a_package_tells_pip_what_it_imports_from_pypi_and_nothing_else(package):
-    from_ros = {*get_packages_with_prefixes()} | {path.name for path in PACKAGES}
-    wanted = {CALLED.get(name, name) for name in imports(package) - from_ros}
+def from_pypi(package: Path) -> set[str]:
+    """Return what a package tells pip to install."""
     told = re.search(r"install_requires=\[(.*?)\]", (package / "setup.py").read_text(), re.DOTALL)
     assert told is not None
-    assert {*re.findall(r"[\w-]+", told[1])} - STARTED == wanted
+    return {*re.findall(r"[\w-]+", told[1])}
 
 
-@pytest.mark.parametrize("manifest", MANIFESTS, ids=lambda manifest: manifest.parent.name)
-def test_a_package_names_only_what_ros_or_ubuntu_has(manifest):
-    named = depends(manifest, *ALL)
+def test_packages_declare_what_they_import_and_nothing_else_of_this_workspace():
+    wrong = {}
+    started = {"hitab_agent"}  # as processes of their own, not imported
+    for package in PACKAGES:
+        text = (package / "package.xml").read_text()
+        # A comment names what rosdep does not know.
+        missing = imports(package) - {*re.findall(r"\w+", text)}
+        ours = {*re.findall(r"<exec_depend>(\w+)</exec_depend>", text)} & {
+            p.name for p in PACKAGES
+        }
+        wrong[package.name] = missing, ours - imports(package) - started
+    assert {name: found for name, found in wrong.items() if found != (set(), set())} == {}
+
+
+def test_packages_tell_pip_what_they_import_from_pypi_and_nothing_else():
+    from_ros = {*get_packages_with_prefixes()} | {path.name for path in PACKAGES}
+    wanted = {p.name: {CALLED.get(n, n) for n in imports(p) - from_ros} for p in PACKAGES}
+    assert {package.name: from_pypi(package) - STARTED for package in PACKAGES} == wanted
+
+
+def test_packages_name_only_what_ros_or_ubuntu_has():
     ours = {path.parent.name for path in MANIFESTS}
-    # Names of ROS packages have no hyphen, all of Ubuntu's here but one have.
-    foreign = {name for name in named if "-" in name or name == "supervisor"}
-    assert foreign - set(BY_APT) == set()
-    assert {name for name in named if name in ours and named[name] is None} == set()
+    wrong = {}
+    for manifest in MANIFESTS:
+        named = depends(manifest, *ALL)
+        # Names of ROS packages have no hyphen, all of Ubuntu's here but one have.
+        foreign = {name for name in named if "-" in name or name == "supervisor"}
+        unversioned = {name for name in named if name in ours and named[name] is None}
+        wrong[manifest.parent.name] = foreign - set(BY_APT) | unversioned
+    assert {name: found for name, found in wrong.items() if found} == {}
 
 
 def test_all_packages_have_the_version_that_they_ask_of_one_another():
@@ -125,30 +127,27 @@ def test_all_packages_have_the_version_that_they_ask_of_one_another():
             assert name not in versions or least == versions[name], (manifest.parent.name, name)
 
 
-@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
-def test_what_a_package_needs_from_pypi_comes_from_ubuntu_or_into_an_environment(package):
-    told = re.search(r"install_requires=\[(.*?)\]", (package / "setup.py").read_text(), re.DOTALL)
-    assert told is not None
-    keys = depends(package / "package.xml", "depend", "exec_depend")
-    # One that has to be newer than Ubuntu's comes into the environment, too.
-    from_ubuntu = {BY_APT.get(key) for key, least in keys.items() if least is None}
-    wanted = {BROUGHT.get(name, name) for name in re.findall(r"[\w-]+", told[1])}
-    assert wanted - {"setuptools"} - from_ubuntu - set(BESIDE) == set()
+def test_what_packages_need_from_pypi_comes_from_ubuntu_or_into_an_environment():
+    missing = {}
+    for package in PACKAGES:
+        keys = depends(package / "package.xml", "depend", "exec_depend")
+        # One that has to be newer than Ubuntu's comes into the environment, too.
+        from_ubuntu = {BY_APT.get(key) for key, least in keys.items() if least is None}
+        wanted = {BROUGHT.get(name, name) for name in from_pypi(package)}
+        missing[package.name] = wanted - {"setuptools"} - from_ubuntu - set(BESIDE)
+    assert {name: found for name, found in missing.items() if found} == {}
+    assert set(BESIDE) - set().union(*map(from_pypi, PACKAGES)) == set()
 
 
-def test_nothing_comes_into_the_environment_that_no_package_needs():
-    told = "".join((package / "setup.py").read_text() for package in PACKAGES)
-    assert [name for name in BESIDE if f'"{name}"' not in told] == []
-
-
-@pytest.mark.parametrize("manifest", MANIFESTS, ids=lambda manifest: manifest.parent.name)
-def test_colcon_knows_how_to_build_a_package_and_finds_its_tests(manifest):
-    kind = "ament_python" if (manifest.parent / "setup.py").exists() else "ament_cmake"
-    assert ElementTree.parse(manifest).getroot().findtext("export/build_type") == kind
-    if any(manifest.parent.glob("test/test_*.py")):
-        setup = (manifest.parent / "setup.py").read_text()
-        assert re.search(r'extras_require=\{"test": \[.*"pytest"', setup), "colcon runs no test"
-        assert "python3-pytest" in depends(manifest, "test_depend")
+def test_colcon_knows_how_to_build_packages_and_finds_their_tests():
+    for manifest in MANIFESTS:
+        kind = "ament_python" if (manifest.parent / "setup.py").exists() else "ament_cmake"
+        found = ElementTree.parse(manifest).getroot().findtext("export/build_type")
+        assert found == kind, manifest
+        if any(manifest.parent.glob("test/test_*.py")):
+            setup = (manifest.parent / "setup.py").read_text()
+            assert re.search(r'extras_require=\{"test": \[.*"pytest"', setup), manifest
+            assert "python3-pytest" in depends(manifest, "test_depend"), manifest
 
 
 def test_packages_do_not_depend_on_one_another_in_a_circle():
@@ -158,19 +157,14 @@ def test_packages_do_not_depend_on_one_another_in_a_circle():
     TopologicalSorter(graph).prepare()
 
 
-@pytest.mark.parametrize(
-    "manifest", sorted(SOURCES.glob("*/package.xml")), ids=lambda path: path.parent.name
-)
-def test_a_package_names_its_license_and_brings_its_text(manifest):
-    element = ElementTree.parse(manifest).getroot().find("license")
-    assert element is not None
-    assert element.text == "Apache-2.0"
-    # A copy: a package may be released, or taken out of this checkout, by itself.
-    text = (manifest.parent / str(element.get("file"))).read_text()
-    assert text == (ROOT / "LICENSE").read_text()
-    setup = manifest.parent / "setup.py"
-    if not setup.is_file():
-        assert "install(FILES LICENSE " in (manifest.parent / "CMakeLists.txt").read_text()
-        return
-    assert 'license="Apache-2.0"' in setup.read_text()
-    assert '(f"share/{NAME}", ["LICENSE", "package.xml"' in setup.read_text()
+def test_packages_name_their_license_and_bring_its_text():
+    for manifest in SOURCES.glob("*/package.xml"):
+        element = ElementTree.parse(manifest).getroot().find("license")
+        assert element is not None, manifest
+        assert element.text == "Apache-2.0", manifest
+        # A copy: a package may be released, or taken out of this checkout, by itself.
+        text = (manifest.parent / str(element.get("file"))).read_text()
+        assert text == (ROOT / "LICENSE").read_text(), manifest
+        setup = manifest.parent / "setup.py"
+        if setup.is_file():
+            assert '(f"share/{NAME}", ["LICENSE", "package.xml"' in setup.read_text(), setup

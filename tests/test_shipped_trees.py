@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import pytest
 import yaml
 
 from hitab_core.domain import load_domain
@@ -17,9 +16,11 @@ SHIPPED = [
 ]
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: f"{path.parent.name}/{path.name}")
-def test_the_stored_digest_of_each_tree_is_that_of_the_learned_one(path):
-    text = path.read_text(encoding="utf-8")
-    stored = yaml.safe_load(text)
-    automaton = read_behavior(text, path.name, load_domain(stored["domain"]["name"])).automaton
-    assert stored["trees"] == {s: f.digest() for s, f in automaton.transitions.items()}
+def test_the_stored_digest_of_each_tree_is_that_of_the_learned_one():
+    assert SHIPPED
+    for path in SHIPPED:
+        text = path.read_text(encoding="utf-8")
+        stored = yaml.safe_load(text)
+        automaton = read_behavior(text, path.name, load_domain(stored["domain"]["name"])).automaton
+        learned = {state: f.digest() for state, f in automaton.transitions.items()}
+        assert stored["trees"] == learned, path

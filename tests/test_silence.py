@@ -48,8 +48,6 @@ def suspended(swarm):
     "call",
     [
         ("demonstrate", ONE, "Stop"),
-        ("vocabulary", ONE),
-        ("distribute", ONE, "A"),
         ("distribute", "keeper_2", "A", "--to", ONE),
     ],
 )
@@ -96,13 +94,6 @@ def test_the_watching_status_notices_who_falls_silent(swarm, suspended):
         watching.wait()
         os.close(other_end)
         os.close(terminal)
-
-
-def test_a_suspended_world_is_named(swarm, hitab, suspended):
-    suspended("world")
-    done = hitab("world", "resume")
-    assert done.returncode == 1
-    assert "world's process is suspended" in done.stderr
 
 
 def test_an_agent_that_runs_but_does_not_answer_is_silent_for_as_long_as_it_was_waited_for(

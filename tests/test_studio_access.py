@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from browsing import ONE, Person, away_from_everybody, entity, needs_browser, studio, visitor
+from browsing import ONE, Person, away_from_everybody, needs_browser, studio, visitor
 
 from hitab_core import HitabError
 
@@ -301,20 +301,3 @@ def test_whatever_can_be_clicked_can_be_reached_with_the_keyboard(swarm, person)
 
 
 # -- motion -----------------------------------------------------------------------------------
-
-
-@needs_browser
-def test_nothing_blinks_for_who_wants_no_motion(swarm, chrome, url, home):
-    context = chrome.new_context(reduced_motion="reduce")
-    someone = Person(context.new_page(), url)
-    someone.click("tab-record")
-    someone.click("record")
-    someone.page.wait_for_selector(".blink")
-    moving = "document.getAnimations().map((one) => one.animationName ?? one.transitionProperty)"
-    assert someone.page.evaluate(moving) == []
-    someone.page.click('.pane [data-test="record"]')
-    someone.sees("replay-file")
-    for path in (home / "recordings").glob("*.mcap"):
-        path.unlink()
-    assert entity(swarm, ONE)
-    context.close()

@@ -126,32 +126,6 @@ def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swa
 
 
 @needs_browser
-def test_notices_are_above_the_legend_and_the_field_and_pressed_late_needs_a_running_world(
-    swarm, training
-):
-    """In a test, the notice covered both; and in a paused world no command comes late."""
-    off = training.page.locator('[data-test="earlier"]')
-    training.waits_until(lambda: off.get_attribute("aria-disabled") == "true", "it is offered")
-    assert "given while the world stood still" in off.get_attribute("data-off")
-    training.page.mouse.move(2, 2)
-    swarm.world.control("resume")
-    cycle = swarm.world.wait().cycle
-    training.waits_until(lambda: swarm.link.spin(0.02) or swarm.world.state.cycle > cycle, "runs")
-    assert "given while the world stood still" in off.get_attribute("data-off"), "it still was"
-    swarm.world.control("pause")
-    training.click("toggle")
-    stuck = training.sees("stuck").bounding_box()
-    below = stuck["y"] + stuck["height"]
-    for part in (".legend", ".field-tools"):
-        assert training.page.locator(part).bounding_box()["y"] >= below
-    top = """() => { const f = window.studioField;
-        return f.canvas.getBoundingClientRect().top + f.toScreen(0, f.roster.size[1] / 2)[1]; }"""
-    legend = training.page.locator(".legend").bounding_box()
-    end = legend["y"] + legend["height"]
-    training.waits_until(lambda: training.page.evaluate(top) >= end, "the field is below")
-
-
-@needs_browser
 def test_a_swarm_that_is_down_is_not_shown_as_if_it_were_up(chrome, home, tmp_path):
     """Its robots stood there as before, with a button that would train them."""
     alone = trained_keepers(None, "", {})

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import getpass
-import re
 from typing import Any
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, begin, needs_browser
+from browsing import ONE, Person, away_from_everybody, begin, needs_browser
 
 from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
@@ -69,134 +68,6 @@ def test_the_history_shows_what_undo_undoes_and_redo_redoes(swarm, person):
     person.page.keyboard.press("y")
     person.page.wait_for_selector('[data-test="history"] .undone', state="detached")
     person.sees("counts", "4 examples")
-
-
-@needs_browser
-def test_what_does_nothing_says_why_to_the_mouse_and_to_the_keyboard(swarm, person):
-    begin(person, "Empty")
-    person.page.keyboard.press("t")
-    person.sees("message", "There is nothing to test yet")
-    person.page.click('[data-test="save"]', force=True)
-    person.sees("message", "There is nothing to save yet")
-    undo = person.page.locator('[data-test="undo"]')
-    assert "nothing to undo" in undo.get_attribute("title")
-    undo.focus()  # it can be reached, unlike a disabled button
-    person.page.keyboard.press("Enter")
-    person.sees("message", "There is nothing to undo")
-    person.page.keyboard.press("Escape")
-
-
-@needs_browser
-def test_keys_of_a_training_say_what_to_press_while_nothing_is_trained(swarm, person):
-    person.page.keyboard.press("t")
-    person.sees("message", "Choose an agent first")
-    person.click(f"agent-{TWO}")
-    person.sees("mode", "Idle")
-    person.page.keyboard.press("t")
-    person.sees("message", f"{TWO} trains nothing, so there is nothing to test (T). Press Train…")
-    person.page.keyboard.press("u")
-    person.sees("message", f"{TWO} is not training anything: begin a training")
-
-
-@needs_browser
-def test_features_and_behaviors_are_described_with_what_is_perceived_now(swarm, person):
-    away_from_everybody(swarm, 6.0)
-    person.click(f"agent-{ONE}")
-    person.click("new")
-    distance = "about-DistanceTo(ball)"
-    person.sees(distance, "6.00 m")
-    assert "distance to ball" in person.text(distance)
-    assert "continuous, m" in person.text(distance)
-    person.sees("about-BallIsKickable", "no")
-    person.page.click('[data-test="behavior-details"] summary')
-    assert "turn to face the ball" in person.text("about-TurnToBall")
-    person.page.keyboard.press("Escape")
-    title = person.page.locator('[data-test="do-TurnToBall"]').get_attribute("title")
-    assert "turn to face the ball" in title
-
-
-@needs_browser
-def test_a_key_stays_with_its_behavior_when_others_come_and_go(swarm, person):
-    away_from_everybody(swarm, 5.0)
-
-    def keys() -> dict[str, str]:
-        shown = person.page.locator('[data-test="behaviors"] button').all_inner_texts()
-        return dict(reversed(text.split()) for text in shown)  # type: ignore[misc,arg-type]
-
-    person.click(f"agent-{TWO}")
-    person.sees("do-GoFast")
-    before = keys()
-    person.click(f"agent-{ONE}")
-    person.click("new")
-    person.type("new-name", "Aardvark")  # before all others by its name
-    person.tick("feature-DistanceTo(ball)")
-    person.page.click('[data-test="behavior-details"] summary')
-    for state in ("Stop", "GoFast"):
-        person.tick(f"state-{state}")
-    person.click("begin")
-    person.page.wait_for_selector('[data-test="do-GoSlow"]', state="detached")
-    assert {name: keys()[name] for name in ("GoFast", "Stop")} == {
-        name: before[name] for name in ("GoFast", "Stop")
-    }
-    person.click("do-GoFast")
-    person.click("save")
-    person.click("save-now")
-    person.sees("do-Aardvark")
-    after = keys()
-    assert {name: after[name] for name in before} == before
-    assert after["Aardvark"] not in before.values()
-
-
-@needs_browser
-def test_keys_of_flags_and_behaviors_say_why_they_do_nothing(swarm, person):
-    person.page.keyboard.press("1")
-    person.sees("message", "Choose an agent first")
-    person.click(f"agent-{TWO}")
-    person.sees("do-GoFast")
-    person.page.keyboard.press("d")
-    person.sees("message", f"{TWO} is not training anything; only a training has flags.")
-
-
-@needs_browser
-def test_esc_in_the_search_shows_all_agents_again_and_ends_no_training(swarm, person):
-    away_from_everybody(swarm, 5.0)
-    begin(person, "Found")
-    person.page.fill(".search input", "nobody")
-    person.page.wait_for_selector("text=No agent matches.")
-    person.page.focus(".search input")
-    person.page.keyboard.press("Escape")
-    person.sees(f"agent-{TWO}")
-    person.sees("mode", "Training")
-    assert not person.page.query_selector("[data-modal]")
-
-
-@needs_browser
-def test_the_preview_of_what_is_saved_follows_what_is_typed(swarm, person):
-    away_from_everybody(swarm, 5.0)
-    begin(person, "Shown")
-    person.click("do-GoFast")
-    person.click("save")
-    person.type("bind-ball", "hello world")
-    person.page.wait_for_selector('[data-test="save-now"][data-off]')
-    person.type("bind-ball", "A")
-    person.sees("preview", "Shown(A)")
-    person.type("bind-ball", "")
-    person.sees("preview", "Shown:")
-    person.click("save-now")
-    person.sees("message", 'saved "Shown"')
-
-
-@needs_browser
-def test_what_ends_a_performance_is_not_called_like_a_behavior(swarm, person):
-    swarm.agents.perform(TWO, "GoSlow")
-    person.click(f"agent-{TWO}")
-    person.sees("mode", "Performing")
-    banner = person.page.locator(".banner button").all_inner_texts()
-    behaviors = person.page.locator('[data-test="behaviors"] button').all_inner_texts()
-    names = {re.sub(r"^\S\n", "", text) for text in behaviors}
-    assert not names & set(banner)
-    person.click("idle")
-    person.sees("mode", "Idle")
 
 
 # -- for when a command counts ----------------------------------------------------------------
@@ -339,18 +210,3 @@ def test_features_are_exchanged_after_a_look_at_what_would_be_learned(swarm, per
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     person.sees("recorded", "DistanceTo(ball)")
-
-
-@needs_browser
-def test_an_example_that_a_command_supersedes_is_struck_through_and_says_why(swarm, person):
-    away_from_everybody(swarm, 5.0)
-    begin(person, "Second")
-    for behavior, examples in (("GoFast", 2), ("Stop", 4)):  # in the same situation
-        person.click(f"do-{behavior}")
-        person.sees("counts", f"{examples} examples")
-    person.click("tab-examples")
-    row = person.page.wait_for_selector('[data-test="example-2"].superseded')
-    cell = row.query_selector("td:nth-child(4)")
-    assert "superseded by example 3" in cell.get_attribute("title")
-    assert "line-through" in cell.evaluate("e => getComputedStyle(e).textDecoration")
-    assert person.page.locator(".superseded").count() == 1

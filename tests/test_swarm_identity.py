@@ -12,7 +12,6 @@ from pathlib import Path
 
 import psutil
 import pytest
-from hitab_msgs.msg import CommanderStatus, HostRoster
 from waiting import within
 
 from hitab_bringup import supervision
@@ -26,7 +25,6 @@ from hitab_client.run_folder import RunFolder, running_swarms
 from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_ros import qos
 from hitab_ros.exit_codes import FINAL
 
 LONE = "swarm: lone\ndomain: keepaway\nagents: {lone: {}}\n"
@@ -36,9 +34,6 @@ world: {kind: keepaway, pace: lockstep, paused: true}
 domain: keepaway
 agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}
 """
-SQUAD = SOCCER.replace("soccer", "squad").replace(
-    "{keeper_1: {}, keeper_2: {}", "{keeper_1: {host: h}, keeper_2: {host: h}"
-)
 WITH_A_WORLD_ALONE = LONE.replace("domain:", "world: {kind: keepaway, paused: true}\ndomain:")
 APART = f"{WITH_A_WORLD_ALONE}namespace: apart\n"  # from what other tests do in ROS domain 0
 
@@ -118,30 +113,6 @@ def test_names_taken_by_a_swarm_of_another_registry_are_refused_as_well(hitab, p
     assert folder.supervisor(record) is not None
 
 
-def test_a_swarm_goes_to_the_next_domain_if_another_registry_has_its_names_in_the_first(
-    hitab, place, monkeypatch
-):
-    up(hitab, described(place, WITH_A_WORLD_ALONE))
-    ((_, first),) = running_swarms()
-    monkeypatch.setenv("HITAB_HOME", str(place / "another_home"))
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    said: list[str] = []
-    with domain_ids.reserved() as free:
-
-        def chosen(refused=(), has_world=True):
-            return free if first.domain_id in refused else first.domain_id
-
-        monkeypatch.setattr(domain_ids, "for_swarm", chosen)
-        swarm = parse_swarm(WITH_A_WORLD_ALONE, place / "lone.yaml")
-        record = bring_up(swarm, RunFolder.of_swarm("lone"), warn=said.append)
-        assert record.domain_id == free
-        assert said == [
-            f"ROS domain {first.domain_id} is in use by swarm {first.identity}; "
-            "lone starts in another one"
-        ]
-        supervision.stop(RunFolder.of_swarm("lone"))
-
-
 def test_a_swarm_without_a_world_lives_beside_a_swarm_with_one_in_its_domain(place):
     soccer = bring_up(parse_swarm(SOCCER, place / "soccer.yaml"), RunFolder(place / "soccer"))
     lone = parse_swarm(LONE, place / "lone.yaml")
@@ -191,30 +162,6 @@ def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, pla
         supervision.stop(second)
 
 
-def test_every_status_gives_the_identity(place):
-    rosters: list[HostRoster] = []
-    with temporary_swarm(parse_swarm(SQUAD, place / "squad.yaml")) as running:
-        identity = running.record.identity
-        assert identity.startswith("squad-")
-        running.link.subscribe(HostRoster, "/hosts", rosters.append, qos.LATCHED)
-        assert running.link.spin_until(lambda: rosters, 20)
-        assert {s.swarm for s in running.agents.statuses.values()} == {identity}
-        assert running.world.status.swarm == identity
-        assert rosters[0].swarm == identity
-
-
-def test_a_commanders_status_gives_the_identity(home):
-    from hitab_bringup.swarm_file import read_swarm
-    from hitab_client.shipped import find_file
-
-    groups: list[CommanderStatus] = []
-    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm")).with_world(paused=True)
-    with temporary_swarm(swarm) as running:
-        running.link.subscribe(CommanderStatus, "/captain/group", groups.append, qos.LATCHED)
-        assert running.link.spin_until(lambda: groups, 20)
-        assert groups[-1].swarm == running.record.identity
-
-
 def test_clients_take_no_other_swarms_robots_for_their_own(place):
     with temporary_swarm(parse_swarm(SOCCER, place / "soccer.yaml")) as running:
         mine = "mine-00000000"
@@ -233,10 +180,6 @@ def test_clients_take_no_other_swarms_robots_for_their_own(place):
     "arguments",
     [
         ("status",),
-        pytest.param(("perform", "lone", "Stop"), marks=pytest.mark.long),
-        ("train", "lone", "A", "-f", "Done"),
-        pytest.param(("lesson", "run", "approach_ball"), marks=pytest.mark.long),
-        pytest.param(("world", "resume"), marks=pytest.mark.long),
     ],
     ids=" ".join,
 )
@@ -341,34 +284,3 @@ def test_a_swarm_whose_supervisor_died_is_taken_down_by_any_of_its_names(hitab, 
         name = {"lone": "lone", "identity": record.identity, "folder": str(folder.path)}[which]
         assert hitab("down", "--swarm", name).stdout == "lone is down\n"
         assert folder.processes() == []
-
-
-def test_a_temporary_swarm_looks_for_a_domain_where_its_names_are_free(
-    home, place, tmp_path, monkeypatch
-):
-    # What outlives the process that had reserved a domain is still there.
-    with domain_ids.reserved() as first, domain_ids.reserved() as second:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(first))
-    with by_hand(tmp_path):
-        offered = iter((first, second))
-        monkeypatch.setattr(domain_ids, "reserved", lambda: contextlib.nullcontext(next(offered)))
-        swarm = parse_swarm(LONE, tmp_path / "lone.yaml")
-        with temporary_swarm(swarm, tmp_path / "run") as running:
-            assert running.record.domain_id == second
-
-
-def test_who_interrupts_a_start_is_told_at_once_that_it_is_being_stopped(home, tmp_path):
-    run = RunFolder(tmp_path / "run")
-    command = subprocess.Popen(
-        [sys.executable, "-m", "hitab_bringup.main", "up", "keepaway", "--run-dir", str(run.path)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert within(60, lambda: run.read() is not None)
-    command.send_signal(signal.SIGINT)
-    _, told = command.communicate(timeout=60)
-    assert command.returncode == 130
-    assert "interrupted: stopping what was started of keepaway" in told
-    assert "Traceback" not in told
-    assert run.processes() == []

@@ -20,13 +20,6 @@ swarm: {name}
 domain: keepaway
 agents: {{{agent}: {{}}}}
 """
-APART = """\
-swarm: {name}
-world: {{kind: keepaway, paused: true}}
-domain: keepaway
-namespace: {name}
-agents: {{{name}_1: {{}}}}
-"""
 WITH_WORLD = """\
 swarm: soccer
 world: {kind: keepaway, pace: lockstep, paused: true}
@@ -98,24 +91,6 @@ def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
     assert not Path(record.socket).exists()
 
 
-def test_two_swarms_at_once_live_in_different_domains(hitab, swarm_home, monkeypatch):
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    for name in ("red", "blue"):
-        up = hitab("up", write(swarm_home, name, APART.format(name=name)))
-        assert up.returncode == 0, up.stderr
-    assert "ROS domain 0 " in up.stderr, "why it is in another one"
-    domains = {record.swarm: record.domain_id for _, record in running_swarms()}
-    assert len(set(domains.values())) == 2
-    which = hitab("status")
-    assert which.returncode == 1
-    assert "several swarms are up; choose one with --swarm NAME:" in which.stderr
-    assert "  red: started at " in which.stderr
-    status = hitab("status", "--swarm", "red", "--json", "-")
-    assert [agent["agent"] for agent in json.loads(status.stdout)["agents"]] == ["red_1"]
-    assert hitab("down", "red").stdout == "red is down\n"
-    assert [record.swarm for _, record in running_swarms()] == ["blue"]
-
-
 def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, swarm_home):
     up = hitab("up", write(swarm_home, "broken", BROKEN))
     assert up.returncode == 1
@@ -156,13 +131,6 @@ def test_a_read_only_place_for_the_files_of_a_swarm_is_told_with_the_way_out(
         assert "; choose another" in told
         assert "Traceback" not in told
     assert list(running_swarms()) == []
-
-
-def test_up_says_that_nothing_can_be_saved_to_a_read_only_library(hitab, swarm_home, read_only):
-    description = write(swarm_home, "one", ONE.format(name="one", agent="keeper_1"))
-    up = hitab("up", description, "--library", str(read_only))
-    assert up.returncode == 0, up.stderr
-    assert f"keeper_1: nothing can be saved to {read_only}: it is read-only" in up.stderr
 
 
 def test_a_killed_agent_is_started_again(hitab, swarm_home):

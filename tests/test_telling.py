@@ -5,8 +5,6 @@ import math
 import pytest
 from hitab_msgs.srv import GetBehavior, ReadFeatures
 
-from hitab_client.errors import SwarmError
-
 ONE = "keeper_1"
 
 
@@ -38,11 +36,6 @@ def test_what_an_agent_perceives_is_told_level_by_level(begun):
     assert math.isnan(values[4])
 
 
-def test_an_unknown_feature_is_refused_by_name(begun):
-    with pytest.raises(SwarmError, match='unknown feature "DistanceFrom"'):
-        begun.agents.ask(ONE, ReadFeatures, "read_features", also=["DistanceFrom(ball)"])
-
-
 def test_the_training_under_way_is_told_and_how_it_would_be_saved(begun):
     place(begun, 5.0)
     begun.agents.command(ONE, "GoFast")
@@ -71,9 +64,3 @@ def test_versions_and_what_has_changed_between_them_are_told(begun):
     assert "examples:" in latest.difference
     first = told(begun, name="Versioned", version=1)
     assert len(first.examples) < len(latest.examples)
-
-
-def test_a_basic_behavior_is_told_as_such_and_an_unknown_one_refused(begun):
-    assert told(begun, name="Stop").origin == GetBehavior.Response.BASIC
-    with pytest.raises(SwarmError, match='unknown behavior "Stopp"'):
-        told(begun, name="Stopp")

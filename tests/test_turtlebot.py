@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import yaml
 from geometry_msgs.msg import TwistStamped
 from mentions import ROOT
 from pages import Reader, steps_of
@@ -93,20 +92,6 @@ def test_the_commands_of_the_page_train_a_robot_to_wander(room, tmp_path):
         assert not (complaint := reader.type(step)), complaint
         before = step.command
     assert steps[-1].command == "hitab down"
-
-
-def test_the_words_of_the_page_are_those_of_the_example(monkeypatch):
-    monkeypatch.syspath_prepend(str(EXAMPLE))
-    domain = load_domain("turtlebot_example.domain:DOMAIN")
-    page = (ROOT / PAGE).read_text()
-    for name in (*domain.behaviors, *domain.targets):
-        assert f"`{name}`" in page
-    for name, feature in domain.features.items():
-        assert f"`{name}(X)`" in page if feature.parameters else f"`{name}`" in page
-    swarm = yaml.safe_load((EXAMPLE / "swarm.yaml").read_text())
-    assert swarm["domain"] == domain.name
-    remap = swarm["agents"]["burger"]["remap"]
-    assert remap == {name: f"/{name}" for name in ("odom", "scan", "cmd_vel")}
 
 
 def test_a_direction_with_nothing_near_is_clear_and_not_an_obstacle(monkeypatch):

@@ -37,24 +37,6 @@ def shown_by_foxglove() -> set[str]:
     }
 
 
-def placed(layout: Any) -> list[str]:
-    """Return the panels in a part of Foxglove's layout."""
-    if isinstance(layout, str):
-        return [layout]
-    return [*placed(layout["first"]), *placed(layout["second"])]
-
-
-def test_each_panel_is_placed_once():
-    assert sorted(placed(FOXGLOVE["layout"])) == sorted(FOXGLOVE["configById"])
-
-
-def test_both_are_installed():
-    setup = (ROOT / "ros2_ws/src/hitab_studio/setup.py").read_text()
-    assert {f"viewers/{path.name}" for path in VIEWERS.iterdir()} == set(
-        re.findall(r'"(viewers/[^"]+)"', setup)
-    )
-
-
 def test_the_views_match_the_topics_of_a_running_swarm(swarm, url):
     (display,) = displays()
     assert display["Class"] == "rviz_default_plugins/MarkerArray"

@@ -72,9 +72,8 @@ def test_a_percept_of_another_world_is_refused():
         ForagerBody("forager_1").sense([0.0] * 14, [])
 
 
-@pytest.mark.parametrize(
-    ("figures", "message"),
-    [
+def test_parameters_that_cannot_be_are_refused_by_name():
+    for figures, message in [
         ({"foragers": 0}, "foragers is 0"),
         ({"foragers": 2.5}, "whole number"),
         ({"width": 5.0}, "at least 10"),
@@ -85,11 +84,9 @@ def test_a_percept_of_another_world_is_refused():
         ({"small_pullers": 20}, "do not fit around"),
         ({"foragers": 20_000}, "do not fit into"),
         ({"gravity": 9.81}, 'no foraging parameter "gravity"'),
-    ],
-)
-def test_parameters_that_cannot_be_are_refused_by_name(figures, message):
-    with pytest.raises(ParameterError, match=message):
-        ForagingParameters.from_dict(figures)
+    ]:
+        with pytest.raises(ParameterError, match=message):
+            ForagingParameters.from_dict(figures)
 
 
 @pytest.mark.parametrize("figures", [{"obstacles": 500}, {"small_boxes": 900}])
@@ -98,15 +95,12 @@ def test_what_there_is_no_room_for_is_told(figures):
         ForagingWorld(ForagingParameters.from_dict(figures))
 
 
-@pytest.mark.parametrize(
-    ("placement", "message"),
-    [
+def test_what_cannot_be_placed_is_told():
+    for placement, message in [
         (Placement("home", 1.0, 1.0), "home cannot be moved"),
         (Placement("obstacle_1", 1.0, 1.0), "obstacle_1 cannot be moved"),
         (Placement("forager_1", 31.0, 1.0), "outside the field"),
         (Placement("forager_1", vx=1.0), "velocity cannot be set"),
-    ],
-)
-def test_what_cannot_be_placed_is_told(placement, message):
-    with pytest.raises(WorldError, match=message):
-        ForagingWorld().place([placement])
+    ]:
+        with pytest.raises(WorldError, match=message):
+            ForagingWorld().place([placement])

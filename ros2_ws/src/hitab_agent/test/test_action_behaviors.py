@@ -376,18 +376,6 @@ def test_feedback_is_a_feature_of_the_state_that_it_belongs_to(make):
     assert depth(body) == 0.0
 
 
-def test_a_goal_that_cannot_be_made_raises_failed_and_names_the_field(make):
-    one, server = make(kind=domain(goal={"behavior": lambda body, place: 3.0}))
-    one.agent.perform(Use("Walk"))
-    one.ticks_until("Cry")
-    assert 'the field "behavior" must be text, not 3.0' in one.faults
-    one.agent.domain.behaviors["GoTo"].goal["behavior"] = lambda body, place: body.nowhere
-    one.agent.perform(Use("Walk"))
-    one.ticks_until("Cry")
-    assert 'the field "behavior" of its goal could not be made: AttributeError' in one.faults
-    assert not server.goals
-
-
 class Held:
     """The stop of a robot, as its link would set it."""
 
@@ -480,9 +468,8 @@ def test_agents_of_a_host_whose_behaviors_are_actions_decide_one_by_one(tmp_path
     assert all(isinstance(agent.performance, RunningAutomaton) for agent in agents)
 
 
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
+def test_what_is_mistyped_is_refused_at_the_start_with_its_place():
+    for changes, told in [
         ({"action_type": "hitab_msgs/Perform"}, "not of the form"),
         ({"action_type": "no_such_msgs/action/Go"}, "install the package no_such_msgs"),
         ({"action_type": "hitab_msgs/action/Preform"}, 'Did you mean "Perform"'),
@@ -491,19 +478,17 @@ def test_agents_of_a_host_whose_behaviors_are_actions_decide_one_by_one(tmp_path
         ({"goal": {"behavior.name": "x"}}, "is not a message with fields"),
         ({"goal": {"targets": "home"}}, "must be a list"),
         ({"action": ""}, "it has no action"),
-    ],
-)
-def test_what_is_mistyped_is_refused_at_the_start_with_its_place(changes, told):
-    whole = domain()
-    go = whole.behaviors["GoTo"]
-    given = {"action_type": KIND, "action": "drive", "goal": {}, **changes}
-    wrong = ActionBehavior("GoTo", parameters=go.parameters, **given)
-    with pytest.raises(HitabError) as refused:
-        check_actions(
-            Domain.of("walkers", "1", NumberBody, behaviors=[wrong], features=[], targets=[])
-        )
-    assert str(refused.value).startswith('domain "walkers": behavior "GoTo": ')
-    assert told in str(refused.value)
+    ]:
+        whole = domain()
+        go = whole.behaviors["GoTo"]
+        given = {"action_type": KIND, "action": "drive", "goal": {}, **changes}
+        wrong = ActionBehavior("GoTo", parameters=go.parameters, **given)
+        with pytest.raises(HitabError) as refused:
+            check_actions(
+                Domain.of("walkers", "1", NumberBody, behaviors=[wrong], features=[], targets=[])
+            )
+        assert str(refused.value).startswith('domain "walkers": behavior "GoTo": ')
+        assert told in str(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -133,29 +133,6 @@ def test_an_agent_that_does_nothing_says_so_until_it_acts_whatever_is_commanded(
     assert not one.status.last_error
 
 
-def test_how_an_agent_began_is_shown_until_it_does_something_else(one):
-    began = "it cannot perform its start behavior"
-    one.node.status.began(fault=began)
-    one.process.until(lambda: began in one.status.faults)
-    assert one.status.last_error == began
-    one.command("Dance")
-    assert one.status.last_error not in ("", began)
-    assert one.status.faults == [began]
-    one.ask(srv.Perform, names.PERFORM, behavior="Go")
-    one.process.until(lambda: not one.status.faults)
-    assert not one.status.last_error
-
-
-def test_how_an_agent_came_back_is_a_note_and_no_fault(one):
-    one.node.status.began(note="was restarted; it was idle before, too")
-    one.process.until(lambda: one.status.note)
-    assert one.status.note == "was restarted; it was idle before, too"
-    assert not one.status.faults
-    assert not one.status.last_error
-    one.ask(srv.Perform, names.PERFORM, behavior="Go")
-    one.process.until(lambda: not one.status.note)
-
-
 def test_what_is_not_performed_any_more_is_no_fault_any_more(one):
     one.ask(srv.Perform, names.PERFORM, behavior="Go")
     one.node.agent.body.broken = True

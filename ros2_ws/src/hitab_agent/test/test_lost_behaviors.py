@@ -157,36 +157,6 @@ def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Wal
     assert sorted(walkers.library("one").load()) == ["Stroll", "Walk"]
 
 
-def test_what_every_agent_has_does_not_need_to_be_sent(walkers: Walkers) -> None:
-    walkers.start("one")
-    refused = walkers.ask("one", srv.Distribute, names.DISTRIBUTE, behavior="Go")
-    assert refused.message.startswith('"Go" does not need to be sent: it comes with domain')
-
-
-def test_other_behaviors_arrive_while_one_is_lost(walkers: Walkers) -> None:
-    give(walkers, "one")
-    walkers.damage("one", "Walk")
-    walkers.start("one")
-    other = walkers.start("other")
-    teach(other, "Rest", "Wait")
-    sent = walkers.ask("other", srv.Distribute, names.DISTRIBUTE, behavior="Rest")
-    walkers.process.until(lambda: walkers.statuses["one"].distribution == sent.sequence)
-    assert walkers.ask("one", srv.Perform, names.PERFORM, behavior="Rest").success
-    assert "Walk.hfa.yaml" in walkers.statuses["one"].faults[0]
-
-
-def test_the_log_names_a_loss_once_for_all_agents_of_a_library(
-    walkers: Walkers, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    give(walkers, "one")
-    walkers.damage("one", "Walk")
-    folder = str(walkers.library("one").folder)
-    for name in ("one", "two"):
-        walkers.start(name, library=folder)
-    assert [len(walkers.statuses[name].faults) for name in ("one", "two")] == [1, 1]
-    assert len(walkers.shared.told) == 1
-
-
 def test_what_was_taken_out_is_shown_until_it_is_loaded(walkers: Walkers) -> None:
     walkers.shared.domains["marchers"] = Domain.of(
         "marchers",

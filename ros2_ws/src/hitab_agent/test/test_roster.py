@@ -6,7 +6,6 @@ import pytest
 import rclpy
 from rclpy.parameter import Parameter
 
-from hitab_agent.agent_node import AgentNode
 from hitab_agent.host.roster import read_roster
 from hitab_core.errors import HitabError
 
@@ -22,11 +21,6 @@ def read(process, folder, roster):
     )
     process.add(host)
     return read_roster(host)
-
-
-def test_a_roster_tells_names_nodes_and_parameters(process, tmp_path):
-    (entry,) = read(process, tmp_path, [{"name": "a", "parameters": {"seed": 3}}])
-    assert (entry.name, entry.node, entry.parameters) == ("a", AgentNode, {"seed": 3})
 
 
 @pytest.mark.parametrize(

@@ -151,22 +151,6 @@ def test_the_diagnosis_of_an_agent_has_the_worst_of_what_is_wrong(one):
     one.shows(Level.OK, "performing")
 
 
-def test_the_diagnosis_tells_a_refusal_until_the_next_request(one):
-    one.tick(1.0)
-    one.ask(srv.Perform, names.PERFORM, behavior="Dance")
-    one.shows(Level.WARN, 'unknown behavior "Dance"')
-    one.ask(srv.Perform, names.PERFORM, behavior="Go")
-    one.shows(Level.OK, 'performing "Go"')
-
-
-def test_the_diagnosis_tells_that_an_agent_is_unsure(one):
-    one.ask(srv.Perform, names.PERFORM, behavior="Choose")
-    one.ask(srv.SetCaution, names.SET_CAUTION, when_unsure="halt", distance=0.5)
-    one.tick(-1.0)
-    one.tick(1000.0)
-    one.shows(Level.WARN, "unsure: ")
-
-
 def test_the_parameters_of_an_agent_can_be_read_but_not_changed(one):
     listed = one.ask(ListParameters, "agent/list_parameters")
     assert {"domain", "offer_actions", "action_timeout"} <= {*listed.result.names}
@@ -177,12 +161,6 @@ def test_the_parameters_of_an_agent_can_be_read_but_not_changed(one):
     change = Parameter("world", value="moon").to_parameter_msg()
     answer = one.ask(SetParameters, "agent/set_parameters", parameters=[change])
     assert not answer.results[0].successful
-
-
-def test_parameters_are_offered_on_demand_where_the_other_services_are(process, tmp_path):
-    node_of(process, tmp_path, "two", parameters={"services_on_demand": True})
-    client = process.node.create_client(ListParameters, "/two/agent/list_parameters")
-    process.until(client.service_is_ready)
 
 
 def test_changes_of_state_are_logged_while_somebody_listens(one):

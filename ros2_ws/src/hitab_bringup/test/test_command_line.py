@@ -9,7 +9,6 @@ from dataclasses import replace
 import pytest
 from typer.testing import CliRunner
 
-from hitab_bringup.help_pages import verbs
 from hitab_bringup.main import make_app
 
 HEAVY = ("rclpy", "numpy", "matplotlib", "psutil", "sklearn", "hitab_msgs", "pymunk")
@@ -31,31 +30,6 @@ def in_one_line(text: str) -> str:
     return re.sub(r"[\s│╭╮╰╯─]+", " ", text)
 
 
-ALL = {path: verb.callback for path, verb in verbs(make_app())}
-
-
-def test_the_verbs_are_there():
-    names = {" ".join(path) for path in ALL}
-    assert {"demo", "up", "down", "status", "demonstrate", "train", "test"} <= names
-    assert {"undo", "redo"} <= names
-    assert {"save", "perform", "distribute", "vocabulary", "examples list"} <= names
-    assert {"world pause", "world place", "library show", "lesson run"} <= names
-    assert "keepaway evaluate" in names
-
-
-@pytest.mark.parametrize("path", sorted(ALL), ids=" ".join)
-def test_every_verb_has_help(path):
-    result = hitab(*path, "--help")
-    assert result.exit_code == 0
-    assert in_one_line(ALL[path].__doc__.split("\n")[0]) in in_one_line(result.stdout)
-
-
-@pytest.mark.parametrize("path", [p for p in sorted(ALL) if len(p) == 1], ids=" ".join)
-def test_the_help_of_every_main_verb_shows_an_example(path):
-    if path[0] != "vocabulary":
-        assert f"hitab {path[0]}".replace("begin", "train") in hitab(*path, "--help").stdout
-
-
 def test_help_imports_nothing_that_takes_long():
     script = (
         "import sys\nfrom hitab_bringup.main import make_app\n"
@@ -72,35 +46,15 @@ def test_help_imports_nothing_that_takes_long():
     ("arguments", "code", "expected"),
     [
         (["demonstrat"], 2, "No such command"),
-        (["demonstrate", "keeper_1"], 2, "name the agent and the behavior"),
         (["up", "nothing_like_it"], 1, 'error: no swarm "nothing_like_it"'),
         (["up", "keepaway", "--pace", "fast"], 2, "is not one of lockstep, realtime"),
-        (["status", "--swarm", "red"], 1, 'no swarm "red" is up, and no other'),
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
-        (["train", "keeper_1", "-f", "DistanceTo(ball)"], 2, "name the behavior to train"),
-        (["examples", "keeper_1", "--swarm", "red"], 1, 'no swarm "red" is up'),
         (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
-        (["world", "place", "x=1"], 2, "write NAME x=1"),
         (["lesson", "check", "no_such"], 1, 'no lesson "no_such"'),
-        (["lesson", "check", "no_such"], 1, "and others in folders: see `hitab lesson list`"),
         (["library", "list", "-l", "nowhere"], 1, "is neither a folder nor a known library"),
-        (["library", "list", "-l", "."], 1, "has no behaviors"),
         (["library", "show", "A", "--agent", "keeper_1"], 1, "no swarm is up"),
-        (["keepaway", "evaluate", "-l", "nowhere"], 1, "there is no such library folder"),
         (["keepaway", "evaluate", "--pace", "slow"], 2, "is not one of lockstep, inprocess"),
-        (["keepaway", "evaluate", "--episodes", "0"], 2, "'--episodes'"),
-        (
-            ["keepaway", "evaluate", "--keepers", "best"],
-            2,
-            "not one of trained, hand, rand",
-        ),
         (["keepaway", "evaluate", "--keepers", "hand", "--pace", "lockstep"], 2, "in-process"),
-        (["keepaway", "evaluate", "--keepers", "hand", "--set", "kick_nois=1"], 1, '"kick_noise"'),
-        (
-            ["keepaway", "evaluate", "--keepers", "hand", "--kickable-margin", "0"],
-            1,
-            "it must be above 0",
-        ),
     ],
 )
 def test_a_users_mistake_is_told_in_words(arguments, code, expected):
@@ -142,28 +96,6 @@ def test_who_interrupts_down_learns_how_to_end_the_rest(tmp_path, monkeypatch):
     result = hitab("down", "--run-dir", str(tmp_path))
     assert result.exit_code == 130
     assert f"`hitab down --run-dir {tmp_path}` ends what is left of it" in result.stderr
-
-
-def test_lessons_are_listed_and_checked():
-    listed = hitab("lesson", "list").stdout
-    assert "approach_ball: teaches ApproachBall to keeper_1, at most 18 examples" in listed
-    result = hitab("lesson", "check", "approach_ball", "keepaway")
-    assert result.exit_code == 0
-    assert result.stdout.count("nothing is wrong") == 2
-
-
-def test_a_bad_lesson_is_told_by_file_and_line(tmp_path):
-    (tmp_path / "bad.yaml").write_text("lesson: A\nagent: b\nsteps:\n  - comand: Stop\n")
-    result = hitab("lesson", "check", "bad.yaml")
-    assert result.exit_code == 1
-    assert "bad.yaml:4: a step has no known kind" in in_one_line(result.stderr)
-
-
-def test_an_error_is_printed_as_it_is(capsys):
-    from hitab_client import console
-
-    console.error("a:x:0: [bold]no[/bold] such thing")
-    assert capsys.readouterr().err == "error: a:x:0: [bold]no[/bold] such thing\n"
 
 
 def test_json_goes_where_it_is_asked_to(tmp_path, capsys):

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from hitab_bringup import read_swarm
 from hitab_bringup.libraries import prepare
-from hitab_bringup.library_choice import known_libraries, with_library
+from hitab_bringup.library_choice import with_library
 from hitab_bringup.main import make_app
 from hitab_client import DescriptionError, RunFolder, RunRecord
 from hitab_client.shipped import find_file, shipped
@@ -99,18 +99,19 @@ def test_with_nothing_up_and_none_named_it_says_which_libraries_there_are(home: 
     assert "ApproachBall" not in text
 
 
-@pytest.mark.parametrize("name", ["keepaway_trained/keeper_2", "keepaway", "lib", "./lib"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "keepaway_trained/keeper_2",
+        "keepaway",
+        "lib",
+    ],
+)
 def test_a_library_is_named_by_its_folder_its_swarm_or_the_name_that_it_ships_with(
     home: Path, lib: Path, name: str
 ) -> None:
     run_before(home)
     assert "ApproachBall" in done("library", "list", "-l", name)
-
-
-def test_a_name_that_is_none_gets_the_closest_one(home: Path) -> None:
-    text = refused("library", "list", "-l", "keepawy")
-    assert '"keepawy" is neither a folder nor a known library' in text
-    assert 'Did you mean "keepaway"?' in text
 
 
 def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_same(
@@ -156,19 +157,6 @@ def test_all_libraries_of_the_swarm_that_is_up_are_checked(up: RunFolder) -> Non
     assert f"`hitab library delete GotoBall -l {where}`" in text
 
 
-def test_a_swarm_that_has_learned_nothing_has_nothing_to_check(up: RunFolder) -> None:
-    for path in up.path.glob("libraries/*/*.hfa.yaml"):
-        path.unlink()
-    assert "nothing is saved in the libraries of swarm" in refused("library", "check")
-
-
-def test_a_library_whose_only_file_is_damaged_is_not_called_empty(tmp_path: Path) -> None:
-    folder = tmp_path / "one"
-    folder.mkdir()
-    (folder / "Chase.hfa.yaml").write_text("name: [")
-    assert "one/Chase.hfa.yaml:2: not YAML" in refused("library", "check", "-l", "one")
-
-
 def test_a_library_whose_only_file_is_damaged_can_be_restored(lib: Path) -> None:
     for name in ("Keepaway", "ControlBall", "GotoBall", "ApproachBall"):
         library_of(lib).remove(name)
@@ -178,43 +166,7 @@ def test_a_library_whose_only_file_is_damaged_can_be_restored(lib: Path) -> None
     assert sorted(library_of(lib).load()) == ["ApproachBall"]
 
 
-def test_showing_a_behavior_that_is_lost_says_why(lib: Path) -> None:
-    (lib / "GotoBall.hfa.yaml").write_text("nothing")
-    assert 'uses behavior "GotoBall", which cannot be used' in refused(
-        "library", "show", "ControlBall", "-l", "lib"
-    )
-
-
 # -- changing ---------------------------------------------------------------------------------
-
-
-def test_what_others_use_is_deleted_only_on_request(lib: Path) -> None:
-    text = refused("library", "delete", "GotoBall", "-l", "lib")
-    assert "ControlBall, Keepaway could no longer be used" in text
-    assert "or give --anyway" in text
-    text = done("library", "delete", "GotoBall", "--anyway", "-l", "lib")
-    assert "ControlBall, Keepaway cannot be used until there is a GotoBall again" in text
-    command = re.search(r"`hitab (library restore GotoBall 1 -l \S+)`", text)
-    assert command
-    done(*command[1].split())
-    assert sorted(library_of(lib).load()) == KEEPAWAY
-
-
-def test_what_is_said_of_a_deleted_behavior_can_be_done(lib: Path) -> None:
-    (lib / "Keepaway.hfa.yaml").write_text("nothing")
-    text = done("library", "delete", "Keepaway", "-l", "lib")
-    assert "kept the damaged file in lib/.versions/Keepaway" in text
-    text = done("library", "delete", "ControlBall", "-l", "lib")
-    assert "`hitab library restore ControlBall 1 -l lib` brings version 1 back" in text
-    done("library", "restore", "ControlBall", "1", "-l", "lib")
-
-
-def test_a_behavior_is_renamed_in_what_uses_it(lib: Path) -> None:
-    assert "give --with-users" in refused("library", "rename", "GotoBall", "Reach", "-l", "lib")
-    text = done("library", "rename", "GotoBall", "Reach", "--with-users", "-l", "lib")
-    assert "renamed GotoBall to Reach" in text
-    assert "changed ControlBall, which uses it" in text
-    assert sorted(library_of(lib).load()) == ["ApproachBall", "ControlBall", "Keepaway", "Reach"]
 
 
 def test_what_is_exported_is_imported_elsewhere_with_what_it_is_made_of(
@@ -277,40 +229,6 @@ def test_an_export_replaces_a_file_only_on_request(lib: Path, tmp_path: Path) ->
     assert path.read_text() != "mine"
 
 
-def test_a_file_that_is_no_export_is_called_so(lib: Path, tmp_path: Path) -> None:
-    (tmp_path / "README.md").write_text("# Title\n\na: b: c\n")
-    text = refused("library", "import", "README.md", "-l", "new")
-    assert "README.md: is not a file of behaviors" in text
-    assert "`hitab library export`" in text
-
-
-def test_restoring_without_a_version_names_those_that_there_are(lib: Path) -> None:
-    library_of(lib).remove("GotoBall", anyway=True)
-    text = refused("library", "restore", "GotoBall", "-l", "lib")
-    assert 'say which version of "GotoBall" to restore (known: 1' in text
-    assert 'no version of "GotoBal" was kept' in refused(
-        "library", "restore", "GotoBal", "-l", "lib"
-    )
-
-
-def test_what_cannot_be_used_is_listed_once_for_each_library_with_its_agents(
-    up: RunFolder,
-) -> None:
-    (up.path / "libraries" / "keeper_2" / "GotoBall.hfa.yaml").write_text("nothing")
-    text = refused("library", "list")
-    line = "keeper_2: ControlBall, GotoBall, Keepaway cannot be used; see `hitab library check`"
-    assert text.count("cannot be used") == 1
-    assert line in text
-
-
-def test_a_damaged_export_changes_nothing(lib: Path, tmp_path: Path) -> None:
-    done("library", "export", "-l", "lib", "-o", "all.yaml")
-    path = tmp_path / "all.yaml"
-    path.write_text(path.read_text().replace("GoFast", "GoSlow", 1))
-    assert "its digest does not fit" in refused("library", "import", "all.yaml", "-l", "new")
-    assert not (tmp_path / "new").exists()
-
-
 def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_again(
     up: RunFolder,
 ) -> None:
@@ -339,12 +257,6 @@ def test_what_a_swarm_learned_before_can_be_used_by_another(home: Path) -> None:
     assert {a.library for a in description.agents} == {before.path / "libraries" / "keeper_1"}
 
 
-def test_a_new_folder_is_filled_as_the_description_says(tmp_path: Path, home: Path) -> None:
-    description = with_library(swarm("keepaway_trained"), "mine")
-    prepare(description, home)
-    assert sorted(library_of(tmp_path / "mine").load()) == KEEPAWAY
-
-
 def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:
     with pytest.raises(DescriptionError, match=r'of domain "keepaway", and no agent .* foraging'):
         with_library(swarm("foraging"), "lib")
@@ -363,8 +275,3 @@ def test_a_library_of_commanders_is_for_those_of_its_kind(tmp_path: Path) -> Non
 def test_nothing_is_saved_into_a_shipped_library() -> None:
     with pytest.raises(LibraryError, match="is shipped with HiTAB"):
         with_library(swarm("keepaway"), "keepaway")
-
-
-def test_libraries_without_behaviors_are_not_listed(home: Path) -> None:
-    run_before(home, "keepaway")
-    assert not any(name.startswith("keepaway/") for name in known_libraries())

@@ -66,28 +66,6 @@ def test_one_log_is_shown_without_names_and_an_agents_is_its_hosts(run):
     assert "started a" in hitab("logs", "supervisor").stdout
 
 
-def test_a_name_that_never_ran_is_refused_with_those_that_did(run):
-    result = hitab("logs", "d")
-    assert result.exit_code == 1
-    assert 'nothing called "d" ran here (known: a, b, c, host_1, supervisor)' in result.stderr
-
-
-def test_the_last_run_is_shown_after_it_has_ended(run, monkeypatch):
-    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: None)
-    run.forget()
-    result = hitab("logs", "a")
-    assert result.exit_code == 0
-    assert "fourth" in result.stdout
-    assert "team is down; these are the logs of its last run" in result.stderr
-
-
-def test_without_any_run_the_error_names_the_way_out(tmp_path, monkeypatch):
-    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
-    result = hitab("logs")
-    assert result.exit_code == 1
-    assert "start one, such as `hitab up keepaway`" in result.stderr
-
-
 def test_following_shows_what_is_added_until_the_swarm_is_down(run, monkeypatch):
     log = run.log("a")
 
@@ -152,27 +130,3 @@ def test_a_warning_is_found_however_much_was_logged_since(run):
     many = "".join(ros(3, "a.agent", "x" * 200) for _ in range(4000))
     run.log("a").write_text(ros(2, "a.agent", "careful", "WARN") + many)
     assert "careful" in hitab("logs", "a", "--level", "warn").stdout
-
-
-def test_what_the_supervisor_says_at_every_start_and_end_is_no_alarm(run):
-    at = "2026-05-01 12:00:05,000"
-    (run.path / "supervisord.log").write_text(
-        f"{at} CRIT Supervisor is running as root.  Privileges were not dropped\n"
-        f"{at} CRIT Server 'unix_http_server' running without any HTTP authentication checking\n"
-        f"{at} INFO RPC interface 'supervisor' initialized\n"
-        f"{at} INFO success: a entered RUNNING state, process has stayed up for > than 3 seconds\n"
-        f"{at} WARN received SIGTERM indicating exit request\n"
-        f"{at} WARN stopped: a (exit status 0)\n"
-        f"{at} WARN exited: a (terminated by SIGKILL; not expected)\n"
-        f"{at} INFO gave up: a entered FATAL state, too many start retries too quickly\n"
-        f"{at} CRIT could not write pidfile\n"
-    )
-    assert hitab("logs", "supervisor").stdout.splitlines() == [
-        "2026-05-01 12:00:05.000 INFO  a keeps running",
-        "2026-05-01 12:00:05.000 INFO  ends the swarm",
-        "2026-05-01 12:00:05.000 INFO  a has ended (exit status 0)",
-        "2026-05-01 12:00:05.000 WARN  a has ended unexpectedly (terminated by SIGKILL)",
-        "2026-05-01 12:00:05.000 ERROR does not start a again: it ended each time",
-        "2026-05-01 12:00:05.000 FATAL could not write pidfile",
-    ]
-    assert hitab("logs", "supervisor", "--level", "warn").stdout.count("\n") == 3

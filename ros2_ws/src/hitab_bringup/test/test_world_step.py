@@ -61,21 +61,6 @@ def test_ctrl_c_pauses_the_world_and_says_where(stepped):
     assert world.last == world.cycle == 103
 
 
-def test_the_progress_of_a_long_step_is_shown(stepped, monkeypatch):
-    shown = []
-
-    @contextmanager
-    def progress(*_):
-        yield lambda done, total, doing: shown.append((done, total))
-
-    monkeypatch.setattr(verb.console, "progress", progress)
-    result, _ = stepped(4, 4)
-    assert (result.exit_code, result.stdout, shown) == (0, "stepped 4 cycles\n", [])
-    monkeypatch.setattr(verb, "LONG_SECONDS", -1.0)
-    stepped(4, 4)
-    assert shown == [(0, 4), (1, 4), (2, 4), (3, 4)]
-
-
 def test_that_there_is_no_world_is_said_to_who_would_change_it(monkeypatch):
     class NoWorld:
         def control(self, *_: object, **__: object) -> None:

@@ -11,7 +11,6 @@ from hitab_msgs import msg
 from hitab_msgs.srv import BeginTraining, EditExamples
 from mcap.reader import make_reader
 from mcap.writer import Writer
-from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
@@ -19,7 +18,6 @@ from hitab_client.errors import SwarmError
 from hitab_client.recording import (
     definition,
     message_class,
-    opened,
     session_of,
     type_name,
     write_metadata_file,
@@ -27,7 +25,6 @@ from hitab_client.recording import (
 from hitab_client.recording.bag_file import BagFile
 from hitab_ros import own_hash, qos, session_topics
 
-STATUS = "hitab_msgs/msg/AgentStatus"
 REQUEST = BeginTraining.Request(automaton="Near", features=["DistanceTo(ball)"], request=2**63)
 
 
@@ -53,29 +50,6 @@ def session() -> dict[str, Any]:
     }
 
 
-def test_latched_topics_are_offered_again_as_latched(tmp_path: Path) -> None:
-    write(tmp_path / "a.mcap", session())
-    with (tmp_path / "a.mcap").open("rb") as file:
-        summary = make_reader(file).get_summary()
-    assert summary is not None
-    by_topic = {channel.topic: channel.metadata for channel in summary.channels.values()}
-    (latched,) = yaml.safe_load(by_topic["/one/status"]["offered_qos_profiles"])
-    assert latched == {
-        "history": "keep_last",
-        "depth": 1,
-        "reliability": "reliable",
-        "durability": "transient_local",
-        "deadline": {"sec": 0, "nsec": 0},
-        "lifespan": {"sec": 0, "nsec": 0},
-        "liveliness": "system_default",
-        "liveliness_lease_duration": {"sec": 0, "nsec": 0},
-        "avoid_ros_namespace_conventions": False,
-    }
-    (events,) = yaml.safe_load(by_topic["/one/known"]["offered_qos_profiles"])
-    assert (events["reliability"], events["durability"]) == ("reliable", "volatile")
-    assert by_topic["/one/status"]["topic_type_hash"] == own_hash(STATUS)
-
-
 def test_a_bag_says_of_itself_what_a_folder_says_of_it(tmp_path: Path) -> None:
     bag = write(tmp_path / "a.mcap", session())
     with (tmp_path / "a.mcap").open("rb") as file:
@@ -92,15 +66,6 @@ def test_a_bag_says_of_itself_what_a_folder_says_of_it(tmp_path: Path) -> None:
     assert [one["topic_metadata"]["name"] for one in beside["topics_with_message_count"]] == [
         *session()
     ]
-
-
-def test_others_decode_every_message(tmp_path: Path) -> None:
-    write(tmp_path / "a.mcap", session())
-    with (tmp_path / "a.mcap").open("rb") as file:
-        reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        decoded = {c.topic: m for _, c, _, m in reader.iter_decoded_messages()}
-    assert set(decoded) == set(session())
-    assert decoded["/one/perceived"].values == [1.5]
 
 
 def test_a_request_is_read_as_it_was_written() -> None:
@@ -125,11 +90,6 @@ def test_a_session_is_read_in_the_order_in_which_it_was_sent(tmp_path: Path) -> 
             "requested",
             "perceived",
         ]
-
-
-def test_a_folder_with_one_file_is_a_recording(tmp_path: Path) -> None:
-    write(tmp_path / "bag" / "bag_0.mcap", session())
-    assert session_of(tmp_path / "bag", "one").domain == "keepaway"
 
 
 def test_nothing_is_written_over(tmp_path: Path) -> None:
@@ -172,17 +132,6 @@ def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:
     assert "a.mcap cannot be read" in refusal(path)
 
 
-def test_a_recording_of_other_topics_names_what_is_missing(tmp_path: Path) -> None:
-    write(tmp_path / "a.mcap", {"/one/status": msg.AgentStatus(agent="one")})
-    assert "no agent can be trained from a.mcap" in refusal(tmp_path / "a.mcap")
-    write(tmp_path / "b.mcap", session())
-    assert 'no session of an agent "two" (known: /one' in refusal(tmp_path / "b.mcap", "two")
-    without = session()
-    del without["/one/status"]
-    write(tmp_path / "c.mcap", without)
-    assert "lacks the topic /one/status" in refusal(tmp_path / "c.mcap")
-
-
 def test_messages_with_another_definition_are_not_trained_from(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
@@ -198,12 +147,6 @@ def test_messages_with_another_definition_are_not_trained_from(tmp_path: Path) -
     refused = refusal(path)
     assert "hitab_msgs/msg/Percept on /one/perceived" in refused
     assert "use the version of HiTAB that recorded it" in refused
-
-
-def test_the_file_of_a_newer_version_of_a_bag_is_still_opened(tmp_path: Path) -> None:
-    write(tmp_path / "a.mcap", session())
-    with opened(tmp_path / "a.mcap") as messages:
-        assert {m.type_hash for m in messages if m.schema.name == STATUS} == {own_hash(STATUS)}
 
 
 def test_a_type_that_is_not_installed_is_refused_with_its_package() -> None:

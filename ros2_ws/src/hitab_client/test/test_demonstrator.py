@@ -207,16 +207,6 @@ def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
     assert desk.agents.done[-1][2] == "GoTo(B)", "a parameter of the training"
 
 
-def test_who_cannot_be_asked_learns_how_to_name_a_target(desk):
-    desk = Desk(asks=False)
-    desk.demonstrator.press_behavior("GoTo(A)")
-    desk.demonstrator.work()
-    assert "such as GoTo(goal); the targets are goal, home" in desk.demonstrator.said
-    desk.demonstrator.press_behavior("GoTo(home)")
-    desk.demonstrator.work()
-    assert desk.agents.done == [("perform", ONE, "GoTo(home)")]
-
-
 def test_an_error_is_said_and_the_next_key_counts(desk, monkeypatch):
     def refuse(*arguments: Any) -> None:
         raise SwarmError("no")
@@ -309,15 +299,6 @@ def test_the_emergency_stop_counts_at_once_and_what_was_pressed_before_it_no_mor
     assert desk.press("up") == "the emergency stop holds the robots"
     desk.press("G")
     assert not desk.demonstrator.switch.engaged
-
-
-def test_a_kept_training_is_named_with_the_key_that_continues_it(desk):
-    desk.agents.statuses[ONE] = AgentStatus(agent=ONE, mode="idle", examples=4)
-    desk.demonstrator.look()
-    assert desk.demonstrator.words.training == "Wander"
-    assert desk.press("1").endswith('only in training: t continues that of "Wander"')
-    desk.press("t")
-    assert desk.agents.done[-1] == ("training", ONE)
 
 
 def test_an_arrow_that_is_pressed_twice_before_the_agent_answers_leaves_it_in_training(desk):

@@ -73,14 +73,6 @@ def test_nothing_is_read_where_nothing_was_kept(known):
         known.get(1)
 
 
-def test_a_generation_that_is_not_there_is_named_with_those_that_are(known):
-    few = known.with_(made(1)).with_(made(2))
-    with pytest.raises(
-        SwarmError, match=r"Keepaway of keeper_1 has no generation 3 \(known: 1, 2\)"
-    ):
-        few.get(3)
-
-
 def test_the_behaviors_of_a_generation_are_kept_word_for_word(known):
     texts = {n: (SHIPPED / f"{n}.hfa.yaml").read_text() for n in ("ApproachBall", "GotoBall")}
     chasing = replace(known, behavior="GotoBall").with_(made(1))

@@ -43,9 +43,8 @@ def test_shipped_mappings_give_a_button_to_all_that_a_person_needs(name):
     assert {*mapping.driving} == {"ahead", "turn"}
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "wrong"),
-    [
+def test_what_is_wrong_is_named_with_its_line():
+    for old, new, wrong in [
         ("hold: B", "hold: D", r"my.yaml:3: `D` is not among the buttons \(known: A, B, C, Up\)"),
         ("hold: B", "", "`hold:` is missing here"),
         ("hold: B", "hold: A", "my.yaml:4: `A` is used twice: for hold and for a behavior"),
@@ -65,12 +64,10 @@ def test_shipped_mappings_give_a_button_to_all_that_a_person_needs(name):
         ("driving:", "timeout: .nan\ndriving:", "`timeout: nan` must be from 0.05 to 2"),
         ("driving:", "format: 9\ndriving:", "has format version 9"),
         ("buttons:", "knobs:", "`buttons:` is missing here"),
-    ],
-)
-def test_what_is_wrong_is_named_with_its_line(old, new, wrong):
-    assert old in RIGHT
-    with pytest.raises(DescriptionError, match=wrong):
-        parsed(RIGHT.replace(old, new, 1))
+    ]:
+        assert old in RIGHT
+        with pytest.raises(DescriptionError, match=wrong):
+            parsed(RIGHT.replace(old, new, 1))
 
 
 def test_a_mapping_that_is_not_there_names_those_that_are():

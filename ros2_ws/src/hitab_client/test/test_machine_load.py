@@ -2,7 +2,7 @@
 
 import os
 
-from hitab_client import agent_presence, machine_load
+from hitab_client import machine_load
 
 
 def test_a_machine_is_busy_if_more_wants_to_run_than_it_has_cores(monkeypatch):
@@ -11,12 +11,3 @@ def test_a_machine_is_busy_if_more_wants_to_run_than_it_has_cores(monkeypatch):
     assert machine_load.busy() == ""
     monkeypatch.setattr(os, "getloadavg", lambda: (6.04, 0.0, 0.0))
     assert machine_load.busy() == "this machine is busy (load 6.0 on 2 cores)"
-
-
-def test_who_waits_for_an_agent_of_a_busy_machine_is_not_sent_to_its_logs(monkeypatch):
-    monkeypatch.setattr(agent_presence, "busy", lambda: "")
-    assert agent_presence.what_helps("chief") == "see `hitab logs chief`"
-    monkeypatch.setattr(agent_presence, "busy", lambda: "this machine is busy (load 6.0)")
-    assert agent_presence.what_helps("chief") == (
-        "this machine is busy (load 6.0): wait until it has less to do, and try again"
-    )

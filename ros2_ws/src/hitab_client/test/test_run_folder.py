@@ -15,11 +15,6 @@ from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunFolder, RunRecord, state_home
 from hitab_client.swarm_choice import find_running
 
-NOISE = (
-    "2026-11-22 05:34:15.047 [RTPS_TRANSPORT_SHM Error] Failed init_port fastrtps_port7411: "
-    "open_and_lock_file failed -> Function open_port_internal"
-)
-
 
 @pytest.fixture(autouse=True)
 def home(tmp_path, monkeypatch):
@@ -78,20 +73,6 @@ def test_what_a_supervisor_left_that_was_killed_while_it_started_is_removed(tmp_
     assert folder.read() is None
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path):
-    (tmp_path / "file").touch()
-    with pytest.raises(SwarmError, match="choose another with --run-dir"):
-        RunFolder(tmp_path / "file" / "run").prepare()
-
-
-def test_the_tail_of_a_log_leaves_out_what_only_frightens(tmp_path):
-    folder = RunFolder(tmp_path)
-    folder.prepare()
-    folder.log("a").write_text(f"one\n{NOISE}\ntwo\n")
-    assert folder.tail("a") == ["one", "two"]
-    assert folder.tail("b") == []
-
-
 def test_the_supervisor_is_told_every_process_whatever_its_path_looks_like(tmp_path):
     folder = tmp_path / "100% mine"
     swarm = parse_swarm("domain: keepaway\nagents: {a: {}, b: {behavior: Stop}}\n", Path("x.yaml"))
@@ -134,11 +115,3 @@ def test_shared_memory_that_is_open_somewhere_is_left_alone(tmp_path):
     with path.open("w"):
         assert remove_stale(tmp_path) == 0
     assert remove_stale(tmp_path) == 1
-
-
-def test_a_file_in_the_place_of_a_run_folder_is_named(tmp_path):
-    (tmp_path / "trio").write_text("in the way")
-    folder = RunFolder(tmp_path / "trio")
-    folder.forget()
-    with pytest.raises(SwarmError, match=r"trio cannot be made .* choose another with --run-dir"):
-        folder.prepare()

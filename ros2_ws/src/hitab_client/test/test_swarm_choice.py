@@ -60,19 +60,6 @@ def test_what_messages_offer_chooses_one_swarm(three):
     assert swarm_choice.way_to_stop(one, RED) == f"`hitab down {RED.identity}`"
 
 
-def test_down_offers_its_own_ways_out(three):
-    with pytest.raises(SwarmError) as refused:
-        swarm_choice.to_take_down("red")
-    first, *lines = str(refused.value).splitlines()
-    assert "stop one with `hitab down NAME`, or all with `hitab down --all`" in first
-    assert len(lines) == 2
-    found = swarm_choice.to_take_down(RED.identity)
-    assert found is not None
-    assert found[1] == RED
-    with pytest.raises(SwarmError, match="several swarms are up; stop one"):
-        swarm_choice.to_take_down(None)
-
-
 def test_swarms_of_another_home_are_found_unless_they_are_temporary(home, monkeypatch):
     elsewhere, run = home / "elsewhere", RunFolder(home / "elsewhere" / "it's red")
     idle = [sys.executable, "-c", "input()"]

@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 from hitab_msgs.msg import WorldStatus
 
-from hitab_client.demonstrating import put_earlier
 from hitab_client.demonstrating.timing import EARLIER_SECONDS, Due, due, earlier
 
 
@@ -29,20 +28,3 @@ def test_a_command_is_put_earlier_by_the_pace_of_the_world_even_while_it_is_paus
     assert earlier(world("paused", factor=2.0)) == pytest.approx(2 * EARLIER_SECONDS)
     still = SimpleNamespace(status=WorldStatus(mode="paused", pace="lockstep"), speed=0.0)
     assert earlier(still) == EARLIER_SECONDS
-
-
-def test_what_a_command_was_put_earlier_from_is_said_with_what_it_is_now():
-    """The page shows the world a cycle late, so 0.2 s earlier than 0.1 s ago is 0.3 s ago."""
-
-    class Agents:
-        example = SimpleNamespace(number=1, command=1, state="Stop", next_state="GoFast", ago=0.1)
-
-        def list_examples(self, agent: str) -> Any:
-            return SimpleNamespace(examples=[SimpleNamespace(**vars(self.example))])
-
-        def edit_examples(self, agent: str, edit: str, numbers: list[int], ago: float) -> None:
-            self.example.ago = ago
-
-    agents: Any = Agents()
-    said = put_earlier(agents, world(), "keeper_1")
-    assert said == "Stop → GoFast: 0.30 s ago, instead of 0.10 s ago"

@@ -31,7 +31,3 @@ def test_a_swarm_of_robots_is_not_advised_to_start_a_world(tmp_path):
     assert "this swarm has no world" in told
     assert "hitab up" not in told
     assert "`hitab stop` stops robots" in told
-
-
-def test_who_is_connected_to_no_swarm_learns_how_to_start_one():
-    assert "`hitab up SWARM.yaml` starts one" in why(RunProcesses(), True)

@@ -4,7 +4,6 @@ import math
 import re
 import shutil
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
@@ -75,15 +74,6 @@ def teach_home(agent):
     agent.command(Use("Stay"))
 
 
-def test_an_agent_does_nothing_until_it_is_told_to(make):
-    agent = make()
-    assert agent.mode is Mode.IDLE
-    assert do(agent, 1.0) == ""
-    agent.perform(Use("Right"))
-    assert (agent.mode, agent.behavior) == (Mode.PERFORMING, "Right")
-    assert do(agent, 1.0) == "Right"
-
-
 def test_what_is_taught_is_tested_saved_and_performed(make):
     agent = make()
     teach_home(agent)
@@ -97,26 +87,6 @@ def test_what_is_taught_is_tested_saved_and_performed(make):
     assert do(agent, 2.0) == "Left"
     with pytest.raises(TrainingError, match='nothing can be saved: "Home" has been saved already'):
         agent.save()
-
-
-def test_a_saved_training_says_which_version_it_replaces(make):
-    agent = make()
-    teach_home(agent)
-    first = agent.save()
-    teach_home(agent)
-    examples = len(first.automaton.examples)
-    assert agent.save().replaced == f"version 2, replaces version 1 ({examples} examples)"
-
-
-def test_a_saved_behavior_is_there_after_a_restart(make):
-    agent = make()
-    teach_home(agent)
-    agent.save()
-    again = make()
-    assert again.mode is Mode.IDLE
-    assert again.library_digest == agent.library_digest
-    again.perform(Use("Home"))
-    assert do(again, 3.0) == "Left"
 
 
 def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
@@ -212,35 +182,6 @@ def test_training_does_not_go_on_with_features_that_were_not_recorded(make):
     agent = make()
     with pytest.raises(TrainingError, match="was not trained"):
         agent.begin(Curriculum("Home", ()), resume="Left")
-
-
-def test_a_behavior_is_given_to_another_agent_with_all_that_it_is_made_of(make):
-    teacher, pupil = make("teacher"), make("pupil")
-    teach_home(teacher)
-    teacher.save()
-    teacher.begin(Curriculum("Out", (Use("x"),)))
-    teacher.command(Use("Home"))
-    teacher.save()
-    bundle = make_bundle(teacher.library.texts(), teacher.repertoire, "Out")
-    assert [name for name, _ in bundle.files] == ["Home", "Out"]
-    assert pupil.take_in(bundle) == bundle.digest
-    pupil.perform(Use("Out"))
-    assert do(pupil, 5.0) == "Left"
-
-
-def test_a_bundle_that_changed_on_its_way_is_refused_and_changes_nothing(make):
-    teacher, pupil = make("teacher"), make("pupil")
-    teach_home(teacher)
-    teacher.save()
-    bundle = make_bundle(teacher.library.texts(), teacher.repertoire, "Home")
-    changed = SimpleNamespace(
-        files=tuple((n, t.replace("5", "6")) for n, t in bundle.files),
-        digest=bundle.digest,
-        name=bundle.name,
-    )
-    with pytest.raises(LibraryError, match="corrupted in transit"):
-        pupil.take_in(changed)
-    assert not pupil.library.names()
 
 
 def test_a_new_version_of_a_behavior_is_performed_from_its_start(make):

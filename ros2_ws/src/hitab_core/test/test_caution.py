@@ -56,30 +56,12 @@ def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
     assert cart.agent.monitor.unsure
 
 
-@pytest.mark.parametrize(
-    ("when", "support", "distance", "why"),
-    [
+def test_a_caution_that_means_nothing_is_refused() -> None:
+    for when, support, distance, why in [
         ("stop", 1.0, 1.0, 'unknown caution "stop"'),
         ("halt", -1.0, 0.0, "--support must be a number of at least 0, not -1"),
         ("halt", 0.0, float("nan"), "at least 0"),
         ("halt", 0.0, 0.0, "`hitab test AGENT --when-unsure halt --distance 3`"),
-    ],
-)
-def test_a_caution_that_means_nothing_is_refused(when, support, distance, why) -> None:
-    with pytest.raises(TrainingError, match=why):
-        Caution.parse(when, support, distance)
-
-
-@pytest.mark.parametrize(
-    ("caution", "words"),
-    [
-        (Caution(), "when it is unsure: go_on"),
-        (Caution(WhenUnsure.HALT, support=2), "when it has fewer than 2 examples: halt"),
-        (
-            Caution(WhenUnsure.HAND_BACK, distance=1.5),
-            "when it is farther than 1.5 from any example: hand_back",
-        ),
-    ],
-)
-def test_a_caution_is_put_into_words(caution: Caution, words: str) -> None:
-    assert str(caution) == words
+    ]:
+        with pytest.raises(TrainingError, match=why):
+            Caution.parse(when, support, distance)

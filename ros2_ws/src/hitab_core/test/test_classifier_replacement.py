@@ -38,24 +38,20 @@ def no_reading(slot):
 # The text
 
 
-@pytest.mark.parametrize(
-    ("text", "name", "arguments"),
-    [
+def test_a_classifier_is_named_with_keywords_that_are_literals():
+    for text, name, arguments in [
         ("tree", "tree", {}),
         (" tree(prune=True, confidence=0.1) ", "tree", {"prune": True, "confidence": 0.1}),
         (NEAREST, "sklearn.neighbors.KNeighborsClassifier", {"n_neighbors": 1}),
         ("a.B(c=[1, -2], d={'x': None})", "a.B", {"c": [1, -2], "d": {"x": None}}),
-    ],
-)
-def test_a_classifier_is_named_with_keywords_that_are_literals(text, name, arguments):
-    spec = ClassifierSpec.parse(text)
-    assert (spec.name, spec.arguments) == (name, arguments)
-    assert ClassifierSpec.parse(str(spec)) == spec
+    ]:
+        spec = ClassifierSpec.parse(text)
+        assert (spec.name, spec.arguments) == (name, arguments)
+        assert ClassifierSpec.parse(str(spec)) == spec
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
+def test_any_other_text_is_refused_and_never_run(capsys):
+    for text in [
         "",
         "tree(",
         "tree(3)",
@@ -70,17 +66,14 @@ def test_a_classifier_is_named_with_keywords_that_are_literals(text, name, argum
         "tree(confidence=x)",
         "tree\0",
         "tree(" + "(" * 3000,
-    ],
-)
-def test_any_other_text_is_refused_and_never_run(text, capsys):
-    with pytest.raises(VocabularyError, match='write "tree" or'):
-        ClassifierSpec.parse(text)
-    assert capsys.readouterr().out == ""
+    ]:
+        with pytest.raises(VocabularyError, match='write "tree" or'):
+            ClassifierSpec.parse(text)
+        assert capsys.readouterr().out == ""
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
+def test_only_what_scikit_learn_lists_as_a_classifier_is_made():
+    for name in [
         "sklearn.neighbors.KNeighborsRegressor",
         "sklearn.utils.all_estimators",
         "sklearn.neighbors._classification.KNeighborsClassifier",
@@ -89,13 +82,12 @@ def test_any_other_text_is_refused_and_never_run(text, capsys):
         "os.system",
         "subprocess.Popen",
         "hitab_core.learning.transition_tree.TransitionTree",
-    ],
-)
-def test_only_a_public_classifier_of_scikit_learn_is_made(name):
-    with pytest.raises(
-        VocabularyError, match=rf'"{name}" is not a classifier.*; write "tree", or .*Classifier'
-    ):
-        learn_transition(name, [METERS], *TWO)
+    ]:
+        with pytest.raises(
+            VocabularyError,
+            match=rf'"{name}" is not a classifier.*; write "tree", or .*Classifier',
+        ):
+            learn_transition(name, [METERS], *TWO)
 
 
 def test_unknown_keywords_and_missing_arguments_are_refused_by_name():
@@ -195,29 +187,29 @@ def test_the_highest_draw_takes_the_last_state_though_probabilities_do_not_add_u
     assert decide([1.0], no_reading, lambda: math.nextafter(1, 0)) == 9
 
 
-@pytest.mark.parametrize(
-    "spec",
-    [
+def test_classifiers_with_and_without_probabilities_take_the_place_of_the_tree():
+    for spec in [
         "sklearn.linear_model.RidgeClassifier",
         "sklearn.linear_model.Perceptron()",
         "sklearn.svm.SVC(kernel='linear')",
         "sklearn.naive_bayes.GaussianNB",
         "sklearn.ensemble.RandomForestClassifier(n_estimators=5)",
         "sklearn.tree.DecisionTreeClassifier",
-    ],
-)
-def test_classifiers_with_and_without_probabilities_take_the_place_of_the_tree(spec):
-    X = [[x, (x * 40) % 360] for x in range(10)]
-    y = ["Stop" if x < 5 else "GoFast" for x in range(10)]
-    function = learn_transition(spec, [METERS, DEGREES], X, y)
-    decide = function.compile([0, 1], STATES, most_probable=True)
-    assert [decide([0.0, 0.0], no_reading, None), decide([9.0, 0.0], no_reading, None)] == [1, 2]
-    explained = function.explain([0.0, 0.0], ["d", "a"])
-    assert explained.tests == (spec.removesuffix("()"),)
-    assert sum(explained.distribution.values()) == pytest.approx(1)
-    again = learn_transition(spec, [METERS, DEGREES], X, y)
-    assert np.array_equal(again.predict_proba(X), function.predict_proba(X))
-    assert again.digest() == function.digest()
+    ]:
+        X = [[x, (x * 40) % 360] for x in range(10)]
+        y = ["Stop" if x < 5 else "GoFast" for x in range(10)]
+        function = learn_transition(spec, [METERS, DEGREES], X, y)
+        decide = function.compile([0, 1], STATES, most_probable=True)
+        assert [decide([0.0, 0.0], no_reading, None), decide([9.0, 0.0], no_reading, None)] == [
+            1,
+            2,
+        ]
+        explained = function.explain([0.0, 0.0], ["d", "a"])
+        assert explained.tests == (spec.removesuffix("()"),)
+        assert sum(explained.distribution.values()) == pytest.approx(1)
+        again = learn_transition(spec, [METERS, DEGREES], X, y)
+        assert np.array_equal(again.predict_proba(X), function.predict_proba(X))
+        assert again.digest() == function.digest()
 
 
 def test_what_is_learned_from_has_a_digest():

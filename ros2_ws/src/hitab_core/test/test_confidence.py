@@ -150,19 +150,6 @@ def test_an_automaton_is_rated_by_state_and_its_superseded_examples_support_noth
     assert rated([1.0]) == Confidence(Support(1, 0), 0)
 
 
-def test_doubts_say_what_is_missing():
-    sure = Confidence(Support(1, 2), 0.3)
-    assert sure.doubts(3, 0.5) == ""
-    assert sure.doubts(4, 0) == "it rests on 3 examples"
-    assert sure.doubts(4, 0.25) == (
-        "it rests on 3 examples and it is 0.3 spreads of the examples from the nearest one"
-    )
-    assert Confidence(Support(0.5, 0), 0).doubts(1, 0) == "it rests on 0.5 examples"
-    assert Confidence(Support(1, 0), math.inf).doubts(1, 2) == (
-        "no example has the values that it depends on"
-    )
-
-
 @given(
     st.lists(
         st.tuples(

@@ -79,46 +79,6 @@ def looks(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 LEVELS = 40  # by every way through it, a trillion looks
 
 
-def test_a_repertoire_looks_at_each_automaton_a_few_times(looks: Counter[str]) -> None:
-    repertoire = Repertoire(DOMAIN, lattice(LEVELS))
-    assert max(looks.values()) <= 4
-    looks.clear()
-    assert repertoire.needed_by(f"A{LEVELS - 1}")[-1] == f"A{LEVELS - 1}"
-    assert len(looks) == 2 * LEVELS - 1
-    assert max(looks.values()) <= 2
-
-
-def test_adding_to_a_repertoire_looks_at_what_is_affected(looks: Counter[str]) -> None:
-    repertoire = Repertoire(DOMAIN, lattice(LEVELS))
-    checked: list[str] = []
-    check_state = Repertoire.check_state
-
-    def counts(self: Repertoire, use: Use, parameters: tuple[str, ...] = ()) -> None:
-        checked.append(use.name)
-        check_state(self, use, parameters)
-
-    looks.clear()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Repertoire, "check_state", counts)
-        repertoire.add(Automaton("A0", (Use("Stay"),), (), {}))
-    assert sum(looks.values()) <= 6
-    assert sorted(checked) == ["A0", "A0", "B0", "B0", "Stay"]
-
-
-def test_checking_a_state_goes_through_no_other_behaviors(monkeypatch: pytest.MonkeyPatch) -> None:
-    repertoire = Repertoire(DOMAIN, lattice(LEVELS))
-    asked: list[str] = []
-    get = Repertoire.get
-
-    def counts(self: Repertoire, name: str) -> Any:
-        asked.append(name)
-        return get(self, name)
-
-    monkeypatch.setattr(Repertoire, "get", counts)
-    repertoire.check_state(Use("A3"))
-    assert set(asked) <= {"A3"}
-
-
 def test_whether_files_fit_is_found_by_a_few_looks_at_each(
     looks: Counter[str], tmp_path: Path
 ) -> None:
@@ -279,24 +239,3 @@ def test_what_differs_is_learned_by_itself(other: dict[str, Any]) -> None:
             what["classifier"], [], np.array(what["X"]), what["y"], what["default"], learns
         )
     assert len(calls) == 2
-
-
-def test_only_the_last_functions_are_remembered_for_nobody() -> None:
-    memo = LearningMemo(kept=2)
-    calls: list[float] = []
-
-    def learn(x: float) -> Any:
-        def learns() -> Any:
-            calls.append(x)
-            return TransitionTree().fit([[x]], ["A"])
-
-        return memo.learned("tree", [], np.array([[x]]), ["A"], [False], learns)
-
-    held = learn(0.0)
-    for x in (1.0, 2.0, 3.0):
-        learn(x)
-    assert learn(0.0) is held
-    learn(3.0)
-    assert calls == [0.0, 1.0, 2.0, 3.0]
-    learn(1.0)
-    assert calls[-1] == 1.0

@@ -322,19 +322,6 @@ def bundle_of(agent: Agent, name: str) -> Bundle:
     return make_bundle(agent.edition.texts, agent.repertoire, name)
 
 
-def test_a_sound_copy_from_another_agent_heals(trained: Agent, make: Make) -> None:
-    bob = make("bob")
-    bob.take_in(bundle_of(trained, "High"))
-    low = bundle_of(trained, "Low")
-    damage(bob, "Low")
-    again = make("bob")
-    assert sorted(again.edition.files) == []
-    again.take_in(low)
-    assert sorted(again.edition.files) == ["High", "Low", "Middle"]
-    assert again.faults == ()
-    assert sorted(make("bob").edition.files) == ["High", "Low", "Middle"]
-
-
 def test_other_behaviors_are_received_and_what_is_lost_stays_lost(
     trained: Agent, make: Make
 ) -> None:
@@ -406,14 +393,6 @@ def test_a_training_that_cannot_be_resumed_can_be_given_up_and_is_kept(
     assert len(kept) == 1
     end(agent)
     assert make().faults == ()
-
-
-def test_equal_damage_is_one_edition_for_all_agents_of_a_folder(
-    trained: Agent, line: Domain
-) -> None:
-    damage(trained, "Low")
-    library = BehaviorLibrary(trained.library.folder, line)
-    assert Agent("bob", line, library).edition is Agent("cleo", line, library).edition
 
 
 def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_overwritten(

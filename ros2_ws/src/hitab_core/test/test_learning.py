@@ -81,10 +81,6 @@ def test_default_examples_leave_the_rest_of_the_world_to_keeping_on():
     ]
 
 
-def test_no_examples_no_functions():
-    assert learn_transitions([], SCALES) == {}
-
-
 def test_the_trees_parameters_can_be_given_in_words():
     pruned = learn_transition(
         "tree(prune=True, min_samples_leaf=2)",
@@ -109,9 +105,8 @@ def test_whether_ties_prefer_a_boolean_feature_can_be_said_in_words():
     )
 
 
-@pytest.mark.parametrize(
-    ("spec", "error", "why"),
-    [
+def test_a_classifier_that_does_not_exist_is_refused_with_what_there_is():
+    for spec, error, why in [
         (
             "tree(depth=3)",
             VocabularyError,
@@ -121,11 +116,9 @@ def test_whether_ties_prefer_a_boolean_feature_can_be_said_in_words():
         ("forest", VocabularyError, '"forest" is not a classifier'),
         ("tree(max_depth=-1)", TrainingError, 'state "Start": "tree.*" cannot learn'),
         ("tree(max_depth='deep')", TrainingError, "cannot learn"),
-    ],
-)
-def test_a_classifier_that_does_not_exist_is_refused_with_what_there_is(spec, error, why):
-    with pytest.raises(error, match=why):
-        learn_transitions(EXAMPLES, SCALES, spec)
+    ]:
+        with pytest.raises(error, match=why):
+            learn_transitions(EXAMPLES, SCALES, spec)
 
 
 def test_every_state_can_be_learned_by_another_classifier():

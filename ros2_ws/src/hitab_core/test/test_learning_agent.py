@@ -41,12 +41,6 @@ def test_ten_lines_train_an_agent_that_goes_on_by_itself():
     assert seen.index(5.0) < seen.index(0.0)
 
 
-def test_what_it_decides_is_the_name_of_a_state():
-    agent = shuttle(LearningAgent(cart()))
-    agent.learn()
-    assert [agent.decide([x]) for x in (1.0, 4.0, 6.0, 3.0)] == ["Right", "Right", "Left", "Left"]
-
-
 def test_an_unsaved_training_is_not_thrown_away_and_the_error_says_what_to_call():
     agent = shuttle(LearningAgent(cart()))
     with pytest.raises(TrainingError, match=r'"Shuttle" has 6 unsaved .* call save\(\)'):
@@ -65,18 +59,6 @@ def test_a_command_after_learning_is_a_correction():
 
     assert agent.examples[-2].kind == "correction"
     assert agent.decide([3.0]) == "Left"
-
-
-def test_a_saved_behavior_is_a_state_of_the_next(tmp_path):
-    agent = shuttle(LearningAgent(cart(), tmp_path / "library"))
-    file = agent.save(description="To and fro.")
-    agent.train("Both", states=["Shuttle", "Left"])
-    agent.step([0.0], command="Shuttle")
-    agent.learn()
-
-    assert file.name == "Shuttle.hfa.yaml"
-    assert agent.decide([0.0]) == "Shuttle"
-    assert LearningAgent(cart(), tmp_path / "library").perform("Shuttle").step([0.0]) == (1.0,)
 
 
 def test_a_damaged_library_is_a_warning_and_what_is_lost_is_refused_with_the_reason(tmp_path):
@@ -105,9 +87,8 @@ def test_a_feature_may_be_declared_in_full():
     assert domain.features["Heading"].kind is FeatureKind.TOROIDAL
 
 
-@pytest.mark.parametrize(
-    ("wrong", "error", "words"),
-    [
+def test_what_is_used_wrongly_is_refused_with_the_way_out():
+    for wrong, error, words in [
         (lambda a: a.step([1.0], command="Lft"), VocabularyError, 'Did you mean "Left"?)'),
         (lambda a: a.step([1.0, 2.0]), FeatureValueError, "has 2 values, the first one had 1"),
         (lambda a: a.learn(), TrainingError, "command the behavior"),
@@ -116,15 +97,13 @@ def test_a_feature_may_be_declared_in_full():
         (lambda a: a.train("Other", ["Positon"]), VocabularyError, "Position"),
         (lambda a: a.perform("Shutle"), VocabularyError, "(known: Left, Right)"),
         (lambda a: a.save(), TrainingError, "command the behavior"),
-    ],
-)
-def test_what_is_used_wrongly_is_refused_with_the_way_out(wrong, error, words):
-    agent = LearningAgent(cart()).train("Shuttle")
-    with pytest.raises(TrainingError):
-        agent.step([1.0])  # nothing was commanded yet
-    with pytest.raises(error) as raised:
-        wrong(agent)
-    assert words in str(raised.value)
+    ]:
+        agent = LearningAgent(cart()).train("Shuttle")
+        with pytest.raises(TrainingError):
+            agent.step([1.0])  # nothing was commanded yet
+        with pytest.raises(error) as raised:
+            wrong(agent)
+        assert words in str(raised.value)
 
 
 def test_an_agent_that_is_taught_nothing_says_how_to_begin():
@@ -150,19 +129,17 @@ def test_a_percept_that_is_too_short_names_the_feature():
         LearningAgent(domain).train("It").step([1.0], command="Go")
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"x": 1.0, "y": 2.0}, "1.0", ["a", "b"], [[1.0, 2.0]], 3.0, None, [], [1.0]]
-)
-def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_after_it(wrong):
-    domain = plain_domain("pair", ["Go", "Wait"], {"Sum": lambda p: p[0] + p[1]})
-    agent = LearningAgent(domain).train("It")
-    with pytest.raises(FeatureValueError):
-        agent.step(wrong, command="Go")
-    assert agent.examples == ()
-    agent.step([1.0, 2.0], command="Go")
-    agent.step([5.0, 2.0], command="Wait")
-    agent.learn()
-    assert [agent.decide([x, 2.0]) for x in (1.0, 5.0)] == ["Go", "Wait"]
+def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_after_it():
+    for wrong in [{"x": 1.0, "y": 2.0}, "1.0", ["a", "b"], [[1.0, 2.0]], 3.0, None, [], [1.0]]:
+        domain = plain_domain("pair", ["Go", "Wait"], {"Sum": lambda p: p[0] + p[1]})
+        agent = LearningAgent(domain).train("It")
+        with pytest.raises(FeatureValueError):
+            agent.step(wrong, command="Go")
+        assert agent.examples == ()
+        agent.step([1.0, 2.0], command="Go")
+        agent.step([5.0, 2.0], command="Wait")
+        agent.learn()
+        assert [agent.decide([x, 2.0]) for x in (1.0, 5.0)] == ["Go", "Wait"]
 
 
 def test_a_training_can_begin_again_with_percepts_of_another_length():
@@ -180,15 +157,12 @@ def test_a_feature_whose_function_fails_is_named_with_the_percept():
         LearningAgent(domain).train("It").step([1.0, 0.0], command="Go")
 
 
-@pytest.mark.parametrize(
-    ("behaviors", "features", "words"),
-    [
+def test_a_domain_that_cannot_be_is_refused():
+    for behaviors, features, words in [
         ({"Go": "fast"}, ["X"], "list of numbers"),
         ({"Go": []}, {"X": 3.0}, "give a function of the percept"),
         ({"Go on": []}, ["X"], "is not a name"),
         (["Go", "Stop"], ["X", "X"], '"X" twice'),
-    ],
-)
-def test_a_domain_that_cannot_be_is_refused(behaviors, features, words):
-    with pytest.raises(VocabularyError, match=words):
-        plain_domain("bad", behaviors, features)
+    ]:
+        with pytest.raises(VocabularyError, match=words):
+            plain_domain("bad", behaviors, features)

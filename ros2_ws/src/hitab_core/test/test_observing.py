@@ -6,7 +6,6 @@ import logging
 import math
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -369,15 +368,6 @@ def test_one_feature_that_cannot_be_read_hides_no_other_and_raises_nothing() -> 
     also = [Use("Second"), Use("Third")]
     values = [value for _, _, value in live_features(player.running, player.context, also)]
     assert [math.isnan(value) for value in values] == [False, True, False, True, False]
-
-
-def test_a_replaced_observer_is_a_guest_as_well() -> None:
-    player = asked()
-    context = replace(player.context, observe=fails)
-    running = context.perform(Use("Outer"))
-    running.start()
-    running.tick()
-    assert running.active_path[0] in ("A", "Inner")
 
 
 def test_the_record_of_a_change_tells_the_path_and_what_was_read() -> None:

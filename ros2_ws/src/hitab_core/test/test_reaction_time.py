@@ -73,7 +73,7 @@ def test_a_command_is_recorded_with_the_situation_for_which_it_was_due(cart: Dri
     assert cart.agent.active_path == ["Right"], "it is performed now"
 
 
-@pytest.mark.parametrize("silent", range(1, 11))
+@pytest.mark.parametrize("silent", [1, 6, 7, 10])
 def test_a_sensor_that_was_silent_for_a_moment_does_not_have_a_late_command_refused(
     cart: Driven, silent: int
 ) -> None:

@@ -79,18 +79,15 @@ def test_a_jump_is_an_event(values: list[float], scale: Scale) -> None:
     assert [cycle([values], [scale], due) for due in (4, 5, 6)] == [5, 5, 5]
 
 
-@pytest.mark.parametrize(
-    ("values", "scale"),
-    [
+def test_a_movement_is_no_event() -> None:
+    for values, scale in [
         ([9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0], NUMBER),
         ([0.0, 1.0, 4.0, 9.0, 16.0, 25.0, 36.0, 49.0, 64.0], NUMBER),
         ([5.0, 5.0, 5.0, 5.0, 5.0, 4.5, 4.0, 3.5, 3.0], NUMBER),  # it began to move
         ([2.9, 3.0, 3.1, -3.08, -2.98, -2.88, -2.78, -2.68, -2.58], ANGLE),  # it went around
         ([7.0, 7.0, 7.0, 7.0, 7.0 + 1e-15, 7.0, 7.0, 7.0, 7.0], NUMBER),
-    ],
-)
-def test_a_movement_is_no_event(values: list[float], scale: Scale) -> None:
-    assert [cycle([values], [scale], due) for due in (2, 4, 6)] == [2, 4, 6]
+    ]:
+        assert [cycle([values], [scale], due) for due in (2, 4, 6)] == [2, 4, 6]
 
 
 @given(some.lists(some.floats(0.5, 1.9), min_size=8, max_size=20), some.data())

@@ -1,5 +1,6 @@
 """Where boundaries are placed, and which split is taken."""
 
+import itertools
 import math
 from itertools import combinations
 
@@ -18,7 +19,6 @@ from hitab_core.learning.splits import (
     Split,
     Threshold,
     choose_split,
-    split_boolean,
     split_by,
     split_categorical,
     split_continuous,
@@ -83,15 +83,15 @@ def test_a_threshold_tells_its_neighbors_apart_however_near_or_far_they_are(
     assert below <= threshold < above
 
 
-@pytest.mark.parametrize("below", [1.0, 0.0, -5e-324, -1.0, 1e308])
-@pytest.mark.parametrize("below_is_default", [False, True])
-@pytest.mark.parametrize("above_is_default", [False, True])
-def test_a_threshold_tells_adjacent_numbers_apart(below, below_is_default, above_is_default):
-    above = math.nextafter(below, math.inf)
-    threshold = threshold_between(
-        below, above, below_is_default=below_is_default, above_is_default=above_is_default
-    )
-    assert below <= threshold < above
+def test_a_threshold_tells_adjacent_numbers_apart():
+    for below, below_is_default, above_is_default in itertools.product(
+        [1.0, 0.0, -5e-324, -1.0, 1e308], [False, True], [False, True]
+    ):
+        above = math.nextafter(below, math.inf)
+        threshold = threshold_between(
+            below, above, below_is_default=below_is_default, above_is_default=above_is_default
+        )
+        assert below <= threshold < above
 
 
 def test_a_threshold_half_way_between_the_ends_of_the_number_line_does_not_overflow():
@@ -142,21 +142,19 @@ def test_an_end_of_an_arc_is_behind_one_neighbor_and_not_behind_the_next(
     assert before < end <= after if before < after else before < end or end <= after
 
 
-@pytest.mark.parametrize("before", [0.0, 5e-324, 0.1, 0.3, 1.0, 359.0, math.nextafter(360, 0)])
-@pytest.mark.parametrize("before_is_default", [False, True])
-@pytest.mark.parametrize("after_is_default", [False, True])
-def test_an_end_of_an_arc_between_adjacent_numbers_is_the_second(
-    before, before_is_default, after_is_default
-):
-    after = math.nextafter(before, math.inf) % 360
-    end = end_between(
-        before,
-        after,
-        360.0,
-        before_is_default=before_is_default,
-        after_is_default=after_is_default,
-    )
-    assert end == after
+def test_an_end_of_an_arc_between_adjacent_numbers_is_the_second():
+    for before, before_is_default, after_is_default in itertools.product(
+        [0.0, 5e-324, 0.1, 0.3, 1.0, 359.0, math.nextafter(360, 0)], [False, True], [False, True]
+    ):
+        after = math.nextafter(before, math.inf) % 360
+        end = end_between(
+            before,
+            after,
+            360.0,
+            before_is_default=before_is_default,
+            after_is_default=after_is_default,
+        )
+        assert end == after
 
 
 def test_a_tiny_negative_angle_is_at_zero_not_at_the_period():
@@ -168,19 +166,16 @@ def test_a_tiny_negative_angle_is_at_zero_not_at_the_period():
 # Which values count as default
 
 
-@pytest.mark.parametrize(
-    ("default", "threshold"),
-    [
+def test_a_value_is_default_if_all_examples_there_are():
+    for default, threshold in [
         ([True, True, False, False], math.nextafter(5, 2)),  # all at 2, none at 5
         ([True, False, False, False], 3.5),  # not all at 2
         ([True, True, True, False], math.nextafter(5, 2)),  # all at 2, not all at 5
         ([True, True, True, True], 3.5),  # all
         ([True, False, True, True], math.nextafter(2, 5)),  # not all at 2, all at 5
-    ],
-)
-def test_a_value_is_default_if_all_examples_there_are(default, threshold):
-    split = split_continuous(examples([2, 2, 5, 5], [0, 0, 1, 1], default))
-    assert split.test == Threshold(threshold)
+    ]:
+        split = split_continuous(examples([2, 2, 5, 5], [0, 0, 1, 1], default))
+        assert split.test == Threshold(threshold)
 
 
 def test_only_the_nearest_values_say_whether_a_boundary_is_beside_an_example():
@@ -319,15 +314,15 @@ def test_an_arc_has_the_largest_gain_of_all_arcs(drawn, min_branch):
         assert (inside == in_part)[clear].all()
 
 
-@pytest.mark.parametrize("n_values", [4, 6, 30, 58])
-def test_of_equal_splits_the_one_with_the_larger_smaller_side_is_taken(n_values):
-    # No split gains anything, but for rounding.
-    values = np.repeat(np.arange(n_values), 3)
-    given_examples = examples(values, [0, 0, 1] * n_values)
-    assert split_continuous(given_examples).test == Threshold(n_values / 2 - 0.5)
-    arc = split_toroidal(given_examples, float(n_values))
-    assert len(arc.parts[0]) == len(arc.parts[1])
-    assert arc.test == Arc(0.5, n_values / 2 + 0.5, float(n_values))
+def test_of_equal_splits_the_one_with_the_larger_smaller_side_is_taken():
+    for n_values in [4, 6, 30, 58]:
+        # No split gains anything, but for rounding.
+        values = np.repeat(np.arange(n_values), 3)
+        given_examples = examples(values, [0, 0, 1] * n_values)
+        assert split_continuous(given_examples).test == Threshold(n_values / 2 - 0.5)
+        arc = split_toroidal(given_examples, float(n_values))
+        assert len(arc.parts[0]) == len(arc.parts[1])
+        assert arc.test == Arc(0.5, n_values / 2 + 0.5, float(n_values))
 
 
 def test_of_thresholds_equal_in_all_else_the_lower_one_is_taken():
@@ -355,13 +350,6 @@ def test_a_split_with_fewer_examples_on_a_side_than_asked_for_is_not_considered(
 @pytest.mark.parametrize("kind", list(FeatureKind))
 def test_there_is_no_split_where_all_values_are_the_same(kind):
     assert split_by(examples([1, 1, 1], [0, 1, 2]), Scale(kind, 360.0)) is None
-
-
-def test_a_boolean_feature_splits_into_false_and_true():
-    split = split_boolean(examples([1, 0, 1, 0], [0, 1, 0, 1]))
-    assert split.test == Threshold(0.5)
-    assert [part.tolist() for part in split.parts] == [[1, 3], [0, 2]]
-    assert (split.gain, split.ratio) == (1, 1)
 
 
 def test_a_categorical_feature_splits_into_all_categories_seen():
@@ -415,7 +403,3 @@ def test_ties_go_to_the_first_feature_where_boolean_ones_have_no_precedence():
 def test_differences_that_come_from_rounding_decide_nothing():
     close = [made(1 - 1e-14, 1 - 1e-14), made(1, 1)]
     assert choose_split(close, [CONTINUOUS] * 2)[0] == 0
-
-
-def test_there_is_no_choice_where_no_feature_splits():
-    assert choose_split([None, None], [CONTINUOUS] * 2) is None

@@ -13,7 +13,6 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import make_bundle
-from hitab_core.repertoire import Repertoire
 from hitab_core.training.training_session import Curriculum
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
@@ -100,11 +99,6 @@ def test_what_is_missing_where_and_the_way_out_is_said_until_it_is_trained(tmp_p
     )
     teach(agent)
     assert agent.repertoire.vacancies == ()
-
-
-def test_what_no_other_needs_is_missing_too() -> None:
-    (missing,) = Repertoire(WHOLE.without(["Match"])).vacancies
-    assert missing.startswith('"Match" was taken out, and nothing is done in its place; train it')
 
 
 def test_what_is_trained_fills_the_gap_while_the_hand_written_ones_are_performed(

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.automaton import FLAGS, OWN_FEATURES, START, Automaton
+from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, Target
 from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -214,37 +212,6 @@ def test_a_default_example_is_of_the_state_as_it_is_entered(tmp_path: Path) -> N
     assert [e.features for e in agent.session.examples if e.command == 2] == [(2.0,), (0.0,)]
 
 
-def test_a_round_between_two_places_takes_a_command_each(tmp_path: Path) -> None:
-    east, west = (replace(finishing(1.0), name=name) for name in ("East", "West"))
-    domain = robot(automata=[east, west])
-    agent = Agent("ann", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
-    agent.begin(Curriculum("Patrol", (Use("X"),)))
-    cycle, places = 0, []
-
-    def run(cycles: int) -> None:
-        nonlocal cycle
-        for _ in range(cycles):
-            cycle += 1
-            agent.sense([0.0], [], cycle, cycle * STEP)
-            agent.tick()
-            places.append(agent.active_path[0])
-
-    run(1)
-    for place in ("East", "West", "East"):
-        agent.command(Use(place))
-        run(6)
-    assert agent.session is not None
-    agent.session.choose_features([Use("Done")])
-    values = {(e.state, e.is_default): e.features for e in agent.session.examples}
-    assert values["East", True] == values["West", True] == (0.0,)
-    agent.test()
-    places.clear()
-    run(60)
-    visits = [place for place, _ in groupby(places)]
-    assert len(visits) > 6
-    assert set(visits) == {"East", "West"}
-
-
 def test_what_waits_is_saved_read_and_performed(tmp_path: Path) -> None:
     agent = trained(tmp_path)
     path = agent.save().path
@@ -371,12 +338,3 @@ def test_flags_are_no_names_of_targets_and_parameters() -> None:
 def test_a_timer_of_anything_else_is_refused_with_what_there_is(text: str) -> None:
     with pytest.raises(VocabularyError, match="must read Seconds"):
         Repertoire(robot()).check_feature(Use.parse(text))
-
-
-def test_every_automaton_has_them_with_unit_and_description() -> None:
-    domain = robot()
-    for use in OWN_FEATURES:
-        Repertoire(domain).check_feature(use)
-        assert domain.feature(use.name).description
-    assert domain.feature("SecondsInState").unit == "s"
-    assert domain.signature == robot().signature

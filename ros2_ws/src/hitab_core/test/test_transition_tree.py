@@ -1,5 +1,6 @@
 """What a transition tree learns from examples, and how it decides."""
 
+import itertools
 import math
 import subprocess
 import sys
@@ -15,9 +16,7 @@ from sklearn.tree import DecisionTreeClassifier
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
-from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import tree_text
-from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, ThresholdNode, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors, prune
@@ -89,11 +88,11 @@ def test_every_example_that_no_other_contradicts_is_reproduced(examples):
             assert odds[tree.labels.index(label)] == 1
 
 
-@pytest.mark.parametrize("scale", [CONTINUOUS, BOOLEAN, DEGREES, COLOR])
-def test_two_features_that_matter_only_together_are_both_tested(scale):
-    X = [[0, 0], [0, 1], [1, 0], [1, 1]]
-    tree = TransitionTree([scale, scale]).fit(X, ["Stop", "GoFast", "GoFast", "Stop"])
-    assert tree.predict(X).tolist() == ["Stop", "GoFast", "GoFast", "Stop"]
+def test_two_features_that_matter_only_together_are_both_tested():
+    for scale in [CONTINUOUS, BOOLEAN, DEGREES, COLOR]:
+        X = [[0, 0], [0, 1], [1, 0], [1, 1]]
+        tree = TransitionTree([scale, scale]).fit(X, ["Stop", "GoFast", "GoFast", "Stop"])
+        assert tree.predict(X).tolist() == ["Stop", "GoFast", "GoFast", "Stop"]
 
 
 def test_features_that_can_never_tell_contradicting_examples_apart_are_not_tested():
@@ -119,21 +118,6 @@ def test_the_distribution_at_a_leaf_is_that_of_the_examples_that_came_to_it(exam
         tuple(Counter(label for _, label in together)[s] for s in tree.labels)
         for together in came.values()
     )
-
-
-def test_a_threshold_lies_half_way_between_two_examples():
-    tree = TransitionTree().fit([[2.0], [5.0]], ["Stop", "GoFast"])
-    assert tree.root_ == ThresholdNode(0, 3.5, (1, 1), Leaf((0, 1)), Leaf((1, 0)))
-
-
-def test_a_threshold_lies_beside_the_example_that_is_not_a_default_one():
-    X, y = [[2.0], [5.0]], ["Stop", "GoFast"]
-    above = TransitionTree().fit(X, y, default=[False, True])
-    below = TransitionTree().fit(X, y, default=[True, False])
-    assert above.root_.threshold == math.nextafter(2, 5)
-    assert below.root_.threshold == math.nextafter(5, 2)
-    assert above.predict([[2.0], [2.001]]).tolist() == ["Stop", "GoFast"]
-    assert below.predict([[4.999], [5.0]]).tolist() == ["Stop", "GoFast"]
 
 
 LOST_AT_5_M = [
@@ -290,27 +274,29 @@ def test_an_arc_at_zero_is_the_same_as_one_elsewhere():
     assert at_zero.predict([[-1e-20], [0], [360], [-0.0]]).tolist() == ["Go"] * 4
 
 
-@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 1, 0)])
-@pytest.mark.parametrize("labels", ["AAB", "ABA", "BAA", "ABC"])
-@pytest.mark.parametrize("turn", [0, 10, 95, 180, -75])
-def test_an_end_of_an_arc_belongs_to_the_side_above_it_also_at_zero(order, labels, turn):
-    # Ends lie at 0, 95 and 265, turned; so some are exactly at zero.
-    places = [-10 + turn, 10 + turn, 180 + turn]
-    tree = TransitionTree([DEGREES]).fit([[places[i]] for i in order], [labels[i] for i in order])
-    decide, states = by_index(tree, tree.labels)
-    for end, above, below in ((0, 1, 0), (95, 2, 1), (265, 0, 2)):
-        at = end + turn
-        for place, index in (
-            (at, above),
-            (at + 360, above),
-            (at + 1e-9, above),
-            (at - 1e-9, below),
-            (at % 360 - 1e-20, above),  # too little to be another place than the end
-        ):
-            label = labels[index]
-            assert tree.explain([place], ["a"]).distribution == {label: 1}
-            assert tree.predict([[place]]).tolist() == [label]
-            assert states[decide([float(place)], no_reading, None)] == label
+def test_an_end_of_an_arc_belongs_to_the_side_above_it_also_at_zero():
+    for order, labels, turn in itertools.product(
+        [(0, 1, 2), (1, 0, 2), (2, 1, 0)], ["AAB", "ABA", "BAA", "ABC"], [0, 10, 95, 180, -75]
+    ):
+        # Ends lie at 0, 95 and 265, turned; so some are exactly at zero.
+        places = [-10 + turn, 10 + turn, 180 + turn]
+        tree = TransitionTree([DEGREES]).fit(
+            [[places[i]] for i in order], [labels[i] for i in order]
+        )
+        decide, states = by_index(tree, tree.labels)
+        for end, above, below in ((0, 1, 0), (95, 2, 1), (265, 0, 2)):
+            at = end + turn
+            for place, index in (
+                (at, above),
+                (at + 360, above),
+                (at + 1e-9, above),
+                (at - 1e-9, below),
+                (at % 360 - 1e-20, above),  # too little to be another place than the end
+            ):
+                label = labels[index]
+                assert tree.explain([place], ["a"]).distribution == {label: 1}
+                assert tree.predict([[place]]).tolist() == [label]
+                assert states[decide([float(place)], no_reading, None)] == label
 
 
 # The same as others find
@@ -547,25 +533,17 @@ def test_infinite_values_are_refused_by_the_name_of_the_feature(bad, decide_batc
         TransitionTree().fit([[bad]], ["Stop"])
 
 
-@pytest.mark.parametrize(
-    ("scale", "bad", "why"),
-    [
+def test_values_that_a_feature_cannot_have_are_refused():
+    for scale, bad, why in [
         (BOOLEAN, 0.5, "0 or 1"),
         (COLOR, 4, "0 to 3"),
         (COLOR, 1.5, "0 to 3"),
         (COLOR, -1, "0 to 3"),
         (Scale(FeatureKind.CATEGORICAL), 0.1, "0, 1, 2"),
-    ],
-)
-def test_values_that_a_feature_cannot_have_are_refused(scale, bad, why):
-    tree = TransitionTree([CONTINUOUS, scale])
-    with pytest.raises(FeatureValueError, match=f"feature 1 has value {bad}.*{why}"):
-        tree.fit([[1, 0], [2, bad]], ["Stop", "GoFast"])
-
-
-def test_a_circle_without_a_length_is_refused():
-    with pytest.raises(VocabularyError, match=r"feature 0.*period"):
-        TransitionTree([Scale(FeatureKind.TOROIDAL)]).fit([[1]], ["Stop"])
+    ]:
+        tree = TransitionTree([CONTINUOUS, scale])
+        with pytest.raises(FeatureValueError, match=f"feature 1 has value {bad}.*{why}"):
+            tree.fit([[1, 0], [2, bad]], ["Stop", "GoFast"])
 
 
 def test_wrong_shapes_and_parameters_are_refused():
@@ -607,41 +585,6 @@ def a_tree():
         ],
         ["Stop"] * 3 + ["GoFast"] * 2 + ["GoSlow"] * 2 + ["Pass", "Stop", "Pass", "Stop"],
     )
-
-
-def test_a_tree_is_drawn_with_a_line_for_each_branch():
-    assert a_tree().as_text(NAMES).splitlines() == [
-        "DirectionTo(ball) outside -60..50",
-        "|   not BallIsKickable",
-        "|   |   DistanceTo(ball) <= 4.5: Stop (2)",
-        "|   |   DistanceTo(ball) > 4.5: GoSlow (2)",
-        "|   BallIsKickable",
-        "|   |   Color = red: Pass 0.667, Stop 0.333 (3)",
-        "|   |   Color = blue: Stop (1)",
-        "|   |   Color is none of red, blue: Pass 0.5, Stop 0.5 (4)",
-        "DirectionTo(ball) in -60..50",
-        "|   DistanceTo(ball) <= 3.5: Stop (1)",
-        "|   DistanceTo(ball) > 3.5: GoFast (2)",
-    ]
-
-
-def test_a_tree_that_tests_nothing_is_drawn_in_one_line():
-    assert TransitionTree().fit([[1], [1]], ["A", "B"]).as_text(["x"]) == "A 0.5, B 0.5 (2)"
-
-
-def test_a_rule_for_one_long_number_leaves_no_room_for_it_in_the_others():
-    measured = 0.48750999569892883  # by a scanner, in 32 bits
-    shown = (
-        Example("F", (0.3,), "F", ExampleKind.DEFAULT, 1),
-        Example("F", (measured,), "T", ExampleKind.DEMONSTRATED, 2),
-        Example("F", (0.6,), "F", ExampleKind.DEFAULT, 3),
-    )
-    rules = learn_transitions(shown, (Scale(),))["F"].rules(["X"])
-    assert [rule.conditions for rule in rules] == [
-        ("X < 0.48751",),
-        ("X = 0.48751",),
-        ("X > 0.48751",),
-    ]
 
 
 def test_there_is_a_rule_for_each_leaf():
@@ -710,9 +653,8 @@ def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
         assert held == [tree.explain([place], ["a"]).distribution]
 
 
-@pytest.mark.parametrize(
-    ("start", "end", "words"),
-    [
+def test_an_arc_of_radians_is_written_in_degrees_with_the_lower_end_first():
+    for start, end, words in [
         (-10, 10, "in -10..10 deg"),
         (10, -10, "outside -10..10 deg"),
         (-1.5, -6.5, "outside -6.5..-1.5 deg"),
@@ -729,14 +671,12 @@ def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
         (60 + 1e-9, 60, "!= 60 deg"),
         (180, 180 + 1e-9, "= 180 deg"),
         (-180 + 1e-9, 180 - 1e-9, "!= 180 deg"),
-    ],
-)
-def test_an_arc_of_radians_is_written_in_degrees_with_the_lower_end_first(start, end, words):
-    turn = Scale(FeatureKind.TOROIDAL, math.tau)
-    around = [math.radians(place) % math.tau for place in (start, end)]
-    node = ArcNode(0, math.tau, *around, (1, 1), Leaf((1, 0)), Leaf((0, 1)))
-    assert tree_text.conditions([(node, 0)], [turn], ["a"]) == (f"a {words}",)
-    assert tree_text.conditions([(node, 0)], [turn], ["a"], ["rad"]) == (f"a {words}",)
+    ]:
+        turn = Scale(FeatureKind.TOROIDAL, math.tau)
+        around = [math.radians(place) % math.tau for place in (start, end)]
+        node = ArcNode(0, math.tau, *around, (1, 1), Leaf((1, 0)), Leaf((0, 1)))
+        assert tree_text.conditions([(node, 0)], [turn], ["a"]) == (f"a {words}",)
+        assert tree_text.conditions([(node, 0)], [turn], ["a"], ["rad"]) == (f"a {words}",)
 
 
 def test_an_explanation_tells_the_tests_in_order_and_the_features_looked_at():
@@ -844,9 +784,3 @@ def test_a_pruned_tree_is_the_tree_with_some_nodes_made_leaves(examples, confide
             assert type(whole) is type(pruned)
             assert whole.feature == pruned.feature
             waiting.extend(zip(whole.branches, pruned.branches, strict=True))
-
-
-def test_the_ends_of_an_interval_have_as_many_digits_as_tell_them_apart():
-    tree = TransitionTree().fit([[0.2088405], [0.2088409], [0.2088413]], ["a", "b", "a"])
-    between = next(rule for rule in tree.rules(["x"]) if rule.distribution.get("b") == 1.0)
-    assert between.conditions == ("0.2088407 < x <= 0.2088411",)

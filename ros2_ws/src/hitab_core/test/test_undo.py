@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,10 +15,9 @@ from hypothesis import strategies as st
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example, ExampleKind
+from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.running.observing import Change
-from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -152,18 +150,6 @@ def test_a_command_that_changed_nothing_restarts_nothing_when_undone(trained: Tr
     assert trained.do(1.0) == "Left"
 
 
-def test_undoing_a_deletion_or_relabeling_leaves_the_state(trained: Trained) -> None:
-    trained.command("Left")
-    trained.session.relabel([1], Use("Right"))
-    trained.session.delete([2])
-    for _ in range(2):
-        trained.session.undo()
-        assert trained.active == "Left"
-    assert trained.taught == [("Start", "Left")]
-    trained.session.redo()
-    assert (trained.active, trained.taught) == ("Left", [("Start", "Right")])
-
-
 def test_undo_after_a_crash_restores_the_state_of_the_command(trained: Trained) -> None:
     trained.command("Left")
     trained.command("Right")
@@ -194,30 +180,6 @@ def test_undo_restores_the_state_of_a_takeover(trained: Trained) -> None:
     assert trained.active == "Start"
 
 
-def test_a_new_command_or_edit_forgets_what_was_undone(trained: Trained) -> None:
-    for edit in (
-        lambda: trained.command("Stay"),
-        lambda: trained.session.delete([1]),
-        lambda: trained.session.relabel([2], Use("Right")),
-    ):
-        trained.command("Left")
-        trained.command("Right")
-        trained.session.undo()
-        edit()
-        with pytest.raises(TrainingError, match="nothing to redo"):
-            trained.session.redo()
-
-
-def test_an_undone_flag_is_down(trained: Trained) -> None:
-    trained.command("Left")
-    trained.command("Done")
-    assert trained.agent.raised == {"Done"}
-    trained.session.undo()
-    assert (trained.agent.raised, trained.active) == (frozenset(), "Left")
-    trained.session.redo()
-    assert trained.agent.raised == {"Done"}
-
-
 def test_undo_while_something_else_is_performed_moves_nothing(trained: Trained) -> None:
     trained.command("Left")
     trained.command("Right")
@@ -231,19 +193,6 @@ def test_undo_while_something_else_is_performed_moves_nothing(trained: Trained) 
     assert trained.active == "Start"
     trained.session.undo()
     assert trained.active == "Left"
-
-
-def test_undo_and_redo_that_are_refused_change_nothing(trained: Trained) -> None:
-    for refused in (trained.session.undo, trained.session.redo):
-        with pytest.raises(TrainingError, match="nothing to"):
-            refused()
-    trained.command("Left")
-    trained.agent.test()
-    with pytest.raises(TrainingError, match="no example leaves Start"):
-        trained.session.undo()
-    assert (trained.active, len(trained.session.log)) == ("Left", 2)
-    with pytest.raises(TrainingError, match="nothing to redo"):
-        trained.session.redo()
 
 
 # Against a plain model --------------------------------------------------------------------------
@@ -460,58 +409,6 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
 
 
 # What it costs ----------------------------------------------------------------------------------
-
-
-def test_the_history_grows_with_what_was_done_and_not_with_its_square() -> None:
-    """Kept as a copy of all examples for each command it would hold n * n references."""
-
-    def size(commands: int) -> int:
-        log = ExampleLog()
-        for i in range(commands):
-            taught = Example("A", (0.0,), "B", ExampleKind.DEMONSTRATED, i + 1, i + 1)
-            log.make(log.addition([taught]))
-        for i in range(0, commands, 2):
-            log.make(log.deletion([i + 1]))
-        for _ in range(commands):
-            log.make(log.history.undo())
-        seen: dict[int, int] = {}
-        waiting: list[Any] = [vars(log)]
-        while waiting:
-            thing = waiting.pop()
-            if id(thing) in seen:
-                continue
-            seen[id(thing)] = sys.getsizeof(thing)
-            if isinstance(thing, dict):
-                waiting += thing.values()
-            elif isinstance(thing, list | tuple):
-                waiting += thing
-            elif hasattr(thing, "gone"):
-                waiting += [thing.gone, thing.came]
-        return sum(seen.values())
-
-    small, large = size(50), size(500)
-    assert large < 12 * small
-
-
-def test_an_edit_goes_through_what_it_changes_and_not_through_all_examples(
-    trained: Trained, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Copying the log for each trial, an undo would touch every example that there is."""
-    for label in ("Left", "Right") * 20:
-        trained.command(label)
-    asked: list[Example] = []
-    monkeypatch.setattr(
-        Example,
-        "is_default",
-        property(lambda e: asked.append(e) or e.kind is ExampleKind.DEFAULT),
-    )
-    for _ in range(10):
-        trained.session.undo()
-    for _ in range(10):
-        trained.session.redo()
-    assert len(asked) == 2 * 20
-    assert trained.session.log.defaults == 40
-    assert len(asked) == 2 * 20, "telling how many there are counts none"
 
 
 def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(

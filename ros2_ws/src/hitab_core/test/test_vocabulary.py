@@ -3,7 +3,6 @@ from __future__ import annotations
 import pytest
 
 from hitab_core.errors import VocabularyError
-from hitab_core.use import Use, wrong_number
 from hitab_core.vocabulary import check_known, has
 
 
@@ -29,19 +28,3 @@ def test_of_a_thousand_names_ten_are_listed_the_closest_first() -> None:
     assert told.count("forager_") == 11
     assert has(thousand).startswith("(known: forager_1, forager_2, forager_3,")
     assert has(thousand).endswith(", forager_10, ... and 990 more)")
-
-
-def test_names_are_listed_in_the_order_of_their_numbers() -> None:
-    assert has(["b", "a_10", "a_2", "10", "9"]) == "(known: 9, 10, a_2, a_10, b)"
-
-
-def test_a_wrong_number_of_targets_shows_a_use_that_is_right() -> None:
-    def told(text: str, parameters: list[str], things: list[str]) -> str:
-        return wrong_number("feature", Use.parse(text), parameters, things)
-
-    two = ["goal", "ball"]
-    assert told("To", ["X"], two).endswith("1 target, not 0; write, for example, To(ball)")
-    assert told("To(goal, a)", ["X"], two).endswith("not 2; write, for example, To(goal)")
-    assert told("Of(b)", ["X", "Y"], ["a", "b"]).endswith("not 1; write, for example, Of(b, a)")
-    assert told("To", ["X"], []).endswith("1 target, not 0; this domain has no targets")
-    assert told("To(a)", [], ["a"]).endswith("takes no targets, not 1; write To")

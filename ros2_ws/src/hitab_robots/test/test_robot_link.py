@@ -1,7 +1,6 @@
 """The link of an agent to its robot; the test plays the robot and the engine of the agent."""
 
 import math
-from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -14,7 +13,7 @@ from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
-from hitab_core import Automaton, Domain, HitabError, Repertoire, TransitionTree, Use
+from hitab_core import Domain, HitabError, Repertoire
 from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range
 from hitab_robots.settings import COMMANDS, VELOCITY
 from hitab_robots.velocity_relay import VelocityRelay
@@ -118,13 +117,6 @@ def test_a_silent_sensor_on_a_remapped_topic_is_not_said_to_be_unpublished(desk)
     desk.until(lambda: desk.has_fault("sensor scan, /scan: silent, though it is published"))
     assert not desk.has_fault("nobody publishes it")
     desk.until(lambda: not desk.has_fault("scan"), lambda: desk.scan(2.0))
-
-
-def test_who_publishes_no_sensor_learns_in_which_ros_domain_the_driver_has_to_be(desk):
-    desk.robot.destroy_publisher(desk.scans)
-    number = desk.node.context.get_domain_id()
-    where = f"in ROS domain {number}; start the robot's driver there (ROS_DOMAIN_ID={number})"
-    desk.until(lambda: desk.has_fault(f"sensor scan, /robot_1/scan: nobody publishes it {where}"))
 
 
 @pytest.mark.parametrize("desk", [{"scan.yaw": -math.pi / 2}], indirect=True)
@@ -260,16 +252,3 @@ def test_a_sensor_that_is_published_as_another_type_is_said_to_be(desk, driver):
     driver.create_publisher(PointStamped, "scan", 10)
     wrong = "published as geometry_msgs/msg/PointStamped and not as sensor_msgs/msg/LaserScan"
     desk.until(lambda: desk.has_fault(f"sensor scan, /robot_1/scan: {wrong}"))
-
-
-def test_a_behavior_that_decides_by_a_range_that_the_sensor_never_measures_is_named(desk):
-    tree = TransitionTree().fit([[2.0], [20.0]], ["Stop", "Forward"])
-    states, features = (Use("Stop"), Use("Forward")), (Use("RangeAhead"),)
-    wander = Automaton("Wander", states, features, {"Start": tree})
-    agent = desk.node.agent
-    agent.repertoire = Repertoire(agent.domain, {"Wander": wander})
-    far = (
-        '"Wander" decides by whether RangeAhead is above 11 m, but sensor scan measures up to 9 m'
-    )
-    desk.until(lambda: desk.has_fault(far), partial(desk.scan, 2.0))
-    desk.until(lambda: not desk.has_fault("Wander"), partial(desk.scan, 2.0, range_max=12.0))

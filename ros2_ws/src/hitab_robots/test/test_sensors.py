@@ -87,9 +87,8 @@ def test_a_battery_counts_to_one_or_to_a_hundred():
     assert found["charging"] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("distance", "expected"),
-    [
+def test_a_range():
+    for distance, expected in [
         (1.0, 1.0),
         (math.inf, 4.0),
         (4.5, 4.0),
@@ -97,11 +96,9 @@ def test_a_battery_counts_to_one_or_to_a_hundred():
         (0.01, math.nan),
         (0.0, math.nan),
         (math.nan, math.nan),
-    ],
-)
-def test_a_range(distance, expected):
-    message = RangeMessage(range=distance, min_range=0.02, max_range=4.0)
-    assert read(Range(), message)["range"] == pytest.approx(expected, nan_ok=True)
+    ]:
+        message = RangeMessage(range=distance, min_range=0.02, max_range=4.0)
+        assert read(Range(), message)["range"] == pytest.approx(expected, nan_ok=True)
 
 
 def test_a_range_that_only_tells_whether_something_is_there():

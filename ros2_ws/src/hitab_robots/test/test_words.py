@@ -143,9 +143,8 @@ def drive(body, seconds, velocity, moves=1.0, turns=1.0, *, begin=0.0):
     return found
 
 
-@pytest.mark.parametrize(
-    ("velocity", "moves", "turns", "expected"),
-    [
+def test_who_was_told_to_move_and_did_not_is_stuck():
+    for velocity, moves, turns, expected in [
         ((0.4, 0.0), 1.0, 1.0, 0.0),
         ((0.4, 0.0), 0.1, 1.0, 1.0),
         ((0.0, 1.0), 1.0, 1.0, 0.0),
@@ -153,12 +152,10 @@ def drive(body, seconds, velocity, moves=1.0, turns=1.0, *, begin=0.0):
         ((0.4, 1.0), 0.0, 1.0, 0.0),  # it turns at least
         ((0.0, 0.0), 1.0, 1.0, 0.0),  # told to stand still
         ((5.0, 0.0), 0.9, 1.0, 0.0),  # what is beyond its limits is not expected of it
-    ],
-)
-def test_who_was_told_to_move_and_did_not_is_stuck(velocity, moves, turns, expected):
-    found = drive(DOMAIN.body("robot_1"), 5.0, velocity, moves, turns)
-    assert {*found[:20]} == {0.0}  # it takes some time to be sure
-    assert {*found[21:]} == {expected}
+    ]:
+        found = drive(DOMAIN.body("robot_1"), 5.0, velocity, moves, turns)
+        assert {*found[:20]} == {0.0}  # it takes some time to be sure
+        assert {*found[21:]} == {expected}
 
 
 def test_a_clock_that_is_set_back_does_not_look_like_being_stuck():
@@ -187,15 +184,6 @@ def test_what_the_robot_does_not_have_is_named():
         Robot((Odometry(), Odometry()))
     with pytest.raises(VocabularyError, match="looks back 60 s"):
         stuck(seconds=60.0)
-
-
-def test_each_ready_word_says_what_it_is():
-    words = (*DOMAIN.behaviors.values(), *DOMAIN.features.values())
-    assert [word.name for word in words if not word.description] == []
-    assert DOMAIN.behaviors["Left"].description == "1 rad/s to the left"
-    assert motion("Stop").description == "stands still"
-    assert motion("Stop", description="waits").description == "waits"
-    assert reading("Speed", "odom.vx", description="how fast").description == "how fast"
 
 
 def test_a_commander_hears_where_the_robot_is_unless_it_does_not_know():
@@ -247,13 +235,11 @@ def test_without_odometry_a_robot_drives_nowhere(behavior):
     assert list(body.act()[0]) == [0.0, 0.0, 0.0]
 
 
-@pytest.mark.parametrize(
-    ("degrees", "faces"), [(9.0, 1.0), (-9.0, 1.0), (11.0, 0.0), (180.0, 0.0)]
-)
-def test_what_a_robot_faces(degrees, faces):
-    body = DOMAIN.body("robot_1")
-    sense(body, odom__x=-1.0, odom__y=0.0, odom__heading=math.radians(degrees))
-    assert read(body, "Facing", "home") == faces
+def test_what_a_robot_faces():
+    for degrees, faces in [(9.0, 1.0), (-9.0, 1.0), (11.0, 0.0), (180.0, 0.0)]:
+        body = DOMAIN.body("robot_1")
+        sense(body, odom__x=-1.0, odom__y=0.0, odom__heading=math.radians(degrees))
+        assert read(body, "Facing", "home") == faces
 
 
 @pytest.mark.parametrize(("x", "is_near"), [(0.29, 1.0), (0.31, 0.0)])

@@ -34,13 +34,13 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("message", "why"), BAD, ids=[why for _, why in BAD])
-def test_it_is_refused(message, why):
-    with pytest.raises(BadMessage) as error:
-        check(message)
-    assert why in str(error.value)
-    assert len(str(error.value)) < 300
-    assert "\n" not in str(error.value)
+def test_it_is_refused():
+    for message, why in BAD:
+        with pytest.raises(BadMessage) as error:
+            check(message)
+        assert why in str(error.value)
+        assert len(str(error.value)) < 300
+        assert "\n" not in str(error.value)
 
 
 GOOD = [
@@ -57,9 +57,9 @@ GOOD = [
 ]
 
 
-@pytest.mark.parametrize("message", GOOD, ids=lambda message: type(message).__name__)
-def test_what_can_be_meant_passes(message):
-    check(message)
+def test_what_can_be_meant_passes():
+    for message in GOOD:
+        check(message)
 
 
 def test_each_message_and_service_of_the_project_can_be_checked():

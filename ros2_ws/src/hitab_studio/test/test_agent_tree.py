@@ -47,12 +47,6 @@ def test_of_a_thousand_the_top_is_shown_and_opened_step_by_step():
     assert len(opened) == 111
 
 
-def test_the_viewed_agent_is_visible_unless_it_was_closed_in():
-    agents, groups = thousand()
-    assert ("robot_37", 2, "") in shown(agents, groups, agent="robot_37")
-    assert len(shown(agents, groups, {"staff": False}, "robot_37")) == 1
-
-
 def test_many_agents_without_a_commander_are_gathered_by_what_they_are_called():
     agents = [f"forager_{i}" for i in range(FEW)] + ["ann", "ben"]
     assert shown(agents, {}) == [("forager_…", 0, "closed"), ("ann", 0, ""), ("ben", 0, "")]

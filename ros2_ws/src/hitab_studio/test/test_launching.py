@@ -36,10 +36,6 @@ def test_what_a_command_that_fails_has_said_is_kept_until_it_is_dismissed(monkey
     assert launcher.launch is None
 
 
-def test_a_command_that_succeeds_leaves_nothing_to_be_said(monkeypatch):
-    assert run("import sys; print(sys.argv)", monkeypatch).launch is None
-
-
 def test_one_command_runs_at_a_time(monkeypatch):
     def again(launcher: Launcher) -> None:
         with pytest.raises(SwarmError, match="keepaway is being started"):

@@ -1,6 +1,6 @@
 """A page shows each message once, says how often it came, and lets it be closed."""
 
-from hitab_studio.messages import MOST, SECONDS, Messages, sentence
+from hitab_studio.messages import MOST, SECONDS, Messages
 
 
 class Clock:
@@ -8,18 +8,6 @@ class Clock:
 
     def __call__(self) -> float:
         return self.now
-
-
-def test_the_same_message_is_shown_once_with_how_often_it_came():
-    clock = Clock()
-    messages = Messages(clock)
-    for _ in range(3):
-        messages.say("keeper_1 does not answer", "bad")
-    messages.say("saved")
-    assert [(m.text, m.times) for m in messages.shown] == [
-        ("keeper_1 does not answer", 3),
-        ("saved", 1),
-    ]
 
 
 def test_a_message_goes_after_its_time_from_when_it_was_last_said():
@@ -42,13 +30,3 @@ def test_a_message_can_be_closed_and_old_ones_make_room():
     assert [m.text for m in messages.shown] == [f"message {i}" for i in range(2, MOST + 2)]
     messages.close(messages.shown[1].number)
     assert len(messages.shown) == MOST - 1
-
-
-def test_a_message_begins_with_a_capital_letter_but_a_name_stays_as_it_is():
-    names = {"keeper_1", "ball", "scout"}
-    assert sentence("the world is paused", names) == "The world is paused"
-    assert sentence("keeper_1 performs Chase", names) == "keeper_1 performs Chase"
-    assert sentence("keeper_9: not there", names) == "keeper_9: not there"
-    assert sentence("scout performs Chase", names) == "scout performs Chase"
-    assert sentence("nobody is called that", names) == "Nobody is called that"
-    assert sentence('"corner" is back', names) == '"corner" is back'

@@ -1,7 +1,6 @@
 """What the studio is made of, without a browser and without a swarm."""
 
 import asyncio
-import json
 import struct
 from dataclasses import replace
 from typing import Any
@@ -9,8 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from hitab_msgs.msg import Entity, Look, WorldState
-from hypothesis import given
-from hypothesis import strategies as st
 from visualization_msgs.msg import MarkerArray
 
 from hitab_client import Learned
@@ -21,10 +18,10 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
 from hitab_studio.known import Known
-from hitab_studio.learned import effect, is_contradicted, superseding
+from hitab_studio.learned import effect, is_contradicted
 from hitab_studio.locks import Holder, Locks
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
-from hitab_studio.scene import COLORS, NO_COLOR, Palette, frame, roster, scene_of
+from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of
 from hitab_studio.store import Store
 from hitab_studio.tree_rows import tree_rows
 
@@ -92,14 +89,14 @@ async def page(scope: Any, receive: Any, send: Any) -> None:
     await send({"type": "http.response.start", "status": 200, "headers": []})
 
 
-@pytest.mark.parametrize("kind", ["http", "websocket"])
-def test_only_this_page_talks_to_the_server(kind):
-    access, refused = AccessControl(page), 403 if kind == "http" else 1008
-    assert answer_of(access, kind) == 200
-    assert answer_of(access, kind, origin="http://127.0.0.1:80") == 200
-    assert answer_of(access, kind, origin="http://127.0.0.1:81") == refused
-    assert answer_of(access, kind, origin="null") == refused
-    assert answer_of(access, kind, host="evil.example") == refused
+def test_only_this_page_talks_to_the_server():
+    for kind, refused in (("http", 403), ("websocket", 1008)):
+        access = AccessControl(page)
+        assert answer_of(access, kind) == 200
+        assert answer_of(access, kind, origin="http://127.0.0.1:80") == 200
+        assert answer_of(access, kind, origin="http://127.0.0.1:81") == refused
+        assert answer_of(access, kind, origin="null") == refused
+        assert answer_of(access, kind, host="evil.example") == refused
 
 
 def test_with_a_token_only_who_shows_it_is_let_in():
@@ -142,20 +139,6 @@ def test_an_agent_is_held_by_one_demonstrator_until_another_takes_it_or_he_leave
 # -- moments --------------------------------------------------------------------------------
 
 
-def test_things_are_drawn_as_their_world_declares_and_others_like_agents():
-    looks = json.loads(roster(scene(), Palette()))["looks"]
-    assert looks["ball"] == {
-        "color": "#123456",
-        "shape": "ball",
-        "faces": False,
-        "labelled": False,
-        "opacity": 0.5,
-        "layer": 1,
-    }
-    assert looks["keeper"]["color"].startswith("#")
-    assert (looks["keeper"]["shape"], looks["keeper"]["layer"]) == ("disc", 0)
-
-
 def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():
     palette = Palette()
     data = frame(scene(7, 3.0), {"keeper_1": ("training", "GoFast")}, palette)
@@ -165,13 +148,6 @@ def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():
     assert list(data[40:42]) == [palette.index("GoFast"), NO_COLOR]
     assert list(data[42:44]) == [3, 0]
     assert len(data) == 16 + 14 * 2
-
-
-@given(st.lists(st.text(min_size=1), min_size=1))
-def test_a_state_keeps_its_color(states):
-    palette = Palette()
-    first = {state: palette.index(state) for state in states}
-    assert all(palette.index(state) == color < COLORS for state, color in first.items())
 
 
 def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
@@ -208,26 +184,6 @@ def test_the_effect_of_a_correction_is_told_in_rules_and_in_decisions():
     assert any("<= 6" in rule for rule in told.rules_gone)
     assert any("<= 3" in rule for rule in told.rules_new)
     assert [(e.number, was, now) for e, was, now in told.decisions] == [(3, "GoSlow", "GoFast")]
-
-
-def test_the_effect_of_other_features_is_told_in_decisions_on_the_same_examples():
-    before = learned(example(1, "Start", 8.0, "GoFast"), example(2, "Start", 2.0, "GoSlow"))
-    near = [replace(e, features=(0.0,)) for e in before.examples]
-    blind = replace(before, features=("BallIsKickable",), examples=tuple(near))
-    told = effect(before, blind)
-    assert [(e.number, was) for e, was, _ in told.decisions] in ([(1, "GoFast")], [(2, "GoSlow")])
-    assert all("BallIsKickable" not in rule for rule in told.rules_gone)
-
-
-def test_what_supersedes_an_example_is_named():
-    examples = [
-        example(1, "Start", 2.0, "GoFast"),
-        example(2, "GoFast", 2.0, "GoFast", "superseded"),
-        example(3, "GoFast", 2.0, "Stop"),
-        example(4, "Stop", 2.0, "Stop", "default"),
-        example(5, "GoFast", 3.0, "Stop"),
-    ]
-    assert superseding(examples) == {2: [3]}
 
 
 def test_the_path_of_a_decision_is_lit_in_the_tree():

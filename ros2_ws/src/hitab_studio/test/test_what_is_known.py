@@ -1,29 +1,20 @@
 """The page says what is known, and no more: of a swarm that starts, is slow or has ended."""
 
 import asyncio
-import math
-import re
 import time
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from hitab_msgs.msg import AgentStatus, CommanderStatus, Subordinate, WorldStatus
 
-from hitab_client import Learned, SwarmError
-from hitab_core import Example, FeatureKind
-from hitab_core.domain import Scale
-from hitab_core.example import ExampleKind
-from hitab_core.training import TrainingCost
+from hitab_client import SwarmError
 from hitab_studio.actions import perform
 from hitab_studio.actions.registry import ACTIONS
-from hitab_studio.agent_watch import Watched
 from hitab_studio.known import JOINING_SECONDS, Known
-from hitab_studio.learned import Vocabulary
 from hitab_studio.session import TABS, Session
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import Choice, Target
+from hitab_studio.swarm_finder import Target
 from hitab_studio.views import render
 
 ONE = "keeper_1"
@@ -144,27 +135,6 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
     assert not both.is_waiting
 
 
-def test_a_world_that_was_not_heard_yet_is_not_said_to_be_none():
-    said = shown(Known(UP, statuses=hears(ONE)), "overlay")
-    assert "No world" not in said
-    assert "Waiting for the world of keepaway" in said
-
-
-def test_agents_that_are_called_alike_are_counted_without_those_below_them():
-    groups = {
-        f"company_{i}": SimpleNamespace(
-            subordinates=[Subordinate(name=f"squad_{5 * i + j}") for j in range(5)],
-            superior="staff",
-            order="",
-        )
-        for i in range(45)
-    }
-    agents = (*groups, *(sub.name for group in groups.values() for sub in group.subordinates))
-    known = Known(Target(0, "many", agents, 1), statuses=hears(*agents), groups=groups)
-    title = shown(known, "agents", agent="").partition('data-test="fold-company_…"')[2]
-    assert '<span class="soft" title="45 agents called so, and 225 under them">45<' in title
-
-
 def test_an_order_stands_under_a_commander_that_was_not_heard_yet():
     groups = {
         "general_1": CommanderStatus(
@@ -211,65 +181,4 @@ def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_no
 # -- what lies on what ------------------------------------------------------------------------
 
 
-def test_the_hint_stands_among_the_notices_and_not_on_them():
-    known = Known(
-        UP,
-        statuses=hears(ONE, "keeper_2"),
-        scene=SimpleNamespace(names=(), mode="running"),
-        world=WorldStatus(),
-        silent={"world": time.monotonic()},
-    )
-    notices = shown(known, "overlay", agent="").partition('class="below-notices"')[0]
-    assert "Choose an agent" in notices
-    assert 'data-test="world-absent"' in notices
-
-
-def test_other_swarms_have_a_heading_where_no_world_is_shown():
-    choices = (Choice("keepaway", "/keepaway", 0, 3),)
-    robots = Target(0, "robots", (ONE,), 1, folder="/robots", choices=choices)
-    said = shown(Known(robots, statuses=hears(ONE)), "overlay")
-    assert said.index("Other swarms that are up") < said.index('data-test="swarm-keepaway"')
-    several = Target(0, problem="Several swarms are up. Choose the one to show:", choices=choices)
-    assert "Other swarms" not in shown(Known(several), "overlay")
-
-
 # -- numbers ----------------------------------------------------------------------------------
-
-
-def test_the_commands_of_a_training_are_counted_once_and_angles_are_in_degrees():
-    def taught(number: int, command: int) -> Example:
-        kind = ExampleKind.DEMONSTRATED
-        return Example("Start", (math.pi / 2,), "Stop", kind, number, command, ago=0.1)
-
-    scales = (Scale(FeatureKind.TOROIDAL, math.tau),)
-    examples = (taught(1, 1), taught(2, 2), taught(3, 3))
-    training = Learned(
-        "Chase",
-        "training",
-        "",
-        "tree",
-        (),
-        (),
-        ("Stop",),
-        ("Bearing",),
-        ("rad",),
-        scales,
-        examples,
-    )
-    # One of them came with the answer to a question, so two commands were given.
-    cost = TrainingCost("Chase", "", 20.0, 0.0, 2, 3, 0, 0, 1, 0, False)
-    readings = {("Chase", "Bearing"): (math.pi / 2,)}
-    words = Vocabulary(domain="d", units={"Bearing": "rad"}, kinds={"Bearing": "toroidal"})
-    watched = Watched(vocabulary=words, training=training, cost=cost, readings=readings)
-    status = AgentStatus(agent=ONE, mode="training", behavior="Chase", examples=3)
-    known = Known(UP, statuses={ONE: status}, watched={ONE: watched})
-    said = shown(known, "side")
-    assert re.findall(r"(\d+) commands", said) == ["2"]
-    assert "in the world" not in said, "it is counted between steps only: 0 s while one tests"
-    assert "3 examples" in said
-    assert "<b>90.0 deg</b>" in said
-    assert '<b class="value">90.0</b><span class="unit">deg</span>' in said
-    assert "Seconds from the situation of the example until" in said, "0.10 s ago has a reason"
-    table = shown(known, "side", tab="examples")
-    assert '<td class="num" data-key="v-Bearing">90.0</td>' in table
-    assert 'title="Bearing, in deg"' in table

@@ -2,21 +2,18 @@
 
 import asyncio
 import contextlib
-import re
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from typing import Any
 
 import pytest
-from hitab_msgs import msg
 
 from hitab_client.errors import SwarmError
 from hitab_client.identity import BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import swarm_finder
 from hitab_studio.actions import perform
-from hitab_studio.known import Known
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Choice, Finder, Target
 from hitab_studio.swarm_link import SwarmLink
@@ -50,16 +47,6 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
 def test_a_swarm_that_is_not_up_is_a_problem_and_not_whatever_is_there(tmp_path):
     assert 'Swarm "red" is not up.' in Finder("red")().problem
     assert f"No swarm is up in {tmp_path}" in Finder(None, tmp_path)().problem
-
-
-def test_a_target_has_the_identity_of_its_run_folder(tmp_path, monkeypatch):
-    folder = RunFolder(tmp_path)
-    folder.prepare()
-    record = RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
-    folder.write(record, register=False)
-    monkeypatch.setattr(swarm_finder.RunFolder, "supervisor", lambda *_: object())
-    target = Finder(None, tmp_path)()
-    assert (target.identity, target.world, target.domain_id) == ("red-0a1b2c3d", True, 7)
 
 
 def test_without_a_swarm_from_here_nodes_that_no_command_has_started_are_meant():
@@ -211,36 +198,3 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
         assert store.known.agents == ("a",)
 
     in_a_studio(lambda: targets[-1], use, chosen.append)
-
-
-def test_swarms_are_offered_with_what_tells_them_apart():
-    async def shown() -> tuple[str, str]:
-        choices = (Choice("red", "/one", 0, 3), Choice("red", "/two", 0, 1))
-        session = Studio(lambda: Target(0)).open()
-        store = session.shared.store
-        store.known = Known(Target(0, problem="Which?", choices=choices))
-        offered = render("overlay", session)
-        world = msg.WorldStatus(world="w", mode="running", pace="realtime", factor=0.3)
-        target = Target(0, "red", ("a", "b"), folder="/one", choices=choices)
-        statuses = {"a": msg.AgentStatus(agent="a")}
-        store.known = Known(target, world=world, statuses=statuses)
-        session.tab = "swarm"
-        return offered, render("top", session) + render("side", session)
-
-    offered, beside = asyncio.run(shown())
-    for text in ("/one", "/two", "3 agents, since", "1 agent, since"):
-        assert text in offered
-    assert "hitab studio" not in offered
-    assert "swarm-start" not in offered
-    assert "/two" in beside
-    assert "/one" not in beside
-    assert "1 of 2 agents" in beside, "as many as the list of agents counts"
-    assert "selected>0.3" in beside
-
-
-def test_there_is_no_pace_without_a_world():
-    async def shown() -> str:
-        return render("top", Studio(lambda: Target(0)).open())
-
-    (selected,) = re.findall(r"selected>([^<]*)", asyncio.run(shown()))
-    assert selected == "no world"

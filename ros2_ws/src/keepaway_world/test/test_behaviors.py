@@ -159,9 +159,9 @@ def test_a_pass_arrives_at_the_receiver_at_about_1_2_m_per_cycle(
     assert nearest[1] == pytest.approx(1.2, abs=0.15)
 
 
-@pytest.mark.parametrize(("distance", "speed"), [(5, 1.54), (8, 1.74), (10, 1.85), (14, 2.09)])
-def test_passes_start_at_the_speeds_of_the_ut_austin_players(distance, speed):
-    assert pass_speed(PAPER, distance) == pytest.approx(speed, abs=0.005)
+def test_passes_start_at_the_speeds_of_the_ut_austin_players():
+    for distance, speed in [(5, 1.54), (8, 1.74), (10, 1.85), (14, 2.09)]:
+        assert pass_speed(PAPER, distance) == pytest.approx(speed, abs=0.005)
 
 
 def test_a_kick_too_weak_for_the_speed_still_sends_the_ball_in_the_right_direction(

@@ -8,11 +8,9 @@ from hitab_world.inprocess import PolicyPlayer, cycle
 from hitab_world.world import Placement
 from keepaway_world.fullspeed import behaviors, features
 from keepaway_world.fullspeed.body import FullSpeedBody
-from keepaway_world.fullspeed.domain import DOMAIN
 from keepaway_world.fullspeed.passing import BLOCKED, Tables
 from keepaway_world.fullspeed.supporting import places
 from keepaway_world.parameters import PAPER, variant
-from keepaway_world.predictive.domain import DOMAIN as PREDICTIVE
 from keepaway_world.world import KeepawayWorld
 
 QUIET = {"movement_noise": 0.0, "kick_noise": 0.0, "turn_noise": 0.0}
@@ -61,16 +59,6 @@ def play(world, behavior, cycles, until=lambda: False):
 
 def mate(body, number):
     return next(place for place in body.others if body.number_at(place) == number)
-
-
-def test_the_domain_has_all_words_that_look_ahead_and_its_own():
-    assert DOMAIN.name == "keepaway_fullspeed"
-    for group in ("behaviors", "features", "targets", "automata"):
-        mine, others = getattr(DOMAIN, group), getattr(PREDICTIVE, group)
-        assert all(mine[name] is thing for name, thing in others.items())
-    new = set(DOMAIN.behaviors) - set(PREDICTIVE.behaviors)
-    assert new == {"MeetBall", "StopBall", "SwiftPassTo", "Support"}
-    assert DOMAIN.behaviors["SwiftPassTo"].one_shot
 
 
 def slack(*takers, speed=2.2, receiver=(8.0, 0.0), half=HALF):

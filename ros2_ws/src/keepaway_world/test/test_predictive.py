@@ -8,12 +8,10 @@ from hypothesis import strategies as st
 
 from hitab_world.inprocess import PolicyPlayer, cycle
 from hitab_world.world import Placement
-from keepaway_world.domain import DOMAIN as KEEPAWAY
 from keepaway_world.parameters import PAPER, variant
 from keepaway_world.percept import BALL
 from keepaway_world.predictive import behaviors, features
 from keepaway_world.predictive.body import PredictiveBody
-from keepaway_world.predictive.domain import DOMAIN
 from keepaway_world.predictive.forecast import COMFORTABLE, HORIZON, Forecaster
 from keepaway_world.predictive.lanes import clearance
 from keepaway_world.world import KeepawayWorld
@@ -55,21 +53,6 @@ def play(world, behavior, cycles, until=None):
             return played
         cycle(world, {"keeper_1": player})
     return cycles
-
-
-def test_the_domain_has_all_words_of_keepaway_and_its_own():
-    assert DOMAIN.name == "keepaway_predictive"
-    assert DOMAIN.signature != KEEPAWAY.signature
-    for group in ("behaviors", "features", "targets", "automata"):
-        mine, papers = getattr(DOMAIN, group), getattr(KEEPAWAY, group)
-        assert all(mine[name] is thing for name, thing in papers.items())
-    assert set(DOMAIN.behaviors) - set(KEEPAWAY.behaviors) == {
-        "InterceptBall",
-        "HoldBall",
-        "PassTo",
-        "OfferPass",
-    }
-    assert DOMAIN.behaviors["PassTo"].one_shot
 
 
 @given(x=near, y=near, speed=st.floats(0.0, 3.0), bearing=angle)

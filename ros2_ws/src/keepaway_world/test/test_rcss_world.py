@@ -321,9 +321,8 @@ def test_a_server_that_hangs_is_reported():
         assert "has been silent for 4 s" in world.waiting
 
 
-@pytest.mark.parametrize(
-    ("options", "settings", "told"),
-    [
+def test_what_cannot_be_played_on_is_told_in_a_sentence():
+    for options, settings, told in [
         ({"version": 9}, {}, "does not speak protocol version 15"),
         ({"edit": lambda text: "hello"}, {}, "is not an rcssserver"),
         ({"edit": lambda t: t.replace("(init r", "(init l")}, {}, "are the wrong team"),
@@ -351,15 +350,13 @@ def test_a_server_that_hangs_is_reported():
         ),
         ({"lose": lambda t, n: t.startswith("(init")}, {}, "was lost"),
         ({"players": 3}, {"our_takers": False}, ""),
-    ],
-)
-def test_what_cannot_be_played_on_is_told_in_a_sentence(options, settings, told):
-    with StandIn(**options) as server:
-        world = RcssWorld(ServerSettings(port=server.port, **settings), variant("standard"))
-        world.idle()
-        assert told in world.waiting
-        assert "\n" not in world.waiting
-        world.close()
+    ]:
+        with StandIn(**options) as server:
+            world = RcssWorld(ServerSettings(port=server.port, **settings), variant("standard"))
+            world.idle()
+            assert told in world.waiting
+            assert "\n" not in world.waiting
+            world.close()
 
 
 def test_other_counts_of_players_than_the_worlds_are_told():
@@ -377,20 +374,17 @@ def test_a_host_that_does_not_exist_is_told():
     assert "is not the address of a server" in world.waiting
 
 
-@pytest.mark.parametrize(
-    ("settings", "told"),
-    [
+def test_settings_that_cannot_be_are_refused():
+    for settings, told in [
         ({"port": 0}, "port is 0"),
         ({"trainer_port": 70000}, "trainer_port is 70000"),
         ({"port": "six thousand"}, "port is 'six thousand'; it must be a whole number"),
         ({"team": "too long a team's name"}, "a team has a name of"),
         ({"taker_team": "keepers"}, "both teams"),
         ({"percepts": "heard"}, "must be one of: fullstate, see"),
-    ],
-)
-def test_settings_that_cannot_be_are_refused(settings, told):
-    with pytest.raises(ValueError, match=told):
-        ServerSettings(**settings)
+    ]:
+        with pytest.raises(ValueError, match=told):
+            ServerSettings(**settings)
 
 
 def test_what_a_server_cannot_do_is_refused_with_the_way_out():

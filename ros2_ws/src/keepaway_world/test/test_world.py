@@ -101,44 +101,38 @@ def test_a_snapshot_of_another_game_is_refused():
     assert world.snapshot() == before
 
 
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
+def test_a_damaged_snapshot_is_refused_and_the_world_stays_as_it_was():
+    for key, value in [
         ("movers", {"ball": [0.0, 0.0, 0.0, 0.0, 0.0]}),
         ("said", {"keeper_9": "hello"}),
         ("heard", {"keeper_1": "hello"}),
         ("random", [3, [1, 2, 3], None]),
         ("cycle", 2.5),
-    ],
-)
-def test_a_damaged_snapshot_is_refused_and_the_world_stays_as_it_was(key, value):
-    world = KeepawayWorld(seed=4)
-    kept = world.snapshot()
-    wander(world, 30)
-    before = world.snapshot()
-    with pytest.raises(WorldError, match=r"the snapshot is damaged: .*; take another one"):
-        world.restore({**kept, key: value})
-    assert world.snapshot() == before
+    ]:
+        world = KeepawayWorld(seed=4)
+        kept = world.snapshot()
+        wander(world, 30)
+        before = world.snapshot()
+        with pytest.raises(WorldError, match=r"the snapshot is damaged: .*; take another one"):
+            world.restore({**kept, key: value})
+        assert world.snapshot() == before
 
 
-@pytest.mark.parametrize(
-    ("part", "key", "value"),
-    [
+def test_a_snapshot_damaged_within_a_part_is_refused_as_a_whole():
+    for part, key, value in [
         ("movers", "taker_1", [0.0, math.nan, 0.0, 0.0, 0.0]),
         ("movers", "taker_1", [0.0, 0.0]),
         ("referee", "last_kick", "keeper_9"),
         ("referee", "stuck_at", [0.0]),
         ("referee", "possession", None),
-    ],
-)
-def test_a_snapshot_damaged_within_a_part_is_refused_as_a_whole(part, key, value):
-    world = KeepawayWorld(seed=4)
-    kept = world.snapshot()
-    wander(world, 30)
-    before = world.snapshot()
-    with pytest.raises(WorldError, match="the snapshot is damaged"):
-        world.restore({**kept, part: {**kept[part], key: value}})
-    assert world.snapshot() == before
+    ]:
+        world = KeepawayWorld(seed=4)
+        kept = world.snapshot()
+        wander(world, 30)
+        before = world.snapshot()
+        with pytest.raises(WorldError, match="the snapshot is damaged"):
+            world.restore({**kept, part: {**kept[part], key: value}})
+        assert world.snapshot() == before
 
 
 def test_placing_moves_what_is_named_and_keeps_what_is_not_given():
@@ -153,21 +147,18 @@ def test_placing_moves_what_is_named_and_keeps_what_is_not_given():
     assert after["taker_1"] == before["taker_1"]
 
 
-@pytest.mark.parametrize(
-    ("placement", "message"),
-    [
+def test_nothing_is_placed_if_anything_is_refused():
+    for placement, message in [
         (Placement("goalie", 0.0, 0.0), 'nothing is called "goalie"'),
         (Placement("ball", math.inf, 0.0), "ball: x is infinite"),
         (Placement("ball", 0.0, -1e308), r"ball: y -1e\+308 m is beyond 1000 m"),
         (Placement("keeper_1", vx=30.0), "keeper_1: a speed of 30.00 m/s"),
-    ],
-)
-def test_nothing_is_placed_if_anything_is_refused(placement, message):
-    world = KeepawayWorld()
-    before = world.snapshot()
-    with pytest.raises(WorldError, match=message):
-        world.place([Placement("ball", 0.0, 0.0), placement], new_episode=True)
-    assert world.snapshot() == before
+    ]:
+        world = KeepawayWorld()
+        before = world.snapshot()
+        with pytest.raises(WorldError, match=message):
+            world.place([Placement("ball", 0.0, 0.0), placement], new_episode=True)
+        assert world.snapshot() == before
 
 
 def test_a_placement_can_begin_a_new_episode():
@@ -257,9 +248,8 @@ def test_entities_are_in_si_units(quiet, put):
     assert (ball.kind, ball.vx, ball.vy) == ("ball", pytest.approx(10.0), pytest.approx(5.0))
 
 
-@pytest.mark.parametrize(
-    ("figures", "message"),
-    [
+def test_parameters_that_cannot_be_are_refused_by_name():
+    for figures, message in [
         ({"keepers": 1}, "keepers is 1"),
         ({"takers": -1}, "takers is -1"),
         ({"keepers": 2.5}, "whole number"),
@@ -270,11 +260,9 @@ def test_entities_are_in_si_units(quiet, put):
         ({"sight": "blurred"}, "one of: quantised, full"),
         ({"ball_collides": 1}, "true or false"),
         ({"gravity": 9.81}, 'no keepaway parameter "gravity"'),
-    ],
-)
-def test_parameters_that_cannot_be_are_refused_by_name(figures, message):
-    with pytest.raises(ParameterError, match=message):
-        KeepawayParameters.from_dict(figures)
+    ]:
+        with pytest.raises(ParameterError, match=message):
+            KeepawayParameters.from_dict(figures)
 
 
 def test_named_variants_can_be_changed():
