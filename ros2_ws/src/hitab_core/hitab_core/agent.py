@@ -68,6 +68,7 @@ class Agent:
     journal folder, across restarts of the process.
 
     Attributes:
+        context: shared by everything that it performs.
         monitor: what it does when it is unsure, and why it is unsure of its next decision.
         awaited: what it begins to perform once that is no longer lost, unless something else is
             asked of it before; None: nothing.
@@ -106,7 +107,7 @@ class Agent:
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
         self.edition = _first_edition(library)
-        self._context = RunContext(
+        self.context = RunContext(
             self.edition.repertoire,
             self.body,
             Senses(self.body, domain),
@@ -115,7 +116,7 @@ class Agent:
             observe,
         )
         self.journal = TrainingJournal(journal_folder, domain.name)
-        self.session = self.journal.resume(self._context, library.has_saved)
+        self.session = self.journal.resume(self.context, library.has_saved)
         if self.session is not None:
             self.mode = Mode.TRAINING
 
@@ -124,7 +125,7 @@ class Agent:
     @property
     def repertoire(self) -> Repertoire:
         """All behaviors that it can perform."""
-        return self._context.repertoire
+        return self.context.repertoire
 
     @property
     def library_digest(self) -> str:
@@ -176,11 +177,6 @@ class Agent:
             running.raised.clear()
 
     @property
-    def context(self) -> RunContext:
-        """The context that everything it performs shares."""
-        return self._context
-
-    @property
     def performance(self) -> Running | None:
         """What performs its top-level behavior; None in other modes."""
         return self._performance if self.mode is Mode.PERFORMING else None
@@ -223,15 +219,15 @@ class Agent:
         if cycle < self.cycle:
             self._episode_since = cycle  # the world counts from its beginning again
         self.cycle = cycle
-        self._context.clock.now = time
+        self.context.clock.now = time
         self.body.sense(values, heard)
-        self._context.senses.forget()
+        self.context.senses.forget()
         if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
             self.session.perceived(cycle, time, jumped=jumped)
 
     def live_features(self, also: Sequence[Use] = ()) -> list[Reading]:
         """Return what the agent perceives now; see `live_features`."""
-        return live_features(self._running, self._context, also)
+        return live_features(self._running, self.context, also)
 
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
@@ -275,7 +271,7 @@ class Agent:
             return True
         session = self.session if self.mode is Mode.TESTING else None
         trained = () if session is None else session.examples
-        if self.monitor.is_sure(self._running, self._context, trained):
+        if self.monitor.is_sure(self._running, self.context, trained):
             self.monitor.release()
             return True
         if self.monitor.caution.when_unsure is WhenUnsure.HALT:
@@ -328,7 +324,7 @@ class Agent:
         if performance is None:
             return
         try:
-            with self._context.senses.blind_unless_perceived():
+            with self.context.senses.blind_unless_perceived():
                 performance.start()
         except Exception:
             with suppress(Exception):
@@ -341,7 +337,7 @@ class Agent:
         performance = self._performances.get(use)
         if performance is None:
             check_performable(self.repertoire, use)
-            performance = self._performances[use] = self._context.perform(use)
+            performance = self._performances[use] = self.context.perform(use)
         return performance
 
     def _stop(self) -> None:
@@ -383,7 +379,7 @@ class Agent:
             curriculum, examples = resumed(
                 curriculum, self.repertoire.get(resume), self.repertoire
             )
-        session = TrainingSession(self._context, curriculum, examples, self.journal.write)
+        session = TrainingSession(self.context, curriculum, examples, self.journal.write)
         self.journal.begin(curriculum, examples, session.readable)
         self._stop()
         self.session = session
@@ -423,15 +419,15 @@ class Agent:
         if not session.has_perceived and 0.0 <= ago <= KEPT_SECONDS:
             ago, seen = 0.0, 0  # nothing has changed since the training began
         if self.awaits_percept:
-            self._context.senses.check_perceived()
-        with self._context.senses.blind_unless_perceived():
+            self.context.senses.check_perceived()
+        with self.context.senses.blind_unless_perceived():
             return session.command(use, self.cycle, ago=ago, seen=seen, request=request)
 
     @property
     def awaits_percept(self) -> bool:
         """Whether a command has to wait for the first percept, which its examples need."""
         chosen = () if self.session is None else self.session.curriculum.features
-        return not self._context.senses.perceived and any(f.name not in FLAGS for f in chosen)
+        return not self.context.senses.perceived and any(f.name not in FLAGS for f in chosen)
 
     @property
     def requests(self) -> Sequence[Request]:
@@ -502,9 +498,9 @@ class Agent:
             saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
             edition = edition_with(saved, change, self.library, self.edition)
             try:
-                state = prepare(self._context, edition, then, None)
+                state = prepare(self.context, edition, then, None)
             except VocabularyError as error:
-                state = prepare(self._context, edition, None, None)
+                state = prepare(self.context, edition, None, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
             self.journal.saved(saved.name, saved.checksum)
@@ -583,14 +579,6 @@ class Agent:
         self._swap(state, self.library)
         return digest_in(edition, files)
 
-    def check_fit(self, edition: Edition, start: Use | None = None) -> None:
-        """Check that the active behavior, or ``start``, and the training fit an edition.
-
-        Raises:
-            VocabularyError: naming what does not fit, and the way out.
-        """
-        self._checked(edition, start)
-
     def take_up(
         self, edition: Edition, start: Use | None = None, library: BehaviorLibrary | None = None
     ) -> list[str]:
@@ -609,8 +597,15 @@ class Agent:
         """
         return self._swap(self._prepared_for(edition, start), library or self.library)
 
-    def _checked(self, edition: Edition, start: Use | None) -> Use | None:
-        """Return what to perform after a change, after checking it and the training."""
+    def check_fit(self, edition: Edition, start: Use | None = None) -> Use | None:
+        """Check that the active behavior, or ``start``, and the training fit an edition.
+
+        Returns:
+            What to perform with it.
+
+        Raises:
+            VocabularyError: naming what does not fit, and the way out.
+        """
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
         if use is None and self.mode is Mode.IDLE and self.awaited is not None:
             with suppress(VocabularyError):
@@ -618,14 +613,14 @@ class Agent:
                 use = self.awaited
         try:
             check_nothing_lost(self.edition, edition)
-            check_change(self._context, edition, use, self.session)
+            check_change(self.context, edition, use, self.session)
         except VocabularyError as error:
             raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
         return use
 
     def _prepared_for(self, edition: Edition, start: Use | None) -> Prepared:
-        use = self._checked(edition, start)
-        return prepare(self._context, edition, use, self.session)
+        use = self.check_fit(edition, start)
+        return prepare(self.context, edition, use, self.session)
 
     def _swap(
         self, state: Prepared, library: BehaviorLibrary, *, ends_training: bool = False
@@ -636,16 +631,16 @@ class Agent:
             self._stop()
         except Exception as error:  # a domain's code, a user's
             notes.append(f"what {self.name} performed could not be stopped: {error!r}")
-        self.library, self.edition, self._context = library, state.edition, state.context
+        self.library, self.edition, self.context = library, state.edition, state.context
         self._performances.clear()
         self.top, self._performance = state.use, state.performance
         if ends_training:
             self.session = None
         if self.session is not None:
-            self.session.rebuild(self._context)
+            self.session.rebuild(self.context)
         elif self.journal.damage:
             with suppress(LibraryError):  # it may fit again
-                self.session = self.journal.resume(self._context, library.has_saved)
+                self.session = self.journal.resume(self.context, library.has_saved)
         if state.performance is not None:
             assert state.use is not None
             self.awaited = None

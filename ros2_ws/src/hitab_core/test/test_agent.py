@@ -203,7 +203,7 @@ def test_the_same_seed_and_episode_give_the_same_decisions(make):
     draws = []
     for who, episode in ((agent, 3), (agent, 3), (agent, 4), (other, 3)):
         who.restart(seed=9, episode=episode)
-        draws.append([who._context.draw() for _ in range(4)])
+        draws.append([who.context.draw() for _ in range(4)])
     assert draws[0] == draws[1]
     assert draws[0] != draws[2]
     assert draws[0] != draws[3], "each agent has its own"
