@@ -24,7 +24,6 @@ MANIFESTS = sorted([*SOURCES.glob("*/package.xml"), *ROOT.glob("examples/*/packa
 BY_APT = {
     "python3-hypothesis": "hypothesis",
     "python3-jinja2": "jinja2",
-    "python3-jsonschema": "jsonschema",
     "python3-matplotlib": "matplotlib",
     "python3-numpy": "numpy",
     "python3-psutil": "psutil",

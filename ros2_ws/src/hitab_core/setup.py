@@ -19,10 +19,10 @@ setup(
     ],
     install_requires=[
         "setuptools",
-        "jsonschema",
         "lazy_loader",
         "matplotlib",
         "numpy",
+        "pydantic",
         "PyYAML",
         "scikit-learn",
     ],

@@ -229,10 +229,10 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
     complaints = complaints_of(wrong, robot)
     assert len(complaints) == 7  # two examples have this cycle; the checksum is another one
     assert complaints[0].endswith(
-        'item 1 of "parameters" is "ball?", not a name; use up to 100 letters, digits '
+        'item 1 of `parameters:` is the text "ball?", not a name; use up to 100 letters, digits '
         "and _, beginning with a letter"
     )
-    assert "must be one of continuous, toroidal, categorical, boolean, flag" in complaints[1]
+    assert "not known (known: boolean, categorical, continuous, flag, toroidal)" in complaints[1]
 
 
 @pytest.mark.parametrize(
@@ -245,7 +245,7 @@ def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domai
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1]", "0.1,  10.0, 1]",
          "example 3 has 3 values for 4 features"),
         ("0.1,  10.0, 1, 0]", "far,  10.0, 1, 0]", "far",
-         'must be a number or null, not "far"'),
+         'must be a number or null, not the text "far"'),
         ("0.1,  10.0, 1, 0]", "1e400,  10.0, 1, 0]", "1e400", "example 3 has inf as value 1"),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 2, 0]", "10.0, 2", "boolean: 0 or 1"),
         ("0.1,  10.0, 1, 0]", "0.1,  10.0, 1, 3]", "10.0, 1, 3]", "a category: 0 to 2"),
@@ -289,7 +289,8 @@ def test_trees_are_learned_again_and_compared(
 def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
     at_a_line = text[: text.index("provenance:")]
     assert complaints_of(at_a_line, robot) == [
-        'Control.hfa.yaml:3: the file lacks "provenance", "checksum"; was it cut off?'
+        f"Control.hfa.yaml:3: `{key}:` is missing here; add it, or was the file cut off?"
+        for key in ("checksum", "provenance")
     ]
     assert "was cut off" in complaints_of(text[: text.index("next_state: ") + 4], robot)[0]
 

@@ -129,7 +129,7 @@ def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
         'Control.hfa.yaml:4: is called "Keepaway"': (
             repacked(approach, ("Control", keepaway[1]), keepaway)
         ),
-        'Keepaway.hfa.yaml:3: the file lacks "features"': (
+        "Keepaway.hfa.yaml:3: `features:` is missing here": (
             repacked(approach, control, ("Keepaway", keepaway[1].partition("features:")[0]))
         ),
     }

@@ -18,7 +18,7 @@ from hitab_core.library.behavior_file import (
     meaning_of,
     scale_of,
 )
-from hitab_core.library.behavior_schema import SUFFIX, check_format, check_schema, migrated
+from hitab_core.library.behavior_schema import SUFFIX, check_format, migrated
 from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.example_check import wrong_with
 from hitab_core.library.provenance import Provenance
@@ -53,7 +53,11 @@ def read_behavior(
     if not accepting:
         _check_checksum(document, complaints)
     content: dict[str, Any] = migrated(document.value)
-    if not check_schema(content, complaints):
+    # Here because pydantic is slow to import.
+    from hitab_core.library.behavior_model import BehaviorRecord
+    from hitab_core.library.yaml_models import read_record
+
+    if read_record(BehaviorRecord, content, complaints) is None:
         complaints.raise_any()  # what follows relies on the form
     return _Reader(document, content, domain, complaints, accepting).read(
         name or file.removesuffix(SUFFIX), text
@@ -63,7 +67,7 @@ def read_behavior(
 def _check_checksum(document: Document, complaints: Complaints) -> None:
     stated = document.value.get("checksum")
     if stated is None:
-        return  # the schema complains
+        return  # the model complains
     if stated != checksum(document.value):
         complaints.add(
             ("checksum",),

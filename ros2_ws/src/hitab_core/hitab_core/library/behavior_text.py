@@ -23,7 +23,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
     """Return the text of a behavior file.
 
     Args:
-        content: in the form of `hitab_core.library.behavior_schema.SCHEMA`.
+        content: in the form of `hitab_core.library.behavior_model.BehaviorRecord`.
         rules: readable rules by state.
     """
     lines = [

@@ -32,7 +32,7 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
     commands and cycles, nor the readings.
 
     Args:
-        content: in the form of `hitab_core.library.behavior_schema.SCHEMA`.
+        content: in the form of `hitab_core.library.behavior_model.BehaviorRecord`.
         trees: digest of each state's transition function.
     """
     examples = [

@@ -28,7 +28,7 @@ class Fields:
         if value is None:
             value = {}
         if not isinstance(value, dict):
-            self.complain(f"needs `key: value` lines here, not {_kind(value)}")
+            self.complain(f"needs `key: value` lines here, not {kind_of(value)}")
             value = {}
         self._value: dict[str, Any] = value
         self._asked: set[str] = set()
@@ -152,7 +152,7 @@ class Fields:
             return value
         wrong_bool = isinstance(value, bool) and types is not bool
         if wrong_bool or not isinstance(value, types):
-            self.complain(f"`{key}:` must be {what}, not {_kind(value)}", key)
+            self.complain(f"`{key}:` must be {what}, not {kind_of(value)}", key)
             return default if default is not REQUIRED else None
         return value
 
@@ -167,7 +167,8 @@ class _Nothing(Fields):
         self._asked = set()
 
 
-def _kind(value: Any) -> str:
+def kind_of(value: Any) -> str:
+    """Return a value in words, for complaints."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -177,5 +178,5 @@ def _kind(value: Any) -> str:
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, str):
-        return f'the text "{value}"'
+        return f'the text "{value if len(value) <= 40 else value[:37] + "..."}"'
     return str(value)

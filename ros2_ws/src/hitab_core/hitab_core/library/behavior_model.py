@@ -1,0 +1,119 @@
+"""The keys of a behavior file and their values.
+
+`hitab_core.library.behavior_reader` checks what a model cannot express, such as that an example
+has one value per feature and that a target exists.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
+
+from hitab_core.domain import FeatureKind
+from hitab_core.example import ExampleKind
+from hitab_core.library.behavior_schema import FLAG
+from hitab_core.library.yaml_fields import kind_of
+from hitab_core.library.yaml_models import Record, among
+from hitab_core.use import NAME_RULE
+
+
+def _matching(pattern: str, told: str) -> AfterValidator:
+    compiled = re.compile(pattern)
+
+    def check(text: str) -> str:
+        if compiled.fullmatch(text) is None:
+            raise ValueError(f"is {kind_of(text)}, not {told}")
+        return text
+
+    return AfterValidator(check)
+
+
+def _value(value: Any) -> Any:
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
+        raise ValueError(f"must be a number or null, not {kind_of(value)}")
+    return value
+
+
+def _whole(value: Any) -> Any:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+Name = Annotated[str, _matching("[A-Za-z][A-Za-z0-9_]*", f"a name; {NAME_RULE}")]
+Digest = Annotated[
+    str, _matching("[0-9a-f]{64}", "a digest (64 characters 0-9 and a-f); was it cut off?")
+]
+Count = Annotated[int, Field(ge=0, le=10**15), BeforeValidator(_whole)]
+Number = Annotated[Count, Field(ge=1)]
+Value = Annotated[float | None, PlainValidator(_value)]
+
+
+class DomainRecord(Record):
+    """The domain in which a behavior was trained."""
+
+    name: Name
+    version: str
+    signature: str
+
+
+class FeatureRecord(Record):
+    """A feature that its examples have values of."""
+
+    feature: str
+    kind: Annotated[str, among([*(kind.value for kind in FeatureKind), FLAG])]
+    unit: str = ""
+    period: float = Field(default=1.0, gt=0)
+    categories: list[str] = Field(default_factory=list)
+
+
+class ExampleRecord(Record):
+    """An example, with one value per feature."""
+
+    number: Number
+    state: str
+    features: list[Value]
+    next_state: str
+    kind: Annotated[str, among(kind.value for kind in ExampleKind)]
+    command: Count
+    cycle: Count
+    ago: float = Field(ge=0)
+
+
+class ReadingRecord(Record):
+    """What else could be read when a command was given."""
+
+    command: Count
+    values: list[Value]
+
+
+class ProvenanceRecord(Record):
+    """Where a behavior comes from."""
+
+    version: Number
+    created: str
+    author: str
+    agent: str
+    tool: str
+    earlier: str
+    note: str
+
+
+class BehaviorRecord(Record):
+    """A behavior trained by demonstration."""
+
+    format: int
+    name: Name
+    description: str
+    domain: DomainRecord
+    parameters: list[Name]
+    states: list[str]
+    features: list[FeatureRecord]
+    classifier: str
+    examples: list[ExampleRecord]
+    trees: dict[str, Digest]
+    uses: dict[str, str]
+    readable: list[str]
+    readings: list[ReadingRecord]
+    provenance: ProvenanceRecord
+    checksum: Digest

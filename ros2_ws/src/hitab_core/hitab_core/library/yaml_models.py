@@ -1,0 +1,190 @@
+"""Typed models of YAML files; what is wrong with a file is told by line.
+
+Import this where a file is read, not at the top: pydantic takes a while to load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    GetCoreSchemaHandler,
+    Tag,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+
+from hitab_core.errors import HitabError, newer_format
+from hitab_core.library.yaml_fields import kind_of
+from hitab_core.library.yaml_places import Complaints, Document, Place
+from hitab_core.vocabulary import has
+
+
+class Record(BaseModel):
+    """A mapping with these keys and no others; nothing stands for an empty one."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
+
+    @classmethod
+    def known(cls) -> list[str]:
+        """Return its keys in a file; a field that is no key has an alias with a colon."""
+        names = [field.alias or name for name, field in cls.model_fields.items()]
+        return [name for name in names if not name.startswith(":")]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _note(cls, value: Any, info: ValidationInfo) -> Any:
+        """Note which keys this mapping may have, for `read_record`."""
+        if info.context is not None:
+            info.context[id(value)] = cls.known()
+        return {} if value is None else value
+
+
+R = TypeVar("R", bound="Record")
+
+
+def among(choices: Iterable[str]) -> AfterValidator:
+    """Return a check that a text is one of these."""
+    known = list(choices)
+
+    def check(text: str) -> str:
+        if text not in known:
+            raise ValueError(f"is {kind_of(text)}, which is not known {has(known, text)}")
+        return text
+
+    return AfterValidator(check)
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """Marks a record as one of several, each with a key that only this one has."""
+
+    records: Mapping[str, type[Record]]
+
+    def _tag(self, value: Any) -> str | None:
+        if isinstance(value, Record):
+            return next(
+                f"<{key}>" for key, record in self.records.items() if type(value) is record
+            )
+        found = {key: self.records[key] for key in value if key in self.records}
+        own = [k for k in found if not any(k in r.known() for n, r in found.items() if n != k)]
+        return f"<{own[0]}>" if len(own) == 1 else None
+
+    def _check(self, value: Any) -> Any:
+        if isinstance(value, Record):
+            return value
+        if not isinstance(value, dict):
+            raise ValueError(f"must be `key: value` lines, not {kind_of(value)}")
+        if self._tag(value) is None:
+            told = "needs exactly one kind" if {*value} & {*self.records} else "has no known kind"
+            raise ValueError(f"{told} {has(self.records, *value)}")
+        return value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        any_of: Any = reduce(
+            or_, (Annotated[record, Tag(f"<{key}>")] for key, record in self.records.items())
+        )
+        checks = Discriminator(self._tag), BeforeValidator(self._check)
+        return handler.generate_schema(Annotated[any_of, *checks])
+
+
+def _tuple(value: Any) -> Any:
+    found = value if isinstance(value, list) else [] if value is None else [value]
+    if not all(isinstance(item, str) for item in found):
+        raise ValueError(f"must be a list of strings, such as [a, b], not {kind_of(value)}")
+    return tuple(found)
+
+
+Texts = Annotated[tuple[str, ...], BeforeValidator(_tuple)]
+"""A list of texts; a single text counts as one."""
+
+Names = Annotated[dict[str, str], BeforeValidator(lambda value: value or {})]
+"""Texts by name."""
+
+
+def read_record(model: type[R], value: Any, complaints: Complaints, at: Place = ()) -> R | None:
+    """Read the content of a document at a place; None: there are complaints."""
+    keys: dict[int, list[str]] = {}
+    try:
+        return model.model_validate(value, context=keys)
+    except ValidationError as wrong:
+        for error in wrong.errors(include_url=False):
+            path, around = _place(value, error["loc"])
+            complaints.add((*at, *path), _in_words(error, path, keys.get(id(around), ())))
+        return None
+
+
+def open_record(model: type[R], document: Document, newest: int, error: type[HitabError]) -> R:
+    """Read a document as a record; without ``format:`` it has the first format.
+
+    Args:
+        model: of the record.
+        document: to read.
+        newest: the newest format that the caller reads.
+        error: the type of errors.
+
+    Raises:
+        error: naming everything that is wrong, by file and line.
+    """
+    complaints = Complaints(document, error)
+    found = document.value.get("format", 1) if isinstance(document.value, dict) else 1
+    if isinstance(found, int) and found > newest:
+        complaints.add(("format",), newer_format(found, newest))
+        complaints.raise_any()  # what else seems wrong may be new
+    read = read_record(model, document.value, complaints)
+    complaints.raise_any()
+    assert read is not None
+    return read
+
+
+def _place(value: Any, loc: Sequence[str | int]) -> tuple[Place, Any]:
+    """Return the path of an error, without pydantic's own words, and what is around its place."""
+    path: list[str | int] = []
+    around = value
+    for key in loc:
+        if key in value if isinstance(value, dict) else isinstance(value, list):
+            around, value = value, value[key]
+            path.append(key)
+    return tuple(path), around
+
+
+def _in_words(error: Any, path: Place, known: Sequence[str]) -> str:
+    kind, value, limits = error["type"], error["input"], error.get("ctx", {})
+    what = f"`{path[-1]}:`" if path else "the file"
+    if path and isinstance(path[-1], int):
+        what = f"item {path[-1] + 1} of `{path[-2]}:`"
+    if kind == "missing":
+        return f"`{error['loc'][-1]}:` is missing here; add it, or was the file cut off?"
+    if kind == "extra_forbidden":
+        return f"{what} is not known here {has(known, path[-1])}"
+    if kind == "value_error":
+        return f"{what} {limits['error']}"
+    wanted = _WANTED.get(kind, error["msg"]).format(**limits)
+    return f"{what} must be {wanted}, not {kind_of(value)}"
+
+
+_WANTED = {
+    "string_type": "a text",
+    "int_type": "a whole number",
+    "float_type": "a number",
+    "bool_type": "true or false",
+    "list_type": "a list",
+    "dict_type": "`key: value` lines",
+    "model_type": "`key: value` lines",
+    "greater_than": "more than {gt:g}",
+    "greater_than_equal": "at least {ge:g}",
+    "less_than_equal": "at most {le:g}",
+    "too_short": "a list of at least {min_length}",
+    "too_long": "a list of at most {max_length}",
+}
+"""What must be, by pydantic's types of errors."""
