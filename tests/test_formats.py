@@ -119,7 +119,7 @@ def test_generations_from_before_are_read(tmp_path):
         (3, 2, (5,)),
     ]
     assert str(known.best().score.figures["seconds"]) == "27.89 ± 4.14"
-    assert known.get(2).restart.condition.describe() == "keeper_2 has said something"
+    assert known.get(2).restart.wait.describe() == "keeper_2 has said something"
 
 
 def test_a_snapshot_of_a_world_from_before_is_restored():

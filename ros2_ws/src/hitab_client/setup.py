@@ -19,6 +19,7 @@ setup(
         "mcap",
         "mcap-ros2-support",
         "psutil",
+        "pydantic",
         "PyYAML",
         "rich",
         "typer",

@@ -7,12 +7,16 @@ import pytest
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import (
     Active,
-    Combination,
-    Comparison,
+    All,
+    AnyOf,
+    Bearing,
+    Distance,
     Ended,
+    Not,
     Passed,
     Perceived,
     Said,
+    Speed,
 )
 from hitab_client.world_view import WorldView, speakers
 
@@ -43,8 +47,9 @@ VIEW = WorldView(
 )
 
 
-def comparison(what: str, *things: str, below=None, above=None) -> Comparison:
-    return Comparison(what, things, below, above)
+def comparison(what: str, *things: str, below=None, above=None) -> Distance:
+    kind = {"distance": Distance, "bearing": Bearing, "speed": Speed}[what]
+    return kind(**{what: list(things)}, below=below, above=above)
 
 
 @pytest.mark.parametrize(
@@ -58,25 +63,25 @@ def comparison(what: str, *things: str, below=None, above=None) -> Comparison:
         (comparison("bearing", "keeper_1", "ball", above=89, below=91), True),
         (comparison("bearing", "keeper_1", "taker_1", above=179), True),
         (comparison("speed", "keeper_1", above=4.9, below=5.1), True),
-        (Active("GotoBall", "keeper_1"), True),
-        (Active("ApproachBall", "keeper_1"), True),
-        (Active("ApproachBall(ball)", "keeper_1"), True),
-        (Active("Pass", "keeper_1"), False),
-        (Active("GotoBall", "keeper_2"), False),
-        (Perceived("DistanceTo(ball)", "keeper_1", 5.1, None), True),
-        (Perceived("DistanceTo(ball)", "keeper_1", 5.1, 5.0), False),
-        (Perceived("Unseen", "keeper_1", 5.0, None), False),
-        (Said("taker_1"), True),
-        (Said("keeper_1"), False),
-        (Ended("taken"), True),
-        (Ended("out"), False),
-        (Ended("any"), True),
-        (Passed(2.0), True),
-        (Passed(2.1), False),
-        (Combination("all", (Passed(1), Said("taker_1"))), True),
-        (Combination("all", (Passed(1), Said("ball"))), False),
-        (Combination("any", (Passed(9), Said("taker_1"))), True),
-        (Combination("not", (Passed(9),)), True),
+        (Active(active="GotoBall", agent="keeper_1"), True),
+        (Active(active="ApproachBall", agent="keeper_1"), True),
+        (Active(active="ApproachBall(ball)", agent="keeper_1"), True),
+        (Active(active="Pass", agent="keeper_1"), False),
+        (Active(active="GotoBall", agent="keeper_2"), False),
+        (Perceived(feature="DistanceTo(ball)", agent="keeper_1", below=5.1), True),
+        (Perceived(feature="DistanceTo(ball)", agent="keeper_1", below=5.1, above=5.0), False),
+        (Perceived(feature="Unseen", agent="keeper_1", below=5.0), False),
+        (Said(said="taker_1"), True),
+        (Said(said="keeper_1"), False),
+        (Ended(ended="taken"), True),
+        (Ended(ended="out"), False),
+        (Ended(ended="any"), True),
+        (Passed(seconds=2.0), True),
+        (Passed(seconds=2.1), False),
+        (All(all=[Passed(seconds=1), Said(said="taker_1")]), True),
+        (All(all=[Passed(seconds=1), Said(said="ball")]), False),
+        (AnyOf(any=[Passed(seconds=9), Said(said="taker_1")]), True),
+        (Not(**{"not": Passed(seconds=9)}), True),
     ],
 )
 def test_a_condition_holds_when_it_should(condition, holds):
@@ -87,7 +92,7 @@ def test_a_condition_holds_when_it_should(condition, holds):
 def test_a_condition_is_told_with_what_was_seen():
     condition = comparison("distance", "keeper_1", "ball", below=4)
     assert condition.describe(VIEW) == "distance of keeper_1 and ball below 4 (is 5.00)"
-    assert Active("Pass", "keeper_1").describe(VIEW) == (
+    assert Active(active="Pass", agent="keeper_1").describe(VIEW) == (
         "keeper_1 in Pass (is in GotoBall > ApproachBall(ball))"
     )
 
@@ -105,7 +110,7 @@ def test_speakers_are_those_who_say_something():
 
 def test_without_a_world_only_what_agents_say_can_be_asked_for():
     nowhere = WorldView((), 1.0, {"robot": ["GoFast"]}, has_world=False)
-    assert Active("GoFast", "robot").holds(nowhere)
+    assert Active(active="GoFast", agent="robot").holds(nowhere)
     with pytest.raises(LessonError, match='nobody knows where "robot" is'):
         nowhere.distance("robot", "ball")
     with pytest.raises(LessonError, match="nobody can ask robot"):
@@ -113,9 +118,10 @@ def test_without_a_world_only_what_agents_say_can_be_asked_for():
 
 
 def test_what_is_perceived_is_told_with_its_value():
-    near = Perceived("DistanceTo(ball)", "keeper_1", 2.0, None)
+    near = Perceived(feature="DistanceTo(ball)", agent="keeper_1", below=2.0)
     assert near.describe() == "DistanceTo(ball) of keeper_1 below 2"
     assert near.describe(VIEW) == "DistanceTo(ball) of keeper_1 below 2 (is 5.00)"
     assert (
-        Perceived("Unseen", "a", None, 1.0).describe(VIEW) == "Unseen of a above 1 (has no value)"
+        Perceived(feature="Unseen", agent="a", above=1.0).describe(VIEW)
+        == "Unseen of a above 1 (has no value)"
     )

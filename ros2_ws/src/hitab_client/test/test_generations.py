@@ -59,10 +59,9 @@ def test_what_is_kept_is_read_again(known, tmp_path):
 
     assert read == kept
     assert [g.number for g in read.all] == [1, 2, 3, 4]
-    assert read.all[0].restart.things["keeper_1"]["heading"] == pytest.approx(3.14159, abs=1e-4)
+    assert read.all[0].restart.place["keeper_1"].heading == 180
     assert (
-        read.all[0].restart.condition.describe()
-        == "keeper_2 has said something and keeper_1 in GoFast"
+        read.all[0].restart.wait.describe() == "keeper_2 has said something and keeper_1 in GoFast"
     )
     assert behaviors_in(known.folder) == ["Keepaway"]
 
@@ -138,7 +137,7 @@ def test_a_configuration_says_what_is_wrong_with_it(tmp_path):
     path.write_text("snapshot: a\nplace: {ball: {z: 1}}\nwait: {sayd: keeper_1}\nwithin: 0\n")
     with pytest.raises(SwarmError) as wrong:
         read_configuration(path, "keeper_1")
-    for message in ("`z:` is not known", "a condition needs one of", "must be more than 0"):
+    for message in ("`z:` is not known", "`wait:` has no known kind", "must be more than 0"):
         assert message in str(wrong.value)
     path.write_text("format: 2\n")
     with pytest.raises(SwarmError, match="has format version 2"):

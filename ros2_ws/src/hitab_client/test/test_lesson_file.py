@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from hitab_client.errors import LessonError
-from hitab_client.lessons.conditions import Active, Comparison, Passed
+from hitab_client.lessons.conditions import Active, Distance, Passed
 from hitab_client.lessons.lesson import (
     Begin,
     Command,
@@ -53,17 +53,25 @@ def test_a_lesson_is_read_step_by_step():
     assert place.new_episode
     assert isinstance(begin, Begin)
     assert begin.parameters == {"A": "ball"}
-    assert command == Command(9, "keeper_1", Use("GoTo", ("A",)))
+    assert isinstance(command, Command)
+    assert (command.line, command.agent) == (9, "keeper_1")
+    assert command.use == Use("GoTo", ("A",))
     assert isinstance(until, Until)
-    assert until.condition == Comparison("distance", ("keeper_1", "ball"), 4.0, None)
+    assert until.condition == Distance(distance=["keeper_1", "ball"], below=4.0)
     assert until.within == 3.0
     assert isinstance(wait, Until)
-    assert wait.condition == Passed(1.5)
-    assert test == Test(13, "keeper_1", restart=True)
+    assert wait.condition == Passed(seconds=1.5)
+    assert isinstance(test, Test)
+    assert (test.line, test.agent, test.restart) == (13, "keeper_1", True)
     assert isinstance(save, Save)
     assert save.bind == {"ball": "A"}
-    assert distribute == Distribute(17, "keeper_1", Use("Dance"), ("keeper_2",), start=True)
-    assert perform == Perform(20, "keeper_1", None, ("keeper_2", "keeper_3"))
+    assert isinstance(distribute, Distribute)
+    assert (distribute.line, distribute.agent) == (17, "keeper_1")
+    assert (distribute.use, distribute.receivers) == (Use("Dance"), ("keeper_2",))
+    assert distribute.start
+    assert isinstance(perform, Perform)
+    assert (perform.line, perform.agent) == (20, "keeper_1")
+    assert (perform.use, perform.agents) == (None, ("keeper_2", "keeper_3"))
 
 
 def test_a_step_may_be_for_another_agent():
@@ -73,7 +81,10 @@ def test_a_step_may_be_for_another_agent():
 def test_conditions_mean_the_learner_where_no_agent_is_named():
     (step,) = steps("  - check: {all: [{active: Pass}, {active: Stop, agent: keeper_2}]}\n")
     assert isinstance(step, Until)
-    assert step.condition.parts == (Active("Pass", "keeper_1"), Active("Stop", "keeper_2"))
+    assert step.condition.parts == [
+        Active(active="Pass", agent="keeper_1"),
+        Active(active="Stop", agent="keeper_2"),
+    ]
 
 
 @pytest.mark.parametrize("name", ["approach_ball", "goto_ball", "control_ball", "keepaway"])
@@ -89,20 +100,26 @@ def test_the_shipped_lessons_keep_to_the_papers_budgets(name):
     ("text", "expected"),
     [
         ("agent: a\nsteps: [{say: hi}]\n", "lessons/dance.yaml:1: `lesson:` is missing here"),
-        ("lesson: D\nagent: a\n", "1: a lesson needs `steps:`"),
-        (HEAD + "  - comand: Stop\n", "4: a step has no known kind (known: command"),
+        ("lesson: D\nagent: a\n", "1: `steps:` is missing here"),
+        (HEAD + "  - comand: Stop\n", "4: item 1 of `steps:` has no known kind (known: command"),
         (HEAD + "  - comand: Stop\n", 'Did you mean "command"?'),
-        (HEAD + "  - command: Stop\n    say: hi\n", "4: a step needs exactly one kind"),
-        (HEAD + "  - say: hi\n  - command: Go(to\n", '5: "Go(to" is not a use of a behavior'),
+        (
+            HEAD + "  - command: Stop\n    say: hi\n",
+            "4: item 1 of `steps:` needs exactly one kind",
+        ),
+        (
+            HEAD + "  - say: hi\n  - command: Go(to\n",
+            '5: `command:` "Go(to" is not a use of a behavior',
+        ),
         (HEAD + "  - command: Stop\n    witin: 3\n", "5: `witin:` is not known here"),
         (HEAD + "  - until: {distance: [a], below: 1}\n", "needs 2 things, such as [keeper_1"),
-        (HEAD + "  - until: {distance: [a, b]}\n", "`distance:` needs `below:` or `above:`"),
-        (HEAD + "  - until: {far: 1}\n", "4: a condition needs one of: distance, bearing"),
+        (HEAD + "  - until: {distance: [a, b]}\n", "4: `until:` needs `below:` or `above:`"),
+        (HEAD + "  - until: {far: 1}\n", "4: `until:` has no known kind (known: feature, bearing"),
         (HEAD + "  - until: {seconds: soon}\n", "`seconds:` must be a number, not the text"),
-        (HEAD + "  - wait: -1\n", "`wait: -1` must be more than 0"),
+        (HEAD + "  - wait: -1\n", "`wait:` must be more than 0, not -1"),
         (HEAD + "  - place: {ball: {z: 3}}\n", "4: `z:` is not known here (known: heading, vx"),
         (HEAD + "  - begin: D\n    features: 3\n", "5: `features:` must be a list of strings"),
-        ("lesson: D\nagent: a\nbudget: 0\nsteps: [{say: x}]\n", "3: `budget: 0` must be at least"),
+        ("lesson: D\nagent: a\nbudget: 0\nsteps: [{say: x}]\n", "3: `budget:` must be at least 1"),
         (HEAD + "  - {say: [\n", "not YAML"),
     ],
 )

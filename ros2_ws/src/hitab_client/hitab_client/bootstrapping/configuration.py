@@ -14,25 +14,25 @@ Every key is optional. Where nothing can be placed, as with robots, only `wait` 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from hitab_msgs.msg import AgentStatus
 from hitab_msgs.srv import Snapshot
+from pydantic import Field, model_validator
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
-from hitab_client.lessons.conditions import Condition, parse_condition
-from hitab_client.lessons.lesson_file import placed_things
+from hitab_client.lessons.conditions import Condition
+from hitab_client.lessons.lesson import Things, placed
 from hitab_client.lessons.watching import Watch, WorldWatch
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import has, some
-from hitab_core.library import Fields
-from hitab_core.library.yaml_places import Complaints, open_yaml, read_yaml
+from hitab_core.library.yaml_models import Record, open_record
+from hitab_core.library.yaml_places import open_yaml, read_yaml
 
 FORMAT = 1
 """The newest format version of a file that is read."""
@@ -41,27 +41,29 @@ Seen = Callable[[str], None]
 """Called with what is awaited, with its present value."""
 
 
-@dataclass(frozen=True)
-class Configuration:
+class Configuration(Record):
     """What the world is like when a training goes on; empty: as it was.
 
     Attributes:
         snapshot: of the world, which is restored.
-        place: where things are put, as in the file.
+        place: where things are put; headings in degrees.
         new_episode: whether a new episode begins there.
-        wait: the condition that is awaited then, as in the file; None: none.
+        wait: the condition that is awaited then; None: none.
         within: seconds until waiting is given up; None: never.
-        things: `place` in the world's units.
-        condition: `wait`, ready to be asked.
     """
 
+    format: int = Field(default=1, exclude=True)
     snapshot: str = ""
-    place: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    place: Things = Field(default_factory=dict)
     new_episode: bool = False
-    wait: Mapping[str, Any] | None = None
-    within: float | None = None
-    things: Mapping[str, Mapping[str, float]] = field(default_factory=dict, compare=False)
-    condition: Condition | None = field(default=None, compare=False)
+    wait: Condition | None = None
+    within: float | None = Field(default=None, gt=0.0)
+
+    @model_validator(mode="after")
+    def _begins_in_one_way(self) -> Self:
+        if self.snapshot and self.place:
+            raise ValueError("has `snapshot:` and `place:`; give one of them")
+        return self
 
     def __bool__(self) -> bool:
         return bool(self.snapshot or self.place or self.wait)
@@ -73,42 +75,18 @@ class Configuration:
 
     def record(self) -> dict[str, Any]:
         """Return it as plain data, as in a file; without what says nothing."""
-        parts = {
-            "snapshot": self.snapshot,
-            "place": {name: dict(place) for name, place in self.place.items()},
-            "new_episode": self.new_episode,
-            "wait": self.wait,
-            "within": self.within,
-        }
+        parts = self.model_dump(mode="json", by_alias=True, exclude_unset=True)
         return {key: value for key, value in parts.items() if value}
 
     def __str__(self) -> str:
         parts = [f"snapshot {self.snapshot}"] if self.snapshot else []
         parts += [f"{some(list(self.place), most=3)} placed"] if self.place else []
-        parts += [f"when {self.condition.describe()}"] if self.condition else []
+        parts += [f"when {self.wait.describe()}"] if self.wait else []
         return ", ".join(parts)
 
-    @classmethod
-    def parse(cls, fields: Fields, agent: str) -> Configuration:
-        """Read one; ``agent`` is meant where a condition names none."""
-        inner = fields.inner("place")
-        raw = fields.raw("place", {})
-        things = placed_things(inner)
-        wait = fields.raw("wait", None)
-        condition = parse_condition(fields.inner("wait"), agent) if wait is not None else None
-        read = cls(
-            snapshot=fields.text("snapshot", ""),
-            place=raw if isinstance(raw, dict) else {},
-            new_episode=fields.flag("new_episode", False),
-            wait=wait,
-            within=fields.number("within", None, above=0.0),
-            things=things,
-            condition=condition,
-        )
-        if read.snapshot and read.place:
-            fields.complain("give `snapshot:` or `place:`, not both")
-        fields.done()
-        return read
+    def about(self, agent: str) -> Configuration:
+        """Return the same; its condition is about this agent where it names none."""
+        return self.model_copy(update={"wait": self.wait.about(agent)}) if self.wait else self
 
     # -- bringing it about ------------------------------------------------------------------
 
@@ -143,7 +121,7 @@ class Configuration:
         if self.snapshot:
             world.shown(world.snapshot(Snapshot.Request.RESTORE, self.snapshot))
         elif self.place:
-            world.shown(world.place(self.things, new_episode=self.new_episode))
+            world.shown(world.place(placed(self.place), new_episode=self.new_episode))
 
     def await_(
         self, swarm: SwarmClient, world: WorldClient | None, agent: str, factor: float, seen: Seen
@@ -162,7 +140,7 @@ class Configuration:
         Raises:
             SwarmError: if it does not come about in time, or nobody can tell whether it has.
         """
-        condition = self.condition
+        condition = self.wait
         if condition is None:
             return
         watch: AbstractContextManager[Watch] = (
@@ -195,7 +173,8 @@ def read_configuration(path: Path, agent: str) -> Configuration:
     Raises:
         SwarmError: naming everything that is wrong, by file and line.
     """
-    return _read(Complaints(open_yaml(path, error=SwarmError), SwarmError), agent)
+    document = open_yaml(path, error=SwarmError)
+    return open_record(Configuration, document, FORMAT, SwarmError).about(agent)
 
 
 def with_condition(configuration: Configuration, text: str, agent: str) -> Configuration:
@@ -211,13 +190,5 @@ def with_condition(configuration: Configuration, text: str, agent: str) -> Confi
     """
     flow = text if text.lstrip().startswith("{") else f"{{{text}}}"
     document = read_yaml(f"wait: {flow}", "--wait", error=SwarmError)
-    read = _read(Complaints(document, SwarmError), agent)
-    return replace(configuration, wait=read.wait, condition=read.condition)
-
-
-def _read(complaints: Complaints, agent: str) -> Configuration:
-    top = Fields(complaints)
-    top.check_format(FORMAT)
-    read = Configuration.parse(top, agent)
-    complaints.raise_any()
-    return read
+    read = open_record(Configuration, document, FORMAT, SwarmError).about(agent)
+    return configuration.model_copy(update={"wait": read.wait})

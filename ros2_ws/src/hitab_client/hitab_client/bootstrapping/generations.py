@@ -25,6 +25,7 @@ from hitab_client.errors import SwarmError
 from hitab_core import FolderInUseError, has
 from hitab_core.library import Fields, bundle_file_text, content_of, read_bundle_file
 from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
+from hitab_core.library.yaml_models import read_record
 from hitab_core.library.yaml_places import Complaints, open_yaml
 
 FORMAT = 1
@@ -282,7 +283,8 @@ def record_of(generation: Generation) -> dict[str, Any]:
 
 
 def _generation(fields: Fields, agent: str) -> Generation:
-    missing = fields.inner("missing")
+    missing, restart = fields.inner("missing"), fields.raw("restart", None)
+    chosen = read_record(Configuration, restart, fields.complaints, (*fields.path, "restart"))
     restored = fields.raw("restored")
     if not isinstance(restored, list) or not all(isinstance(n, int) for n in restored):
         fields.complain("`restored:` must be a list of versions, such as [3, 5]", "restored")
@@ -301,7 +303,7 @@ def _generation(fields: Fields, agent: str) -> Generation:
         missing={name: missing.text(name) for name in missing.names()},
         score=None if fields.raw("score") is None else _score(fields.inner("score")),
         unscored=fields.text("unscored"),
-        restart=Configuration.parse(fields.inner("restart"), agent),
+        restart=(chosen or Configuration()).about(agent),
         restored=tuple(restored),
     )
     fields.done()

@@ -383,9 +383,9 @@ class Bootstrapping:
         )
         if self._world is not None and chosen.places:
             chosen.put(self._world)
-            self._say(f"the training goes on from: {replace(chosen, wait=None, condition=None)}")
-        if chosen.condition is not None:
-            self._say(f"waiting until {chosen.condition.describe()} ...")
+            self._say(f"the training goes on from: {chosen.model_copy(update={'wait': None})}")
+        if chosen.wait is not None:
+            self._say(f"waiting until {chosen.wait.describe()} ...")
             in_real_time = before is not None and before.pace == WorldStatus.REALTIME
             factor = before.factor if before is not None and in_real_time else 0.0
             chosen.await_(

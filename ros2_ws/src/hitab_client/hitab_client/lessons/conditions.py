@@ -15,66 +15,62 @@ Instead of a second name, ``closest taker`` (or another kind) means the one clos
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import AfterValidator, Field, model_validator
 
 from hitab_client.world_view import WorldView
-from hitab_core import quantity
-from hitab_core.library import Fields
+from hitab_core.library.yaml_models import OneOf, Record, Texts
 
 
-class Condition(Protocol):
+class Condition(Record):
     """A condition that can be evaluated and described."""
 
     def holds(self, view: WorldView) -> bool:
         """Whether it holds in this view."""
+        raise NotImplementedError
 
     def describe(self, view: WorldView | None = None) -> str:
         """Return it in words, with the current value if a view is given."""
+        raise NotImplementedError
+
+    def about(self, agent: str) -> Condition:
+        """Return the same, about this agent where it names none."""
+        if getattr(self, "agent", None) == "":
+            return self.model_copy(update={"agent": agent})
+        return self
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
+        if cls is not Condition:
+            return handler(source)
+        return OneOf(_KINDS).__get_pydantic_core_schema__(source, handler)
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """A distance, bearing or speed above or below a limit."""
+class Limited(Condition):
+    """A value above or below a limit; no value is neither."""
 
-    what: str
-    things: tuple[str, ...]
-    below: float | None
-    above: float | None
+    below: float | None = None
+    above: float | None = None
+
+    @model_validator(mode="after")
+    def _has_limit(self) -> Self:
+        if self.below is None and self.above is None:
+            raise ValueError("needs `below:` or `above:`")
+        return self
+
+    @property
+    def named(self) -> str:
+        """What is compared, such as ``speed of ball``."""
+        raise NotImplementedError
 
     def value(self, view: WorldView) -> float:
         """Return the value to compare."""
-        figure: float = getattr(view, self.what)(*self.things)
-        return figure
+        raise NotImplementedError
 
     def holds(self, view: WorldView) -> bool:
         """Whether the value lies within the limits."""
         value = self.value(view)
-        return (self.below is None or value < self.below) and (
-            self.above is None or value > self.above
-        )
-
-    def describe(self, view: WorldView | None = None) -> str:
-        """Return text such as ``distance of keeper_1 and ball below 4 (is 5.2)``."""
-        limits = [f"below {self.below:g}"] if self.below is not None else []
-        limits += [f"above {self.above:g}"] if self.above is not None else []
-        seen = f" (is {self.value(view):.2f})" if view is not None else ""
-        return f"{self.what} of {' and '.join(self.things)} {' and '.join(limits)}{seen}"
-
-
-@dataclass(frozen=True)
-class Perceived:
-    """A feature of an agent above or below a limit."""
-
-    feature: str
-    agent: str
-    below: float | None
-    above: float | None
-
-    def holds(self, view: WorldView) -> bool:
-        """Whether the value lies within the limits; no value does not."""
-        value = view.reading(self.agent, self.feature)
         return (
             value == value
             and (self.below is None or value < self.below)
@@ -82,22 +78,74 @@ class Perceived:
         )
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return text such as ``DistanceTo(ball) of keeper_1 below 4 (is 5.20)``."""
+        """Return text such as ``distance of keeper_1 and ball below 4 (is 5.2)``."""
         limits = [f"below {self.below:g}"] if self.below is not None else []
         limits += [f"above {self.above:g}"] if self.above is not None else []
         seen = ""
         if view is not None:
-            value = view.reading(self.agent, self.feature)
+            value = self.value(view)
             seen = f" (is {value:.2f})" if value == value else " (has no value)"
-        return f"{self.feature} of {self.agent} {' and '.join(limits)}{seen}"
+        return f"{self.named} {' and '.join(limits)}{seen}"
 
 
-@dataclass(frozen=True)
-class Active:
+def _two(things: tuple[str, ...]) -> tuple[str, ...]:
+    if len(things) != 2:
+        raise ValueError("needs 2 things, such as [keeper_1, ball]")
+    return things
+
+
+class Distance(Limited):
+    """The distance of two things, m."""
+
+    what: ClassVar[str] = "distance"
+    things: Annotated[Texts, AfterValidator(_two)] = Field(alias="distance")
+
+    @property
+    def named(self) -> str:
+        """What is compared."""
+        return f"{self.what} of {' and '.join(self.things)}"
+
+    def value(self, view: WorldView) -> float:
+        """Return the value to compare."""
+        figure: float = getattr(view, self.what)(*self.things)
+        return figure
+
+
+class Bearing(Distance):
+    """The angle between the heading of a thing and the direction to another, degrees."""
+
+    what: ClassVar[str] = "bearing"
+    things: Annotated[Texts, AfterValidator(_two)] = Field(alias="bearing")
+
+
+class Speed(Distance):
+    """The speed of a thing, m/s."""
+
+    what: ClassVar[str] = "speed"
+    things: Annotated[Texts, Field(min_length=1, max_length=1)] = Field(alias="speed")
+
+
+class Perceived(Limited):
+    """A feature of an agent."""
+
+    feature: str
+    agent: str = ""
+
+    @property
+    def named(self) -> str:
+        """What is compared."""
+        return f"{self.feature} of {self.agent}"
+
+    def value(self, view: WorldView) -> float:
+        """Return the value that it perceives; NaN: none."""
+        return view.reading(self.agent, self.feature)
+
+
+class Active(Condition):
     """A state among an agent's active states, with or without its targets."""
 
-    state: str
-    agent: str
+    state: str = Field(alias="active")
+    agent: str = ""
 
     def holds(self, view: WorldView) -> bool:
         """Whether the agent performs it, at any level."""
@@ -113,11 +161,10 @@ class Active:
         return f"{self.agent} in {self.state}{seen}"
 
 
-@dataclass(frozen=True)
-class Said:
+class Said(Condition):
     """An agent has said something since the step began."""
 
-    by: str
+    by: str = Field(alias="said")
 
     def holds(self, view: WorldView) -> bool:
         """Whether it has."""
@@ -128,11 +175,10 @@ class Said:
         return f"{self.by} has said something"
 
 
-@dataclass(frozen=True)
-class Ended:
+class Ended(Condition):
     """An episode has ended since the step began; ``any``: in any way."""
 
-    how: str
+    how: str = Field(alias="ended")
 
     def holds(self, view: WorldView) -> bool:
         """Whether one has."""
@@ -143,8 +189,7 @@ class Ended:
         return "the episode has ended" + ("" if self.how == "any" else f" ({self.how})")
 
 
-@dataclass(frozen=True)
-class Passed:
+class Passed(Condition):
     """Simulated time has passed since the step began."""
 
     seconds: float
@@ -158,97 +203,64 @@ class Passed:
         return f"{self.seconds:g} s have passed"
 
 
-@dataclass(frozen=True)
-class Combination:
-    """All or any of some conditions, or the opposite of one."""
+class All(Condition):
+    """All of some conditions."""
 
-    how: str
-    parts: tuple[Condition, ...]
+    parts: list[Condition] = Field(alias="all", min_length=1)
+    joined: ClassVar[str] = " and "
 
     def holds(self, view: WorldView) -> bool:
-        """Whether the combination holds."""
-        held = [part.holds(view) for part in self.parts]
-        if self.how == "not":
-            return not held[0]
-        return all(held) if self.how == "all" else any(held)
+        """Whether all of them hold."""
+        return all(part.holds(view) for part in self.parts)
 
     def describe(self, view: WorldView | None = None) -> str:
         """Return the parts, joined."""
-        parts = [part.describe(view) for part in self.parts]
-        if self.how == "not":
-            return f"not ({parts[0]})"
-        return (" and " if self.how == "all" else " or ").join(parts)
+        return self.joined.join(part.describe(view) for part in self.parts)
+
+    def about(self, agent: str) -> Condition:
+        """Return the same, about this agent where a part names none."""
+        return self.model_copy(update={"parts": [part.about(agent) for part in self.parts]})
 
 
-def parse_condition(fields: Fields, agent: str) -> Condition:
-    """Read a condition; ``agent`` is the default where none is named."""
-    for key, parse in _KINDS.items():
-        if key in fields:
-            condition = parse(fields, key, agent)
-            fields.done()
-            return condition
-    fields.complain(f"a condition needs one of: {', '.join(_KINDS)}")
-    return Passed(0.0)
+class AnyOf(All):
+    """Any of some conditions."""
+
+    parts: list[Condition] = Field(alias="any", min_length=1)
+    joined: ClassVar[str] = " or "
+
+    def holds(self, view: WorldView) -> bool:
+        """Whether any of them holds."""
+        return any(part.holds(view) for part in self.parts)
 
 
-def _comparison(fields: Fields, key: str, agent: str) -> Condition:
-    things = fields.texts(key)
-    wanted = 1 if key == "speed" else 2
-    if len(things) != wanted:
-        example = "ball" if wanted == 1 else "[keeper_1, ball]"
-        fields.complain(f"`{key}:` needs {quantity(wanted, 'thing')}, such as {example}", key)
-        things = ("?",) * wanted
-    below, above = fields.number("below", None), fields.number("above", None)
-    if below is None and above is None:
-        fields.complain(f"`{key}:` needs `below:` or `above:`", key)
-    return Comparison(key, tuple(things), below, above)
+class Not(Condition):
+    """The opposite of a condition."""
+
+    part: Condition = Field(alias="not")
+
+    def holds(self, view: WorldView) -> bool:
+        """Whether it does not hold."""
+        return not self.part.holds(view)
+
+    def describe(self, view: WorldView | None = None) -> str:
+        """Return text such as ``not (keeper_2 has said something)``."""
+        return f"not ({self.part.describe(view)})"
+
+    def about(self, agent: str) -> Condition:
+        """Return the same, about this agent where it names none."""
+        return self.model_copy(update={"part": self.part.about(agent)})
 
 
-def _perceived(fields: Fields, key: str, agent: str) -> Condition:
-    below, above = fields.number("below", None), fields.number("above", None)
-    if below is None and above is None:
-        fields.complain(f"`{key}:` needs `below:` or `above:`", key)
-    feature = fields.text(key) or ""
-    return Perceived(feature, fields.text("agent", agent), below, above)
-
-
-def _active(fields: Fields, key: str, agent: str) -> Condition:
-    return Active(fields.text(key) or "", fields.text("agent", agent))
-
-
-def _said(fields: Fields, key: str, agent: str) -> Condition:
-    return Said(fields.text(key) or "")
-
-
-def _ended(fields: Fields, key: str, agent: str) -> Condition:
-    return Ended(fields.text(key) or "any")
-
-
-def _passed(fields: Fields, key: str, agent: str) -> Condition:
-    return Passed(fields.number(key) or 0.0)
-
-
-def _several(fields: Fields, key: str, agent: str) -> Condition:
-    parts = tuple(parse_condition(part, agent) for part in fields.each(key))
-    if not parts:
-        fields.complain(f"`{key}:` needs a list of conditions", key)
-    return Combination(key, parts)
-
-
-def _opposite(fields: Fields, key: str, agent: str) -> Condition:
-    return Combination(key, (parse_condition(fields.inner(key), agent),))
-
-
-_KINDS: dict[str, Callable[[Fields, str, str], Condition]] = {
-    "distance": _comparison,
-    "bearing": _comparison,
-    "speed": _comparison,
-    "feature": _perceived,
-    "active": _active,
-    "said": _said,
-    "ended": _ended,
-    "seconds": _passed,
-    "all": _several,
-    "any": _several,
-    "not": _opposite,
+_KINDS: dict[str, type[Condition]] = {
+    "distance": Distance,
+    "bearing": Bearing,
+    "speed": Speed,
+    "feature": Perceived,
+    "active": Active,
+    "said": Said,
+    "ended": Ended,
+    "seconds": Passed,
+    "all": All,
+    "any": AnyOf,
+    "not": Not,
 }

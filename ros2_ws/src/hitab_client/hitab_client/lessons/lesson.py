@@ -22,149 +22,190 @@ follow `until`, `check` and `never`; every class below is a kind of step.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, Field, PlainValidator
 
 from hitab_client.lessons.conditions import Condition
-from hitab_core import Use
+from hitab_core import Use, VocabularyError
+from hitab_core.library.yaml_models import Names, Record, Texts
 
 WITHIN = 20.0
 """Default simulated seconds within which an awaited condition must hold."""
 
 
-@dataclass(frozen=True)
-class Step:
+def _use(text: Any) -> Use:
+    try:
+        return Use.parse(text if isinstance(text, str) else str(text))
+    except VocabularyError as error:
+        raise ValueError(str(error)) from None
+
+
+def _use_or_none(text: Any) -> Use | None:
+    return None if text == "nothing" else _use(text)
+
+
+Behavior = Annotated[Use, PlainValidator(_use)]
+
+
+class Thing(Record):
+    """Where a thing is put; its heading is in degrees."""
+
+    x: float | None = None
+    y: float | None = None
+    heading: float | None = None
+    vx: float | None = None
+    vy: float | None = None
+
+
+Things = Annotated[dict[str, Thing], BeforeValidator(lambda value: value or {})]
+
+
+def placed(things: Mapping[str, Thing]) -> dict[str, dict[str, float]]:
+    """Return where things are put in the world's units, with what is said of each."""
+    said = {name: thing.model_dump(exclude_none=True) for name, thing in things.items()}
+    for place in said.values():
+        if "heading" in place:
+            place["heading"] = math.radians(place["heading"])
+    return said
+
+
+class Step(Record):
     """One step; ``line`` is where it stands in the file."""
 
     kind: ClassVar[str] = ""
-    line: int
-    agent: str
+    line: int = Field(default=0, alias=":line")
+    agent: str = ""
 
 
-@dataclass(frozen=True)
 class Say(Step):
     """Tell the user what is about to happen."""
 
     kind: ClassVar[str] = "say"
-    text: str
+    text: str = Field(alias="say")
 
 
-@dataclass(frozen=True)
 class Place(Step):
     """Put things somewhere, and let all agents see it."""
 
     kind: ClassVar[str] = "place"
-    things: Mapping[str, Mapping[str, float]]
+    where: Things = Field(alias="place")
     new_episode: bool = False
 
+    @property
+    def things(self) -> dict[str, dict[str, float]]:
+        """Where to put what, in the world's units."""
+        return placed(self.where)
 
-@dataclass(frozen=True)
+
 class Begin(Step):
     """Begin to train an automaton."""
 
     kind: ClassVar[str] = "begin"
-    automaton: str
-    features: tuple[str, ...] = ()
-    states: tuple[str, ...] = ()
-    parameters: Mapping[str, str] = field(default_factory=dict)
+    automaton: str = Field(alias="begin")
+    features: Texts = ()
+    states: Texts = ()
+    parameters: Names = Field(default_factory=dict)
     resume: str = ""
     classifier: str = ""
 
 
-@dataclass(frozen=True)
 class Command(Step):
     """Command a behavior."""
 
     kind: ClassVar[str] = "command"
-    use: Use
+    use: Behavior = Field(alias="command")
 
 
-@dataclass(frozen=True)
 class Until(Step):
-    """Run the world until a condition holds; it is an error if it does not in time.
-
-    ``wait: 2`` is short for ``until: {seconds: 2}``.
-    """
+    """Run the world until a condition holds; it is an error if it does not in time."""
 
     kind: ClassVar[str] = "until"
-    condition: Condition
-    within: float = WITHIN
+    condition: Condition = Field(alias="until")
+    within: float = Field(default=WITHIN, gt=0.0)
 
 
-@dataclass(frozen=True)
 class Check(Until):
     """The same, as a test of what was learned."""
 
     kind: ClassVar[str] = "check"
+    condition: Condition = Field(alias="check")
 
 
-@dataclass(frozen=True)
 class Never(Until):
     """Run the world for a while, during which a condition must not hold."""
 
     kind: ClassVar[str] = "never"
+    condition: Condition = Field(alias="never")
 
 
-@dataclass(frozen=True)
+class Wait(Step):
+    """Short for ``until: {seconds: 2}``, which is what it becomes."""
+
+    kind: ClassVar[str] = "wait"
+    seconds: float = Field(alias="wait", gt=0.0)
+
+
 class Test(Step):
     """Give control to what the agent has learned."""
 
     kind: ClassVar[str] = "test"
     __test__: ClassVar[bool] = False  # not a test case, despite its name
+    test: Any
     restart: bool = False
 
 
-@dataclass(frozen=True)
 class TakeOver(Step):
     """Give control back to the demonstrator."""
 
     kind: ClassVar[str] = "take_over"
+    take_over: Any
 
 
-@dataclass(frozen=True)
 class Undo(Step):
     """Undo the last command or edit."""
 
     kind: ClassVar[str] = "undo"
+    undo: Any
 
 
-@dataclass(frozen=True)
 class Save(Step):
     """Save what was learned; ``keep_unused`` keeps features for training to be resumed later."""
 
     kind: ClassVar[str] = "save"
+    save: Any
     name: str = ""
-    bind: Mapping[str, str] = field(default_factory=dict)
+    bind: Names = Field(default_factory=dict)
     description: str = ""
     keep_unused: bool = False
 
 
-@dataclass(frozen=True)
 class Distribute(Step):
     """Send a behavior to other agents; ``start`` makes them perform it."""
 
     kind: ClassVar[str] = "distribute"
-    use: Use
-    receivers: tuple[str, ...] = ()
+    use: Behavior = Field(alias="distribute")
+    receivers: Texts = ()
     start: bool = False
 
 
-@dataclass(frozen=True)
 class Perform(Step):
     """Make agents perform a behavior, or nothing."""
 
     kind: ClassVar[str] = "perform"
-    use: Use | None
-    agents: tuple[str, ...]
+    use: Annotated[Use | None, PlainValidator(_use_or_none)] = Field(alias="perform")
+    agents: Texts = ()
 
 
-@dataclass(frozen=True)
 class NewEpisode(Step):
     """Begin a new episode with all agents in Start."""
 
     kind: ClassVar[str] = "new_episode"
+    new_episode: Any
 
 
 @dataclass(frozen=True)
