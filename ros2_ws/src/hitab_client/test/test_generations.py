@@ -29,12 +29,25 @@ within: 20
 """
 
 
+def score_with(mean: float, error: float | None, **others) -> Score:
+    plain = {"episodes": 1, "seed": 1, "ended": {}, "reproducible": True}
+    return Score(figures={"seconds": Figure(mean=mean, error=error)}, **(plain | others))
+
+
 def made(number: int, mean: float | None = None, **others) -> Generation:
     score = None
     if mean is not None:
-        score = Score(20, 1, {"seconds": Figure(mean, 0.5)}, {"out": 20}, True)
-    plain = Generation(number, number - 1, number, "abc", "2026-01-01T00:00:00Z", "me", 4)
-    return replace(plain, **{"score": score, **others})
+        score = score_with(mean, 0.5, episodes=20, ended={"out": 20})
+    return Generation(
+        number=number,
+        parent=number - 1,
+        version=number,
+        digest="abc",
+        at="2026-01-01T00:00:00Z",
+        by="me",
+        examples=4,
+        **({"score": score} | others),
+    )
 
 
 @pytest.fixture
@@ -51,7 +64,10 @@ def test_what_is_kept_is_read_again(known, tmp_path):
     first = made(1, 6.25, note='no: "yes"', team=("keeper_2",), restart=placed(tmp_path))
     second = made(2, None, missing={"keeper_3": "refuses: no"}, unscored="a mate", restored=(3, 5))
     single = made(
-        3, None, score=Score(1, 7, {"seconds": Figure(1e-5, None)}, {}, False), arguments=("ball",)
+        3,
+        None,
+        score=score_with(1e-5, None, seed=7, reproducible=False),
+        arguments=("ball",),
     )
     twin = made(4, restart=first.restart)
     kept = known.with_(first).with_(twin).with_(single).with_(second, current=2).keep()
@@ -102,7 +118,7 @@ def test_the_best_is_among_those_evaluated_alike(known):
     assert three.best().number == 2
     assert three.best(least=True).number == 1
     assert three.best("passes") is None
-    other = Score(5, 1, {"seconds": Figure(1.0, 0.1)}, {}, True)
+    other = score_with(1.0, 0.1, episodes=5)
     assert three.with_(made(4, score=other)).best().number == 4
     assert three.with_(made(4)).best().number == 2, "one without a score does not count"
 
@@ -116,7 +132,7 @@ def test_files_of_a_newer_format_and_wrong_ones_are_refused(known):
         (text.replace("current: 1", "current: 4"), "each generation needs a number of its own"),
         (text.replace("agent: keeper_1", "agent: keeper_2"), "`agent: keeper_2` is not known"),
         (text.replace("version: 1", "verzion: 1"), r"Keepaway.yaml:7: `version:` is missing"),
-        ("- 1\n", "needs `key: value` lines"),
+        ("- 1\n", "must be `key: value` lines"),
         (text[:80] + "{", "not YAML"),
     ):
         path.write_text(changed)
@@ -170,7 +186,7 @@ class Episode:
 def test_a_score_is_a_mean_with_its_standard_error():
     score = score_of([Episode(1.0), Episode(2.0, "taken"), Episode(6.0)], 3)
     assert str(score.figures["seconds"]) == "3.00 ± 1.53"
-    assert score.figures["passes"] == Figure(2.0, 0.0)
+    assert score.figures["passes"] == Figure(mean=2.0, error=0.0)
     assert score.ended == {"out": 2, "taken": 1}
     assert (score.episodes, score.seed, score.reproducible) == (3, 3, True)
 

@@ -86,7 +86,7 @@ class Configuration(Record):
 
     def about(self, agent: str) -> Configuration:
         """Return the same; its condition is about this agent where it names none."""
-        return self.model_copy(update={"wait": self.wait.about(agent)}) if self.wait else self
+        return self.but(wait=self.wait.about(agent)) if self.wait else self
 
     # -- bringing it about ------------------------------------------------------------------
 
@@ -191,4 +191,4 @@ def with_condition(configuration: Configuration, text: str, agent: str) -> Confi
     flow = text if text.lstrip().startswith("{") else f"{{{text}}}"
     document = read_yaml(f"wait: {flow}", "--wait", error=SwarmError)
     read = open_record(Configuration, document, FORMAT, SwarmError).about(agent)
-    return configuration.model_copy(update={"wait": read.wait})
+    return configuration.but(wait=read.wait)

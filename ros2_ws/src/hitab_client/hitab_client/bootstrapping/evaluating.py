@@ -6,15 +6,17 @@ import contextlib
 import math
 import statistics
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 from hitab_msgs.srv import Control, Snapshot
+from pydantic import Field
 
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
+from hitab_core.library.yaml_models import Record
 
 BEFORE = "before_bootstrap"
 """The snapshot of the world as it was, while a generation is evaluated."""
@@ -23,8 +25,7 @@ LENGTH = "seconds"
 """The figure that every world reports: how long an episode lasted, s."""
 
 
-@dataclass(frozen=True)
-class Figure:
+class Figure(Record):
     """A mean with its standard error; None: unknown, from a single episode."""
 
     mean: float
@@ -35,8 +36,7 @@ class Figure:
         return shown if self.error is None else f"{shown} ± {self.error:.2f}"
 
 
-@dataclass(frozen=True)
-class Score:
+class Score(Record):
     """What a short evaluation has shown.
 
     Attributes:
@@ -47,10 +47,10 @@ class Score:
         reproducible: whether the same seed gives the same figures again.
     """
 
-    episodes: int
-    seed: int
-    figures: Mapping[str, Figure]
-    ended: Mapping[str, int]
+    episodes: int = Field(ge=1)
+    seed: int = Field(ge=0)
+    figures: dict[str, Figure]
+    ended: dict[str, Annotated[int, Field(ge=0)]]
     reproducible: bool
 
 
@@ -135,5 +135,7 @@ def _figure(values: Sequence[float]) -> Figure | None:
     if not values:
         return None
     if len(values) == 1:
-        return Figure(values[0], None)
-    return Figure(statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)))
+        return Figure(mean=values[0], error=None)
+    return Figure(
+        mean=statistics.fmean(values), error=statistics.stdev(values) / math.sqrt(len(values))
+    )

@@ -12,20 +12,21 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import yaml
+from pydantic import Field
 
 from hitab_client.bootstrapping.configuration import Configuration
-from hitab_client.bootstrapping.evaluating import LENGTH, Figure, Score
+from hitab_client.bootstrapping.evaluating import LENGTH, Score
 from hitab_client.errors import SwarmError
 from hitab_core import FolderInUseError, has
-from hitab_core.library import Fields, bundle_file_text, content_of, read_bundle_file
+from hitab_core.library import bundle_file_text, content_of, read_bundle_file
 from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
-from hitab_core.library.yaml_models import read_record
+from hitab_core.library.yaml_models import Names, Record, Texts, open_record
 from hitab_core.library.yaml_places import Complaints, open_yaml
 
 FORMAT = 1
@@ -34,8 +35,7 @@ FORMAT = 1
 FOLDER = "generations"
 
 
-@dataclass(frozen=True)
-class Generation:
+class Generation(Record):
     """One stage of a behavior: saved, given to the team, evaluated.
 
     Attributes:
@@ -56,21 +56,29 @@ class Generation:
         restored: the versions of the library in which it was brought back.
     """
 
-    number: int
-    parent: int
-    version: int
+    number: int = Field(ge=1)
+    parent: int = Field(ge=0)
+    version: int = Field(ge=0)
     digest: str
     at: str
     by: str
-    examples: int
-    arguments: tuple[str, ...] = ()
+    examples: int = Field(ge=0)
+    arguments: Texts = ()
     note: str = ""
-    team: tuple[str, ...] = ()
-    missing: Mapping[str, str] = field(default_factory=dict)
+    team: Texts = ()
+    missing: Names = Field(default_factory=dict)
     score: Score | None = None
     unscored: str = ""
-    restart: Configuration = field(default_factory=Configuration)
-    restored: tuple[int, ...] = ()
+    restart: Configuration = Configuration()
+    restored: tuple[int, ...] = Field(default=(), strict=False)
+
+
+class _File(Record):
+    format: int
+    agent: str
+    behavior: str
+    current: int = Field(ge=0)
+    generations: list[Generation] = Field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -223,19 +231,18 @@ def read_generations(folder: Path, agent: str, behavior: str) -> Generations:
     path = file_of(folder, behavior)
     if not path.exists():
         return Generations(folder, agent, behavior)
-    top = Fields(Complaints(open_yaml(path, error=SwarmError), SwarmError))
-    top.check_format(FORMAT)
-    top.integer("format")
-    top.text("agent", among=[agent])
-    top.text("behavior", among=[behavior])
-    current = top.integer("current", least=0)
-    found = tuple(_generation(fields, agent) for fields in top.each("generations"))
-    top.done()
-    numbers = [generation.number for generation in found]
-    if len(set(numbers)) < len(numbers) or current not in (0, *numbers):
-        top.complain("each generation needs a number of its own, and `current:` one of them")
-    top.complaints.raise_any()
-    return Generations(folder, agent, behavior, current, found)
+    document = open_yaml(path, error=SwarmError)
+    read = open_record(_File, document, FORMAT, SwarmError)
+    complaints = Complaints(document, SwarmError)
+    for key, found, own in (("agent", read.agent, agent), ("behavior", read.behavior, behavior)):
+        if found != own:
+            complaints.add((key,), f"`{key}: {found}` is not known {has([own], found)}")
+    numbers = [generation.number for generation in read.generations]
+    if len(set(numbers)) < len(numbers) or read.current not in (0, *numbers):
+        complaints.add((), "each generation needs a number of its own, and `current:` one of them")
+    complaints.raise_any()
+    known = (g.but(restart=g.restart.about(agent)) for g in read.generations)
+    return Generations(folder, agent, behavior, read.current, tuple(known))
 
 
 @contextlib.contextmanager
@@ -266,65 +273,4 @@ def time_now() -> str:
 
 def record_of(generation: Generation) -> dict[str, Any]:
     """Return a generation as plain data."""
-    record = asdict(replace(generation, score=None, restart=Configuration()))
-    record["arguments"], record["team"] = list(generation.arguments), list(generation.team)
-    record["restored"] = list(generation.restored)
-    record["restart"] = generation.restart.record()
-    score = generation.score
-    if score is not None:
-        record["score"] = {
-            "episodes": score.episodes,
-            "seed": score.seed,
-            "figures": {name: asdict(figure) for name, figure in score.figures.items()},
-            "ended": dict(score.ended),
-            "reproducible": score.reproducible,
-        }
-    return record
-
-
-def _generation(fields: Fields, agent: str) -> Generation:
-    missing, restart = fields.inner("missing"), fields.raw("restart", None)
-    chosen = read_record(Configuration, restart, fields.complaints, (*fields.path, "restart"))
-    restored = fields.raw("restored")
-    if not isinstance(restored, list) or not all(isinstance(n, int) for n in restored):
-        fields.complain("`restored:` must be a list of versions, such as [3, 5]", "restored")
-        restored = []
-    read = Generation(
-        number=fields.integer("number", least=1),
-        parent=fields.integer("parent", least=0),
-        version=fields.integer("version", least=0),
-        digest=fields.text("digest"),
-        at=fields.text("at"),
-        by=fields.text("by"),
-        examples=fields.integer("examples", least=0),
-        arguments=fields.texts("arguments"),
-        note=fields.text("note"),
-        team=fields.texts("team"),
-        missing={name: missing.text(name) for name in missing.names()},
-        score=None if fields.raw("score") is None else _score(fields.inner("score")),
-        unscored=fields.text("unscored"),
-        restart=(chosen or Configuration()).about(agent),
-        restored=tuple(restored),
-    )
-    fields.done()
-    return read
-
-
-def _score(fields: Fields) -> Score:
-    figures, ended = fields.inner("figures"), fields.inner("ended")
-    read = Score(
-        episodes=fields.integer("episodes", least=1),
-        seed=fields.integer("seed", least=0),
-        figures={name: _figure(figures.inner(name)) for name in figures.names()},
-        ended={how: ended.integer(how, least=0) for how in ended.names()},
-        reproducible=fields.flag("reproducible"),
-    )
-    fields.done()
-    return read
-
-
-def _figure(fields: Fields) -> Figure:
-    error = fields.raw("error")
-    read = Figure(fields.number("mean"), None if error is None else fields.number("error"))
-    fields.done()
-    return read
+    return generation.model_dump(mode="json") | {"restart": generation.restart.record()}

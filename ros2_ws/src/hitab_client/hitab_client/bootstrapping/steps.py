@@ -177,7 +177,7 @@ class Bootstrapping:
                 with not_interrupted():
                     version = self._bring_back(known, number)
                     versions = (*meant.restored, version) if version else meant.restored
-                    known = known.with_(replace(meant, restored=versions), current=number).keep()
+                    known = known.with_(meant.but(restored=versions), current=number).keep()
                 resumed = self._as_saved(agent, behavior, meant)
                 with self._training_goes_on(agent, resumed, replaces=True):
                     known = self._give(known, number, mates, evaluation)
@@ -272,9 +272,9 @@ class Bootstrapping:
         report = self._distributed(agent, made, behavior, mates)
         missing = {name: f"refuses: {why}" for name, why in report.refused.items()}
         missing |= dict.fromkeys(report.silent, "does not answer")
-        made = replace(made, team=tuple(report.accepted), missing=missing)
+        made = made.but(team=tuple(report.accepted), missing=missing)
         if missing:
-            made = replace(made, unscored="it is not performed by all of the team")
+            made = made.but(unscored="it is not performed by all of the team")
             known.with_(made).keep()
             raise SwarmError(
                 "\n".join(f"{name} {why}" for name, why in missing.items())
@@ -327,7 +327,7 @@ class Bootstrapping:
             played = f"{quantity(score.episodes, 'episode')}, seed {score.seed}"
             told = f"generation {made.number}: {score.figures[LENGTH]} s an episode ({played})"
         self._say(told)
-        return known.with_(replace(made, score=score, unscored=why)).keep()
+        return known.with_(made.but(score=score, unscored=why)).keep()
 
     def _bring_back(self, known: Generations, number: int) -> int:
         """Give a generation back to the trained agent; return its new version, 0: it has it."""
@@ -383,7 +383,7 @@ class Bootstrapping:
         )
         if self._world is not None and chosen.places:
             chosen.put(self._world)
-            self._say(f"the training goes on from: {chosen.model_copy(update={'wait': None})}")
+            self._say(f"the training goes on from: {chosen.but(wait=None)}")
         if chosen.wait is not None:
             self._say(f"waiting until {chosen.wait.describe()} ...")
             in_real_time = before is not None and before.pace == WorldStatus.REALTIME

@@ -37,7 +37,7 @@ class Condition(Record):
     def about(self, agent: str) -> Condition:
         """Return the same, about this agent where it names none."""
         if getattr(self, "agent", None) == "":
-            return self.model_copy(update={"agent": agent})
+            return self.but(agent=agent)
         return self
 
     @classmethod
@@ -219,7 +219,7 @@ class All(Condition):
 
     def about(self, agent: str) -> Condition:
         """Return the same, about this agent where a part names none."""
-        return self.model_copy(update={"parts": [part.about(agent) for part in self.parts]})
+        return self.but(parts=[part.about(agent) for part in self.parts])
 
 
 class AnyOf(All):
@@ -248,7 +248,7 @@ class Not(Condition):
 
     def about(self, agent: str) -> Condition:
         """Return the same, about this agent where it names none."""
-        return self.model_copy(update={"part": self.part.about(agent)})
+        return self.but(part=self.part.about(agent))
 
 
 _KINDS: dict[str, type[Condition]] = {

@@ -96,4 +96,4 @@ def _completed(step: Step, line: int, agent: str) -> Step:
             more["condition"] = step.condition.about(agent)
         case Perform(agents=()):
             more["agents"] = (agent,)
-    return step.model_copy(update=more)
+    return step.but(**more)

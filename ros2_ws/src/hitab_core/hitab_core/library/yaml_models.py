@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -40,6 +40,10 @@ class Record(BaseModel):
         """Return its keys in a file; a field that is no key has an alias with a colon."""
         names = [field.alias or name for name, field in cls.model_fields.items()]
         return [name for name in names if not name.startswith(":")]
+
+    def but(self, **changes: Any) -> Self:
+        """Return the same with changes, which are not checked."""
+        return self.model_copy(update=changes)
 
     @model_validator(mode="before")
     @classmethod
@@ -99,7 +103,7 @@ class OneOf:
 
 
 def _tuple(value: Any) -> Any:
-    found = value if isinstance(value, list) else [] if value is None else [value]
+    found = value if isinstance(value, list | tuple) else [] if value is None else [value]
     if not all(isinstance(item, str) for item in found):
         raise ValueError(f"must be a list of strings, such as [a, b], not {kind_of(value)}")
     return tuple(found)
