@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from contextlib import suppress
 from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from hitab_client.demonstrating.pressed import ACTIONS
 from hitab_client.errors import DescriptionError
 from hitab_core import Use, VocabularyError, has
-from hitab_core.library import Fields
-from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
+from hitab_core.library.yaml_fields import kind_of
+from hitab_core.library.yaml_models import NONE_IS_EMPTY, Record, among, open_record
+from hitab_core.library.yaml_places import Complaints, Place, read_text, read_yaml
 
 FORMAT = 1
 """The newest format version that is read."""
@@ -23,8 +27,7 @@ TIMEOUT_MAX_S = 2.0
 """Nobody notices a lost joystick later than this."""
 
 
-@dataclass(frozen=True)
-class Button:
+class Button(Record):
     """A button, or a half of an axis that counts as one.
 
     Attributes:
@@ -33,9 +36,9 @@ class Button:
         below: the same, below.
     """
 
-    index: int
-    above: float | None = None
-    below: float | None = None
+    index: int = Field(alias="axis", ge=0)
+    above: float | None = Field(default=None, ge=-1.0, le=1.0)
+    below: float | None = Field(default=None, ge=-1.0, le=1.0)
 
     @property
     def is_axis(self) -> bool:
@@ -43,16 +46,39 @@ class Button:
         return self.above is not None or self.below is not None
 
 
-@dataclass(frozen=True)
-class Axis:
+def _button(value: Any) -> Any:
+    if not isinstance(value, dict):
+        return {"axis": value}
+    if ("above" in value) is ("below" in value):
+        raise ValueError("needs either `above:` or `below:`, such as {axis: 7, above: 0.5}")
+    return value
+
+
+def _moving(speed: float) -> float:
+    if speed == 0.0 or not math.isfinite(speed):
+        raise ValueError(f"must be a number other than 0, not {speed:g}")
+    return speed
+
+
+class Axis(Record):
     """An axis that drives: its index, and m/s or rad/s at its end; negative: the other way."""
 
-    index: int
-    speed: float
+    index: int = Field(alias="axis", ge=0)
+    speed: Annotated[float, AfterValidator(_moving)]
 
 
-@dataclass(frozen=True)
-class Mapping:
+def _behavior(value: Any) -> str | int:
+    if isinstance(value, int) and not isinstance(value, bool) and value >= 1:
+        return value
+    with suppress(VocabularyError):
+        return str(Use.parse(value if isinstance(value, str) else ""))
+    raise ValueError(
+        f"must be a behavior, such as Forward or GoTo(ball), or the number of one, from 1, "
+        f"not {kind_of(value)}"
+    )
+
+
+class Mapping(Record):
     """What the buttons and axes of a joystick do.
 
     Attributes:
@@ -66,14 +92,21 @@ class Mapping:
         timeout: how long the joystick may be silent, s.
     """
 
-    name: str
-    buttons: dict[str, Button]
+    format: int = 1
+    name: str = Field(default="", alias=":name")
+    buttons: Annotated[dict[str, Annotated[Button, BeforeValidator(_button)]], NONE_IS_EMPTY]
     hold: str
-    behaviors: dict[str, str | int]
-    actions: dict[str, str]
-    driving: dict[str, Axis]
-    deadzone: float = 0.1
-    timeout: float = 0.5
+    behaviors: Annotated[
+        dict[str, Annotated[str | int, PlainValidator(_behavior)]], NONE_IS_EMPTY
+    ] = Field(default_factory=dict)
+    actions: Annotated[dict[str, Annotated[str, among(ACTIONS)]], NONE_IS_EMPTY] = Field(
+        default_factory=dict
+    )
+    driving: Annotated[dict[Annotated[str, among(WAYS)], Axis], NONE_IS_EMPTY] = Field(
+        default_factory=dict
+    )
+    deadzone: float = Field(default=0.1, ge=0.0, le=0.9)
+    timeout: float = Field(default=0.5, ge=0.05, le=TIMEOUT_MAX_S)
 
     @property
     def buttons_min(self) -> int:
@@ -125,132 +158,24 @@ def parse_mapping(text: str, path: Path) -> Mapping:
         {'A': 'Forward'}
     """
     document = read_yaml(text, str(path), error=DescriptionError)
-    top = Fields(Complaints(document, DescriptionError))
-    top.check_format(FORMAT)
-    buttons = _buttons(top)
-    used: dict[str, str] = {}
-    mapping = Mapping(
-        path.stem,
-        buttons,
-        _hold(top, buttons, used),
-        _behaviors(top.inner("behaviors"), buttons, used),
-        _actions(top, buttons, used),
-        _driving(top.inner("driving")),
-        _number(top, "deadzone", 0.1, 0.0, 0.9),
-        _number(top, "timeout", 0.5, 0.05, TIMEOUT_MAX_S),
-    )
-    top.done()
-    top.complaints.raise_any()
-    return mapping
-
-
-def _buttons(top: Fields) -> dict[str, Button]:
-    found: dict[str, Button] = {}
-    if "buttons" not in top:
-        top.complain("`buttons:` is missing here: names and numbers, such as {A: 0, B: 1}")
-    fields = top.inner("buttons")
-    for name in fields.names():
-        if isinstance(fields.raw(name), dict):
-            found[name] = _half(fields.inner(name))
-        else:
-            found[name] = Button(fields.integer(name, 0, least=0))
-    for name, button in found.items():
-        first = next(other for other, same in found.items() if same == button)
+    mapping = open_record(Mapping, document, FORMAT, DescriptionError).but(name=path.stem)
+    complaints = Complaints(document, DescriptionError)
+    buttons = mapping.buttons
+    for name, button in buttons.items():
+        first = next(other for other, same in buttons.items() if same == button)
         if first != name:
-            fields.complain(f"`{name}:` is the same button as {first}", name)
-    return found
-
-
-def _half(fields: Fields) -> Button:
-    """Read a half of an axis that counts as a button, such as ``{axis: 7, above: 0.5}``."""
-    index = fields.integer("axis", least=0)
-    above, below = (_limit(fields, key) for key in ("above", "below"))
-    if (above is None) is (below is None):
-        fields.complain("needs either `above:` or `below:`, such as {axis: 7, above: 0.5}")
-    fields.done()
-    return Button(index or 0, above, below)
-
-
-def _limit(fields: Fields, key: str) -> float | None:
-    return _number(fields, key, 0.0, -1.0, 1.0) if key in fields else None
-
-
-def _number(fields: Fields, key: str, default: float, least: float, most: float) -> float:
-    value = fields.number(key, default)
-    if not isinstance(value, float):
-        return default
-    if not least <= value <= most:
-        fields.complain(f"`{key}: {value:g}` must be from {least:g} to {most:g}", key)
-    return value
-
-
-def _use(
-    fields: Fields,
-    key: str,
-    name: str,
-    what: str,
-    buttons: dict[str, Button],
-    used: dict[str, str],
-) -> None:
-    """Check that the button that is named at a key is there and does nothing else."""
-    if name not in buttons:
-        fields.complain(f"`{name}` is not among the buttons {has(buttons, name)}", key)
-    elif name in used:
-        fields.complain(f"`{name}` is used twice: for {used[name]} and for {what}", key)
-    used.setdefault(name, what)
-
-
-def _hold(top: Fields, buttons: dict[str, Button], used: dict[str, str]) -> str:
-    hold = top.text("hold")
-    if isinstance(hold, str):
-        _use(top, "hold", hold, "hold", buttons, used)
-    return hold or ""
-
-
-def _behaviors(
-    fields: Fields, buttons: dict[str, Button], used: dict[str, str]
-) -> dict[str, str | int]:
-    found: dict[str, str | int] = {}
-    for name in fields.names():
-        value = fields.raw(name)
-        _use(fields, name, name, "a behavior", buttons, used)
-        if isinstance(value, int) and not isinstance(value, bool) and value >= 1:
-            found[name] = value
-            continue
-        try:
-            found[name] = str(Use.parse(value if isinstance(value, str) else ""))
-        except VocabularyError:
-            fields.complain(
-                f"`{name}: {value}` must be a behavior, such as Forward or GoTo(ball), or the "
-                "number of one, from 1",
-                name,
-            )
-    return found
-
-
-def _actions(top: Fields, buttons: dict[str, Button], used: dict[str, str]) -> dict[str, str]:
-    fields = top.inner("actions")
-    found = {}
-    for name in fields.names():
-        action = fields.text(name, "", among=ACTIONS)
-        _use(fields, name, name, action, buttons, used)
-        found[name] = action
-    if "stop" not in found.values():
-        top.complain("no button stops the robots: give one the action `stop`", "actions")
-    return found
-
-
-def _driving(fields: Fields) -> dict[str, Axis]:
-    found = {}
-    for way in WAYS:
-        if way not in fields:
-            fields.raw(way, None)  # that it is known, if another one is misspelt
-            continue
-        inner = fields.inner(way)
-        index, speed = inner.integer("axis", least=0), inner.number("speed")
-        if isinstance(speed, float) and (speed == 0.0 or not math.isfinite(speed)):
-            inner.complain(f"`speed: {speed:g}` must be a number other than 0", "speed")
-        inner.done()
-        found[way] = Axis(index or 0, speed or 0.0)
-    fields.done()
-    return found
+            complaints.add(("buttons", name), f"`{name}:` is the same button as {first}")
+    uses: list[tuple[Place, str, str]] = [(("hold",), mapping.hold, "hold")]
+    uses += [(("behaviors", name), name, "a behavior") for name in mapping.behaviors]
+    uses += [(("actions", name), name, action) for name, action in mapping.actions.items()]
+    used: dict[str, str] = {}
+    for place, name, what in uses:
+        if name not in buttons:
+            complaints.add(place, f"`{name}` is not among the buttons {has(buttons, name)}")
+        elif name in used:
+            complaints.add(place, f"`{name}` is used twice: for {used[name]} and for {what}")
+        used.setdefault(name, what)
+    if "stop" not in mapping.actions.values():
+        complaints.add(("actions",), "no button stops the robots: give one the action `stop`")
+    complaints.raise_any()
+    return mapping

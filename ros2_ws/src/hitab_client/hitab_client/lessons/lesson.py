@@ -28,11 +28,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator, Field, PlainValidator
+from pydantic import Field, PlainValidator
 
 from hitab_client.lessons.conditions import Condition
 from hitab_core import Use, VocabularyError
-from hitab_core.library.yaml_models import Names, Record, Texts
+from hitab_core.library.yaml_models import NONE_IS_EMPTY, Names, Record, Texts
 
 WITHIN = 20.0
 """Default simulated seconds within which an awaited condition must hold."""
@@ -62,7 +62,7 @@ class Thing(Record):
     vy: float | None = None
 
 
-Things = Annotated[dict[str, Thing], BeforeValidator(lambda value: value or {})]
+Things = Annotated[dict[str, Thing], NONE_IS_EMPTY]
 
 
 def placed(things: Mapping[str, Thing]) -> dict[str, dict[str, float]]:

@@ -112,7 +112,10 @@ def _tuple(value: Any) -> Any:
 Texts = Annotated[tuple[str, ...], BeforeValidator(_tuple)]
 """A list of texts; a single text counts as one."""
 
-Names = Annotated[dict[str, str], BeforeValidator(lambda value: value or {})]
+NONE_IS_EMPTY = BeforeValidator(lambda value: {} if value is None else value)
+"""Marks a mapping that may be left empty, as that of a record may."""
+
+Names = Annotated[dict[str, str], NONE_IS_EMPTY]
 """Texts by name."""
 
 
