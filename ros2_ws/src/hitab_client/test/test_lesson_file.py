@@ -101,6 +101,8 @@ def test_the_shipped_lessons_keep_to_the_papers_budgets(name):
     [
         ("agent: a\nsteps: [{say: hi}]\n", "lessons/dance.yaml:1: `lesson:` is missing here"),
         ("lesson: D\nagent: a\n", "1: `steps:` is missing here"),
+        (HEAD[:-1] + " []\n", "3: `steps:` must be a list of at least 1, not 0"),
+        ("format: 0\n" + HEAD + "  - say: hi\n", "1: `format:` must be at least 1, not 0"),
         (HEAD + "  - comand: Stop\n", "4: item 1 of `steps:` has no known kind (known: command"),
         (HEAD + "  - comand: Stop\n", 'Did you mean "command"?'),
         (

@@ -31,7 +31,7 @@ from hitab_client.lessons.lesson import Things, placed
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import has, some
-from hitab_core.library.yaml_models import Record, open_record
+from hitab_core.library.yaml_models import Format, Record, open_record
 from hitab_core.library.yaml_places import open_yaml, read_yaml
 
 FORMAT = 1
@@ -52,7 +52,7 @@ class Configuration(Record):
         within: seconds until waiting is given up; None: never.
     """
 
-    format: int = Field(default=1, exclude=True)
+    format: Format = Field(default=1, exclude=True)
     snapshot: str = ""
     place: Things = Field(default_factory=dict)
     new_episode: bool = False

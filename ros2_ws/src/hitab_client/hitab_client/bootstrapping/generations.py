@@ -26,7 +26,7 @@ from hitab_client.errors import SwarmError
 from hitab_core import FolderInUseError, has
 from hitab_core.library import bundle_file_text, content_of, read_bundle_file
 from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
-from hitab_core.library.yaml_models import Names, Record, Texts, open_record
+from hitab_core.library.yaml_models import Format, Names, Record, Texts, open_record
 from hitab_core.library.yaml_places import Complaints, open_yaml
 
 FORMAT = 1
@@ -74,7 +74,7 @@ class Generation(Record):
 
 
 class _File(Record):
-    format: int
+    format: Format
     agent: str
     behavior: str
     current: int = Field(ge=0)

@@ -13,7 +13,7 @@ from hitab_client.demonstrating.pressed import ACTIONS
 from hitab_client.errors import DescriptionError
 from hitab_core import Use, VocabularyError, has
 from hitab_core.library.yaml_fields import kind_of
-from hitab_core.library.yaml_models import NONE_IS_EMPTY, Record, among, open_record
+from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record
 from hitab_core.library.yaml_places import Complaints, Place, read_text, read_yaml
 
 FORMAT = 1
@@ -92,7 +92,7 @@ class Mapping(Record):
         timeout: how long the joystick may be silent, s.
     """
 
-    format: int = 1
+    format: Format = 1
     name: str = Field(default="", alias=":name")
     buttons: Annotated[dict[str, Annotated[Button, BeforeValidator(_button)]], NONE_IS_EMPTY]
     hold: str

@@ -210,8 +210,9 @@ class All(Condition):
     joined: ClassVar[str] = " and "
 
     def holds(self, view: WorldView) -> bool:
-        """Whether all of them hold."""
-        return all(part.holds(view) for part in self.parts)
+        """Whether all of them hold; all are asked, so that a wrong name shows at once."""
+        held = [part.holds(view) for part in self.parts]
+        return all(held)
 
     def describe(self, view: WorldView | None = None) -> str:
         """Return the parts, joined."""
@@ -229,8 +230,9 @@ class AnyOf(All):
     joined: ClassVar[str] = " or "
 
     def holds(self, view: WorldView) -> bool:
-        """Whether any of them holds."""
-        return any(part.holds(view) for part in self.parts)
+        """Whether any of them holds; all are asked."""
+        held = [part.holds(view) for part in self.parts]
+        return any(held)
 
 
 class Not(Condition):

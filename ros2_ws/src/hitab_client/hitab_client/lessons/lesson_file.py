@@ -28,7 +28,7 @@ from hitab_client.lessons.lesson import (
     Until,
     Wait,
 )
-from hitab_core.library.yaml_models import OneOf, Record, open_record
+from hitab_core.library.yaml_models import Format, OneOf, Record, open_record
 from hitab_core.library.yaml_places import read_text, read_yaml
 
 FORMAT = 2
@@ -57,7 +57,7 @@ STEPS: dict[str, type[Step]] = {
 
 
 class _File(Record):
-    format: int = 1
+    format: Format = 1
     lesson: str
     agent: str
     budget: int | None = Field(default=None, ge=1)

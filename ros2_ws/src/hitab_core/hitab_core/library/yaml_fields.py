@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 from hitab_core.errors import newer_format
@@ -35,11 +35,6 @@ class Fields:
 
     def __contains__(self, key: str) -> bool:
         return key in self._value
-
-    @property
-    def line(self) -> int:
-        """The line where this mapping begins."""
-        return self.complaints.document.line(self.path)
 
     def complain(self, text: str, *inner: str | int) -> None:
         """Note a complaint about this mapping, or about an item in it."""
@@ -125,15 +120,6 @@ class Fields:
         if key not in self._value:
             return _Nothing(self)
         return Fields(self.complaints, (*self.path, key))
-
-    def each(self, key: str) -> Iterator[Fields]:
-        """Yield the mappings in the list under ``key``."""
-        value = self.raw(key, [])
-        if not isinstance(value, list):
-            self.complain(f"`{key}:` must be a list (`- item` lines)", key)
-            return
-        for index in range(len(value)):
-            yield Fields(self.complaints, (*self.path, key, index))
 
     def done(self, **meant: str) -> None:
         """Complain about fields that were not asked for.

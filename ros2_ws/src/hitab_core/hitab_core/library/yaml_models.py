@@ -17,6 +17,7 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Discriminator,
+    Field,
     GetCoreSchemaHandler,
     Tag,
     ValidationError,
@@ -48,9 +49,9 @@ class Record(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _note(cls, value: Any, info: ValidationInfo) -> Any:
-        """Note which keys this mapping may have, for `read_record`."""
+        """Note what this mapping is, for `read_record`."""
         if info.context is not None:
-            info.context[id(value)] = cls.known()
+            info.context[id(value)] = cls
         return {} if value is None else value
 
 
@@ -109,6 +110,9 @@ def _tuple(value: Any) -> Any:
     return tuple(found)
 
 
+Format = Annotated[int, Field(ge=1)]
+"""The format version of a file."""
+
 Texts = Annotated[tuple[str, ...], BeforeValidator(_tuple)]
 """A list of texts; a single text counts as one."""
 
@@ -121,13 +125,13 @@ Names = Annotated[dict[str, str], NONE_IS_EMPTY]
 
 def read_record(model: type[R], value: Any, complaints: Complaints, at: Place = ()) -> R | None:
     """Read the content of a document at a place; None: there are complaints."""
-    keys: dict[int, list[str]] = {}
+    records: dict[int, type[Record]] = {}
     try:
-        return model.model_validate(value, context=keys)
+        return model.model_validate(value, context=records)
     except ValidationError as wrong:
         for error in wrong.errors(include_url=False):
             path, around = _place(value, error["loc"])
-            complaints.add((*at, *path), _in_words(error, path, keys.get(id(around), ())))
+            complaints.add((*at, *path), _in_words(error, path, records.get(id(around))))
         return None
 
 
@@ -159,13 +163,14 @@ def _place(value: Any, loc: Sequence[str | int]) -> tuple[Place, Any]:
     path: list[str | int] = []
     around = value
     for key in loc:
-        if key in value if isinstance(value, dict) else isinstance(value, list):
+        inside = key in value if isinstance(value, dict) else isinstance(key, int)
+        if inside:
             around, value = value, value[key]
             path.append(key)
     return tuple(path), around
 
 
-def _in_words(error: Any, path: Place, known: Sequence[str]) -> str:
+def _in_words(error: Any, path: Place, record: type[Record] | None) -> str:
     kind, value, limits = error["type"], error["input"], error.get("ctx", {})
     what = f"`{path[-1]}:`" if path else "the file"
     if path and isinstance(path[-1], int):
@@ -173,11 +178,11 @@ def _in_words(error: Any, path: Place, known: Sequence[str]) -> str:
     if kind == "missing":
         return f"`{error['loc'][-1]}:` is missing here; add it, or was the file cut off?"
     if kind == "extra_forbidden":
-        return f"{what} is not known here {has(known, path[-1])}"
+        return f"{what} is not known here {has(record.known() if record else (), path[-1])}"
     if kind == "value_error":
         return f"{what} {limits['error']}"
-    wanted = _WANTED.get(kind, error["msg"]).format(**limits)
-    return f"{what} must be {wanted}, not {kind_of(value)}"
+    wanted = _WANTED[kind].format(**limits) if kind in _WANTED else error["msg"]
+    return f"{what} must be {wanted}, not {limits.get('actual_length', kind_of(value))}"
 
 
 _WANTED = {
