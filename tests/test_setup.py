@@ -465,5 +465,6 @@ def test_the_ament_index_leads_to_the_packages_as_they_are_in_the_checkout():
 LOCATE = """
 import sys
 from ament_index_python import get_package_share_directory
-print(*map(get_package_share_directory, sys.argv[1:]), sep="\n")
+for name in sys.argv[1:]:
+    print(get_package_share_directory(name))
 """

@@ -298,6 +298,3 @@ def test_whatever_can_be_clicked_can_be_reached_with_the_keyboard(swarm, person)
             " b.tabIndex >= 0 && b.dataset.do === e.dataset.do)).map(e => e.outerHTML)"
         )
         assert unreached == [], tab
-
-
-# -- motion -----------------------------------------------------------------------------------

@@ -93,9 +93,6 @@ def test_a_command_that_was_given_while_the_world_stood_still_was_never_late():
     page(known, use)
 
 
-# -- a training that began a moment ago -------------------------------------------------------
-
-
 # -- a name that is taken ---------------------------------------------------------------------
 
 
@@ -130,12 +127,3 @@ def test_what_was_typed_last_opens_no_dialog_that_is_closed():
             assert session.dialog == {}
 
     page(keeper(), use)
-
-
-# -- what is no fault -------------------------------------------------------------------------
-
-
-# -- swarms -----------------------------------------------------------------------------------
-
-
-# -- the library ------------------------------------------------------------------------------

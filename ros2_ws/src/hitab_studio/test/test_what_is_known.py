@@ -176,9 +176,3 @@ def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_no
             await studio.stop()
 
     asyncio.run(asyncio.wait_for(run(), 100.0))
-
-
-# -- what lies on what ------------------------------------------------------------------------
-
-
-# -- numbers ----------------------------------------------------------------------------------
