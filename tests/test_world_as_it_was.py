@@ -19,8 +19,7 @@ LESSON = "lesson: Stand\nagent: keeper_1\nsteps:\n  - begin: Stand\n    features
 class Unlucky(WorldClient):
     """The world, seen by a client that never sees it change."""
 
-    def changed(self, change, seconds: float = 10.0):
-        change()
+    def shown(self, answer, seconds: float = 10.0):
         raise SwarmError("the world did not show itself")
 
 

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 from hitab_client.demonstrating.pressed import ACTIONS
 from hitab_client.errors import DescriptionError
 from hitab_core import Use, VocabularyError, has
-from hitab_core.library.yaml_fields import kind_of
+from hitab_core.library import kind_of
 from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record
 from hitab_core.library.yaml_places import Complaints, Place, read_text, read_yaml
 

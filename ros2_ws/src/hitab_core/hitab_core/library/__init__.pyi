@@ -1,5 +1,6 @@
 from . import commit as commit
 from . import durable_files as durable_files
+from . import yaml_models as yaml_models
 from . import yaml_places as yaml_places
 from .behavior_file import scale_of as scale_of
 from .behavior_schema import SUFFIX as SUFFIX
@@ -22,3 +23,4 @@ from .reissuing import content_of as content_of
 from .reissuing import reissued as reissued
 from .reissuing import same_behavior as same_behavior
 from .yaml_fields import Fields as Fields
+from .yaml_fields import kind_of as kind_of
