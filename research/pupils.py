@@ -17,7 +17,8 @@ from typing import Any, Protocol
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
 from hitab_core import Agent, BehaviorLibrary, Repertoire, Use
-from hitab_core.example import Example, marked
+from hitab_core.default_example import marked
+from hitab_core.example import Example
 from hitab_core.training import (
     Curriculum,
     Question,
