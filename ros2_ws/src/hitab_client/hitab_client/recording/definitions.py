@@ -5,12 +5,10 @@ from __future__ import annotations
 import re
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
-from ament_index_python.packages import get_package_share_directory
-
 from hitab_client.errors import SwarmError
+from hitab_ros import share_folder
 
 _FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:\[[^\]]*\]|<=\d+)*\s+[A-Za-z]\w*")
 _BREAK = "=" * 80
@@ -69,7 +67,7 @@ def _text(name: str) -> str:
 
 def _file(package: str, folder: str, file: str) -> str:
     try:
-        return Path(get_package_share_directory(package), folder, file).read_text("utf-8")
+        return (share_folder(package) / folder / file).read_text("utf-8")
     except (LookupError, OSError):
         raise SwarmError(
             f"the ROS package {package} has no {folder}/{file} here, which a recording must "
