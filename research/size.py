@@ -31,10 +31,12 @@ COLUMNS = ("Python", "pages", "YAML", "tests", "test functions", "files")
 
 
 def git(*arguments: str) -> str:
+    """Return what a command of git prints."""
     return subprocess.run(["git", *arguments], capture_output=True, text=True, check=True).stdout
 
 
 def lines_of_code(source: str) -> int:
+    """Return the number of lines of code of a Python file."""
     left_out: set[int] = set()
     for node in ast.walk(ast.parse(source)):
         is_text = (
@@ -80,6 +82,7 @@ def count(revision: str) -> dict[str, Counter[str]]:
 
 
 def words(revision: str) -> int:
+    """Return the number of words of the pages in docs/."""
     pages = [
         p for p in git("ls-tree", "--name-only", revision, "docs/").split() if p[-3:] == ".md"
     ]
@@ -87,6 +90,7 @@ def words(revision: str) -> int:
 
 
 def main() -> None:
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("before", help="a revision, such as a tag")
     parser.add_argument("after", help="a later one")
@@ -103,7 +107,7 @@ def main() -> None:
             totals[f"new {column}"] += new[column]
     sums = [f"{totals[f'old {c}']:,} -> {totals[f'new {c}']:,}" for c in COLUMNS]
     table.add_row("sum", *sums, style="bold")
-    Console().print(table)
+    Console(width=140).print(table)
     print(f"words of docs/: {words(given.before):,} -> {words(given.after):,}")
 
 
