@@ -21,8 +21,7 @@ def declare_figures(node: Node, kind: type[Figures]) -> Figures:
 
     Args:
         node: the world's node.
-        kind: a dataclass whose fields all have defaults and whose construction raises a
-            ValueError, naming the figure, for an invalid value; see `hitab_world.parameters`.
+        kind: a dataclass whose fields all have defaults; see `hitab_world.parameters`.
 
     Raises:
         HitabError: for an invalid or unknown figure.
@@ -49,10 +48,7 @@ def declare_all_figures(node: Node, *kinds: type[Any]) -> tuple[Any, ...]:
         group, _, name = override.partition(".")
         if group == GROUP and name not in known:
             raise HitabError(f'this world has no parameter "{name}" {has(known, name)}')
-    try:
-        return tuple(kind(**one) for kind, one in zip(kinds, values, strict=True))
-    except ValueError as error:
-        raise HitabError(str(error)) from error
+    return tuple(kind(**one) for kind, one in zip(kinds, values, strict=True))
 
 
 def _declare(node: Node, figure: Field[Any]) -> Any:

@@ -22,10 +22,10 @@ from dataclasses import asdict, dataclass, fields
 from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
-from hitab_core import has
+from hitab_core import HitabError, has
 
 
-class ParameterError(ValueError):
+class ParameterError(HitabError, ValueError):
     """An invalid figure of a world; the message names the figure and its limit."""
 
 

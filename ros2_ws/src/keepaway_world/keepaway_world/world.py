@@ -23,8 +23,7 @@ from keepaway_world import action, referee
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import CYCLES_PER_SECOND, perceive
 from keepaway_world.physics import Mover, Physics
-from keepaway_world.reference.takers import ReferenceTakers
-from keepaway_world.takers import TakerTeam
+from keepaway_world.players import takers_of
 
 SNAPSHOT_VERSION = 2
 
@@ -49,6 +48,9 @@ class KeepawayWorld:
         parameters: of the game; the paper's by default.
         seed: of the run. Episode i draws from a generator seeded by both, so that it can be
             replayed by itself.
+
+    Raises:
+        ParameterError: if there are no takers as the parameters name them.
     """
 
     name = "keepaway"
@@ -67,11 +69,7 @@ class KeepawayWorld:
         self._random = Random()
         self._physics = Physics(parameters, self._random)
         self._referee = referee.Referee(parameters)
-        self._team = (
-            ReferenceTakers(self._physics)
-            if parameters.taker_policy == "reference"
-            else TakerTeam(parameters)
-        )
+        self._team = takers_of(self._physics)
         self._movers = {mover.name: mover for mover in self._physics.movers}
         self._keepers = {mover.name: mover for mover in self._physics.keepers}
         self.agents: tuple[str, ...] = tuple(self._keepers)
@@ -116,7 +114,7 @@ class KeepawayWorld:
             raise WorldError(
                 f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
             )
-        takers = self._team.decide(self._physics)  # from the state at the beginning of the cycle
+        takers = self._team.decide()  # from the state at the beginning of the cycle
         said, self.refused = self._perform(actions)
         self._perform_takers(takers)
         self._physics.advance()

@@ -81,7 +81,7 @@ class RcssWorld:
         """Clear everything known about the field."""
         self.size = self.parameters.width, self.parameters.height
         self._game = Game(self.parameters, self.agents, by_sight=self.server.percepts == SEE)
-        self._takers = TakerTeam(self.parameters)
+        self._takers = TakerTeam(self._game.field.physics)
         self._said: dict[str, str] = {}
         self._result: EpisodeResult | None = None
         self._held: dict[str, Place] = {}
@@ -199,7 +199,7 @@ class RcssWorld:
         if not self.server.our_takers:
             return {}
         physics = self._game.field.physics
-        orders = self._takers.decide(physics)
+        orders = self._takers.decide()
         return {
             taker.name: [command_of_order(order)]
             for taker, order in zip(physics.takers, orders, strict=True)

@@ -25,7 +25,7 @@ from hitab_bringup import (
     temporary_swarm,
     world_module,
 )
-from hitab_core import HitabError, LibraryError, Repertoire, has
+from hitab_core import LibraryError, Repertoire, has
 
 if TYPE_CHECKING:
     from hitab_client.console import Advance
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
-KEEPERS = (TRAINED, "hand", "rand", "hold")  # the others are reference policies
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
 PATIENCE_SECONDS = 30.0  # for a server to start to play
 CHUNK = 5  # episodes between progress updates, in-process
@@ -206,16 +205,13 @@ def reference_game(
         HitabError: if there is no such game.
     """
     from keepaway_world.parameters import variant
-    from keepaway_world.reference_keepers import reference_players
+    from keepaway_world.players import KEEPERS, offered
     from keepaway_world.world import KeepawayWorld
 
+    players = offered(KEEPERS, policy)
     defaults = {"taker_policy": "reference", "sight": "quantised"}
-    try:
-        figures = variant("standard", **{**defaults, **parameters})
-    except ValueError as error:
-        raise HitabError(str(error)) from None
-    world = KeepawayWorld(figures, seed)
-    return world, reference_players(world, policy)
+    world = KeepawayWorld(variant("standard", **{**defaults, **parameters}), seed)
+    return world, players(world)
 
 
 @dataclass(frozen=True)
@@ -300,28 +296,18 @@ def play_lockstep(
 
 @contextlib.contextmanager
 def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World]:
-    """Create a world in this process; report its refusals as user errors."""
-    from hitab_world import WorldError
+    """Create a world in this process."""
     from keepaway_world.parameters import KeepawayParameters
     from keepaway_world.rcss.rcss_world import RcssWorld
     from keepaway_world.rcss.server_settings import settings_from_dict
     from keepaway_world.world import KeepawayWorld
 
-    try:
-        if kind == RCSSSERVER:
-            server, figures = settings_from_dict(parameters)
-        else:
-            figures = KeepawayParameters.from_dict(parameters)
-    except ValueError as error:
-        raise HitabError(str(error)) from None
     if kind != RCSSSERVER:
-        yield KeepawayWorld(figures, seed)
+        yield KeepawayWorld(KeepawayParameters.from_dict(parameters), seed)
         return
+    server, figures = settings_from_dict(parameters)
     with contextlib.closing(RcssWorld(server, figures, seed, patience=PATIENCE_SECONDS)) as world:
-        try:
-            yield world
-        except WorldError as error:
-            raise HitabError(str(error)) from None
+        yield world
 
 
 def _play_inprocess(
