@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from hitab_core import has
 from hitab_world.parameters import ParameterError
-from keepaway_world.interception import Order
+from keepaway_world.action import Order
 from keepaway_world.physics import Physics
 from keepaway_world.takers import TakerTeam
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 
+from keepaway_world.action import Order
 from keepaway_world.angles import wrapped
-from keepaway_world.interception import FULL, Interceptor, Order, turn_by
+from keepaway_world.interception import FULL, Interceptor, turn_by
 from keepaway_world.kicking import kick_power
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import Mover, Physics

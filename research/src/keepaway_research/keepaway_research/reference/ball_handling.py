@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from keepaway_research.reference.prediction import FULL, Motion, Predictor
 from keepaway_research.reference.view import Seen
+from keepaway_world.action import Order
 from keepaway_world.angles import PI, wrapped
-from keepaway_world.interception import Order
 from keepaway_world.kicking import pass_speed
 
 SAFE_STOP = 0.8  # of the kicking range: a ball may stop within this

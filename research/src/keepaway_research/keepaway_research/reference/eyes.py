@@ -6,8 +6,8 @@ import cmath
 import math
 
 from keepaway_research.reference.view import Seen, View
+from keepaway_world.action import Order
 from keepaway_world.angles import wrapped
-from keepaway_world.interception import Order
 from keepaway_world.kicking import off_place
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import REBOUND, Mover, Physics

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from keepaway_research.reference.prediction import Motion, Predictor
 from keepaway_research.reference.reaching import HORIZON, NEVER
 from keepaway_research.reference.view import Seen
+from keepaway_world.action import Order
 from keepaway_world.angles import PI, wrapped
-from keepaway_world.interception import Order
 
 MORE = 20  # cycles after the first possible one to search for a better place
 SAFER = 3  # cycles by which a safer place may be later

@@ -20,7 +20,7 @@ from keepaway_research.reference.prediction import Predictor, as_sent
 from keepaway_research.reference.reaching import Reach
 from keepaway_research.reference.view import View
 from keepaway_world import action
-from keepaway_world.interception import Order
+from keepaway_world.action import Order
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.world import KeepawayWorld
 

@@ -11,7 +11,7 @@ from keepaway_research.reference.marking import AT_THE_BALL, mark, most_open
 from keepaway_research.reference.prediction import Motion, Predictor, as_sent
 from keepaway_research.reference.reaching import Reach
 from keepaway_research.reference.view import Seen, View
-from keepaway_world.interception import Order
+from keepaway_world.action import Order
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import Physics
 
