@@ -36,10 +36,12 @@ def test_features_of_all_are_those_of_each(keepers: int, takers: int) -> None:
     looked_at = set()
     for feature in DOMAIN.features.values():
         for target in DOMAIN.targets.values() if feature.parameters else [None]:
+            if target is not None and target.resolve_all is None:
+                continue  # read one by one
             use = Use(feature.name, (target.name,) if target else ())
             alone = [resolved(feature.read, body, DOMAIN, use)() for body in bodies]
             assert feature.read_all is not None
-            of_targets = [target.resolve_all(percepts)] if target and target.resolve_all else []
+            of_targets = [target.resolve_all(percepts)] if target else []
             together = feature.read_all(percepts, *of_targets)
             np.testing.assert_array_equal(together, alone, err_msg=str(use))
             looked_at.add(len(set(together)) > 1)

@@ -26,7 +26,7 @@ def lane_clearance(body: PredictiveBody, place: int) -> float:
 
     It is NaN if there is no such teammate and the box's diagonal if there are no takers.
     """
-    if place == NOBODY:
+    if place < 0:
         return NAN
     takers = [body.place_of(taker) for taker in body.takers]
     clear = clearance(body.place_of(BALL), body.place_of(place), takers)
