@@ -13,7 +13,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from hitab_core.automaton import FLAGS
-from hitab_core.caution import Caution, CautionMonitor, WhenUnsure
+from hitab_core.caution import CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
     FolderInUseError,
@@ -39,7 +39,7 @@ from hitab_core.repertoire_change import (
 )
 from hitab_core.running.live_features import Reading, live_features
 from hitab_core.running.observing import Observe
-from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
+from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.running.senses import Senses
 from hitab_core.saving import Saved, edition_with, to_be_saved
 from hitab_core.seeding import agent_seed
@@ -177,17 +177,6 @@ class Agent:
             running.raised.clear()
 
     @property
-    def performance(self) -> Running | None:
-        """What performs its top-level behavior; None in other modes."""
-        return self._performance if self.mode is Mode.PERFORMING else None
-
-    def hand_over(self, performance: Running) -> None:
-        """Let another object continue the top-level behavior from its current state."""
-        self._performance = performance
-        if self.top is not None:
-            self._performances[self.top] = performance
-
-    @property
     def _running(self) -> Running | None:
         if self.mode is Mode.IDLE:
             return None
@@ -252,18 +241,6 @@ class Agent:
                 self._performance.tick()
         elif self.mode is not Mode.IDLE and self.session is not None:
             self.session.tick()
-
-    def be_cautious(self, caution: Caution) -> None:
-        """Do something else than go on when it is unsure, from now on.
-
-        An agent of a host that decides in a batch begins its behavior anew, alone.
-        """
-        self.monitor.set(caution)
-        performance = self._performance
-        in_batch = performance is not None and not isinstance(performance, RunningAutomaton)
-        if self.mode is Mode.PERFORMING and self.top is not None and in_batch:
-            self._performances.clear()
-            self.perform(self.top)
 
     def _dares(self) -> bool:
         """Return whether to decide; halt or hand back if it is unsure."""

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind, Scale
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.gain_ratio import gain_and_ratio, two_way_gains
@@ -23,7 +23,6 @@ from hitab_core.learning.tree_growth import LEAST_FRACTION
 from hitab_core.learning.tree_nodes import Leaf, ThresholdNode, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors
 from hitab_core.repertoire import Repertoire
-from hitab_core.running.agent_batch import AgentBatch
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.running.senses import Senses
 from hitab_core.transition_function import HandWritten
@@ -198,27 +197,6 @@ def test_a_drawn_decision_has_the_distribution_that_is_predicted(
     assert tree.explain(asked, NAMES).distribution == pytest.approx(told)
 
 
-@settings(max_examples=60)
-@given(
-    TAUGHT,
-    st.lists(st.tuples(PATCHY, st.floats(0, 1, exclude_max=True)), min_size=1, max_size=12),
-    st.booleans(),
-)
-def test_many_decisions_at_once_are_the_same_as_one_by_one(
-    decide_batch: Any, taught: Any, asked: Any, most_probable: bool
-) -> None:
-    tree = learned(*zip(*taught, strict=True))
-    decide = tree.compile(range(4), STATES, most_probable=most_probable)
-    one_by_one = [decide([None] * 4, reading(values), lambda d=d: d) for values, d in asked]
-    at_once = decide_batch(tree, *zip(*asked, strict=True), STATES, most_probable=most_probable)
-    assert at_once.tolist() == one_by_one
-    if most_probable:
-        labels = [list(STATES)[choice] for choice in one_by_one]
-        for (values, _), label in zip(asked, labels, strict=True):
-            odds = tree.predict_proba([values])[0]
-            assert odds[tree.labels.index(label)] == odds.max()
-
-
 def test_a_decision_takes_one_draw_and_what_is_left_of_it_serves_on() -> None:
     tree = learned([[1, 1], [1, 5], [9, 1], [9, 1]], ["A", "B", "C", "C"], [CONTINUOUS] * 2)
     draws = []
@@ -296,7 +274,7 @@ def robot(required: bool = False) -> Domain:
 class Player:
     """An agent that performs one automaton."""
 
-    def __init__(self, function: Any, *, required: bool = False, batch: bool = False) -> None:
+    def __init__(self, function: Any, *, required: bool = False) -> None:
         domain = robot(required)
         automaton = Automaton(
             "T", tuple(map(Use, "ABC")), (Use("x"), Use("y")), {START: function, "A": function}
@@ -308,9 +286,6 @@ class Player:
             Repertoire(domain, {"T": automaton}), self.body, self.senses, self.random.random
         )
         self.running: Any = context.perform(Use("T"))
-        if batch:
-            percepts = BatchPercepts(np.zeros((1, 2)))
-            self.running = AgentBatch([context], Use("T"), percepts).members[0]
         self.running.start()
 
     def tick(self, *values: Any) -> str:
@@ -320,9 +295,8 @@ class Player:
         return str(self.running.active_path[0])
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one(batch: bool) -> None:
-    player = Player(learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2), batch=batch)
+def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one() -> None:
+    player = Player(learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2))
     assert player.senses.lacking() == []
     assert player.tick(NAN, 1.0) in ("A", "B")
     lacking = 'feature "x" has no value; check its sensor'
@@ -335,10 +309,9 @@ def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one(bat
     assert player.senses.lacking() == [], "nothing needs y"
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_without_a_required_value_nothing_is_decided(batch: bool) -> None:
+def test_without_a_required_value_nothing_is_decided() -> None:
     tree = learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2)
-    player = Player(tree, required=True, batch=batch)
+    player = Player(tree, required=True)
     with pytest.raises(FeatureValueError, match='feature "x" has no value') as refused:
         player.tick(NAN, 1.0)
     assert not isinstance(refused.value, NoValueError)
@@ -346,9 +319,8 @@ def test_without_a_required_value_nothing_is_decided(batch: bool) -> None:
     assert player.tick(1.0, 1.0) == "A"
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_a_hand_written_function_decides_nothing_without_a_value(batch: bool) -> None:
-    player = Player(HandWritten(lambda x: "A" if x < 5 else "B", (0,)), batch=batch)
+def test_a_hand_written_function_decides_nothing_without_a_value() -> None:
+    player = Player(HandWritten(lambda x: "A" if x < 5 else "B", (0,)))
     with pytest.raises(FeatureValueError, match='feature "x" has no value'):
         player.tick(NAN, 1.0)
     assert player.tick(1.0, 1.0) == "A"

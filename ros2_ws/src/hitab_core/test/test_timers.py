@@ -1,4 +1,4 @@
-"""The engine's timers, features of every automaton: alone, in batches and in training."""
+"""The engine's timers, features of every automaton: running and in training."""
 
 from __future__ import annotations
 
@@ -6,18 +6,14 @@ import random
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, Target
+from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
-from hitab_core.running.agent_batch import AgentBatch
 from hitab_core.running.live_features import live_features
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.running.senses import Senses
@@ -251,71 +247,6 @@ def test_a_command_sees_a_flag_for_the_timers() -> None:
     player.context.clock.now += 1.0
     player.context.senses.forget()
     assert running.peek_features() == [1.0]
-
-
-# In batches -------------------------------------------------------------------------------------
-
-
-@settings(max_examples=30)
-@given(st.integers(0, 2**32), st.booleans())
-def test_a_batch_times_what_its_members_would_alone(seed: int, keep_flags: bool) -> None:
-    rng = random.Random(seed)
-    features = [IN_STATE, SINCE_DONE, SINCE_FAILED, Use("X"), *(map(Use, FLAGS[:keep_flags]))]
-    limits = {state: rng.choice([0.3, 0.6, 1.0]) for state in "abcd"}
-
-    def child(state: float, done: float, failed: float, x: float, *flags: float) -> str:
-        if x > 0.7:
-            return "Failed"
-        return "Done" if state > limits["a"] else "Wait" if done < limits["b"] else "Go"
-
-    def parent(state: float, done: float, failed: float, x: float, *flags: float) -> str:
-        if done < limits["c"] and state > limits["a"]:
-            return "Go"
-        return "Child" if failed > limits["d"] or x < 0.5 else "Wait"
-
-    names = (START, "Wait", "Go")
-    inner = hand("Child", features, **dict.fromkeys(names, child))
-    outer = hand("T", features, **dict.fromkeys((*names, "Child"), parent))
-    alone = [Player(inner, outer) for _ in range(5)]
-    together = [Player(inner, outer) for _ in range(5)]
-
-    def in_a_batch() -> Any:
-        percepts = BatchPercepts(np.zeros((5, 1)))
-        return AgentBatch([player.context for player in together], Use("T"), percepts)
-
-    batch = in_a_batch()
-    for player, member in zip(together, batch.members, strict=True):
-        player.running = member
-        member.start()
-    for cycle in range(14):
-        if cycle == 7:
-            conditions = [player.running.condition() for player in alone]
-            assert [levels for levels, _ in conditions] == [
-                member.condition()[0] for member in batch.members
-            ]
-            batch = in_a_batch()
-            for player, member, (levels, _) in zip(
-                together, batch.members, conditions, strict=True
-            ):
-                member.go_on_from((levels, player.running.condition()[1]))
-                player.running = member
-        batch.forget()
-        for row, (one, other) in enumerate(zip(alone, together, strict=True)):
-            x, step = rng.random(), rng.choice([0.1, 0.25, 0.5])
-            for player in (one, other):
-                player.context.clock.now += step
-                player.body.values = [x]
-                player.context.senses.forget()
-            if (cycle + row) % 6 == 5:
-                for player in (one, other):
-                    player.running.stop()
-                    player.running.start()
-        batch.decide(np.array([row for row in range(5) if rng.random() < 0.8], np.int64))
-        for one, other in zip(alone, together, strict=True):
-            one.running.tick()
-            other.running.tick()
-            assert other.running.active_path == one.running.active_path
-            assert other.now() == one.now()
 
 
 # Words ------------------------------------------------------------------------------------------

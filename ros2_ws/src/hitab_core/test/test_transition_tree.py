@@ -428,24 +428,6 @@ def test_the_compiled_decision_draws_from_the_distribution_that_is_predicted(exa
     assert set(drawn) == {label for label, p in odds.items() if p > 0}
 
 
-@given(
-    taught,
-    st.lists(st.tuples(st.one_of(queries, value_rows), draw), min_size=1, max_size=20),
-    st.integers(0, 3),
-    st.booleans(),
-)
-def test_many_decisions_at_once_are_the_same_as_one_by_one(
-    decide_batch, examples, asked, max_depth, most_probable
-):
-    tree = learned(examples, max_depth=max_depth)
-    states = {"Start": 0, "Stop": 1, "GoSlow": 2, "GoFast": 3}
-    decide = tree.compile(range(4), states, most_probable=most_probable)
-    one_by_one = [decide(list(values), no_reading, lambda d=d: d) for values, d in asked]
-    X, draws = zip(*asked, strict=True)
-    at_once = decide_batch(tree, X, draws, states, most_probable=most_probable)
-    assert at_once.tolist() == one_by_one
-
-
 @given(taught, st.one_of(queries, value_rows))
 def test_the_explanation_the_prediction_and_the_decision_agree(examples, query):
     tree = learned(examples, max_depth=3)
@@ -459,13 +441,11 @@ def test_the_explanation_the_prediction_and_the_decision_agree(examples, query):
     assert set(explained.features) <= set(tree.features_used)
 
 
-def test_states_are_drawn_in_the_order_of_their_indices_however_they_are_called(decide_batch):
+def test_states_are_drawn_in_the_order_of_their_indices_however_they_are_called():
     tree = TransitionTree([]).fit(np.empty((4, 0)), ["A", "B", "B", "B"])
     states = {"B": 1, "A": 5}
     decide = tree.compile([], states)
     assert [decide([], None, lambda d=d: d) for d in (0, 0.74, 0.75, 0.99)] == [1, 1, 5, 5]
-    assert decide_batch(tree, np.empty((2, 0)), [0.74, 0.75], states).tolist() == [1, 5]
-    assert decide_batch(tree, np.empty((2, 0)), [0.24, 0.25]).tolist() == [0, 1]
 
 
 def test_of_equally_probable_states_the_most_probable_is_the_one_with_the_lowest_index():
@@ -506,25 +486,23 @@ def test_a_feature_of_the_automaton_that_the_tree_does_not_use_is_not_among_thos
     assert tree.features_used == (1,)
 
 
-def test_a_state_that_the_automaton_does_not_have_is_refused_by_name(decide_batch):
+def test_a_state_that_the_automaton_does_not_have_is_refused_by_name():
     tree = TransitionTree().fit([[1], [2]], ["Stop", "GoFast"])
     with pytest.raises(VocabularyError, match=r'"GoFast".*\(known: Stop\)'):
         tree.compile([0], {"Stop": 0})
-    with pytest.raises(VocabularyError, match=r'"GoFast".*\(known: Stop\)'):
-        decide_batch(tree, [[1]], [0.5], {"Stop": 0})
 
 
 # What is refused
 
 
 @pytest.mark.parametrize("bad", [math.inf, -math.inf])
-def test_infinite_values_are_refused_by_the_name_of_the_feature(bad, decide_batch):
+def test_infinite_values_are_refused_by_the_name_of_the_feature(bad):
     tree = TransitionTree(feature_names=["DistanceTo(ball)", "Speed"])
     wanted = r'feature 1 "Speed" has value -?inf in row 1, which is not finite'
     with pytest.raises(FeatureValueError, match=wanted):
         tree.fit([[1, 2], [1, bad]], ["Stop", "GoFast"])
     tree.fit([[1, 2], [1, 3]], ["Stop", "GoFast"])
-    for use in (tree.predict, tree.predict_proba, lambda X: decide_batch(tree, X, [0.1, 0.2])):
+    for use in (tree.predict, tree.predict_proba):
         with pytest.raises(FeatureValueError, match=wanted):
             use([[1, 2], [1, bad]])
     with pytest.raises(FeatureValueError, match='feature 1 "v"'):

@@ -22,16 +22,9 @@ from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import VocabularyError
 from hitab_core.learning import tree_text
 from hitab_core.learning.boundaries import on_circle
-from hitab_core.learning.compiled_tree import (
-    Compiled,
-    MatrixColumns,
-    compiled,
-    decider,
-    ends,
-    leaf_choice,
-)
+from hitab_core.learning.compiled_tree import compiled, decider, leaf_choice
 from hitab_core.learning.feature_values import check_scales, feature_values
-from hitab_core.learning.missing_values import Likely, distribution_at, likely_state
+from hitab_core.learning.missing_values import distribution_at, likely_state
 from hitab_core.learning.splits import Choose, choose_split
 from hitab_core.learning.tree_growth import grow
 from hitab_core.learning.tree_nodes import Leaf, Node, ThresholdNode, described, fold, nodes
@@ -237,16 +230,9 @@ class TransitionTree:
             FeatureValueError: as `fit`.
         """
         root = self._fitted()
-        values = feature_values(X, self.scales_, self.feature_names, may_miss=True)
-        probabilities = np.empty((len(values), len(self.classes_)))
-        tree = compiled(root, range(self.n_features_in_), np.array)
-
-        def mixed(row: int) -> Floats:
-            return np.array(distribution_at(root, values[row].tolist().__getitem__))
-
-        for ending in ends(tree, MatrixColumns(values), np.arange(len(values)), np.zeros, mixed):
-            probabilities[ending.rows] = ending.leaf / ending.leaf.sum()
-        return probabilities
+        values = feature_values(X, self.scales_, self.feature_names, may_miss=True).tolist()
+        odds = [distribution_at(root, row.__getitem__) for row in values]
+        return np.array(odds, np.float64).reshape(len(values), len(self.classes_))
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
         """Return the most probable class; on a tie, the first in ``classes_``.
@@ -272,19 +258,6 @@ class TransitionTree:
         Raises:
             VocabularyError: if the tree leads to a state that is not in ``states``.
         """
-        return decider(*self.compile_batch(slots, states, most_probable=most_probable))
-
-    def compile_batch(
-        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
-    ) -> tuple[Compiled, Likely | None]:
-        """Return the tree in the form of `compiled_tree.ends`, for many agents; see `compile`.
-
-        Returns:
-            The tree, and what decides where a value is missing; None: the draw does.
-
-        Raises:
-            VocabularyError: if the tree leads to a state that is not in ``states``.
-        """
         root = self._fitted()
         for label in self.labels:
             if label not in states:
@@ -295,7 +268,7 @@ class TransitionTree:
         tree = compiled(
             root, slots, lambda counts: leaf_choice(counts, indices, most_probable=most_probable)
         )
-        return tree, likely_state(root, slots, indices) if most_probable else None
+        return decider(tree, likely_state(root, slots, indices) if most_probable else None)
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
         """Explain the decision for a full feature vector; ``names`` name its features.
