@@ -101,7 +101,8 @@ def test_what_is_not_there_or_not_saved_cannot_be_sent(
 ) -> None:
     with pytest.raises(LibraryError, match='"Dance" cannot be sent: unknown behavior "Dance"'):
         make_bundle(library, repertoire, "Dance")
-    repertoire.add(teach("New", [], [("Start", [], "Keepaway")]))
+    new = teach("New", [], [("Start", [], "Keepaway")])
+    repertoire = Repertoire(repertoire.domain, {**repertoire.automata, "New": new})
     with pytest.raises(LibraryError, match=r'"New" has no file .*; save it first'):
         make_bundle(library, repertoire, "New")
 

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from hitab_core.agent import Agent
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.hierarchy import circle_among, circular, in_order
 from hitab_core.learning.memo import LearningMemo
@@ -24,7 +23,6 @@ from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.check import misfits
-from hitab_core.repertoire import Repertoire
 from hitab_core.saving import to_be_saved
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
@@ -144,22 +142,6 @@ def test_circles_groups_and_orders_are_those_of_the_definition(
         assert sorted(order) == sorted(set(graph) | {u for n in graph for u in graph[n]})
         for place, name in enumerate(order):
             assert uses(name) <= set(order[:place])
-
-
-def test_an_automaton_that_cannot_be_added_leaves_the_repertoire_as_it_was() -> None:
-    repertoire = Repertoire(DOMAIN, lattice(3))
-    before = dict(repertoire.automata)
-    with pytest.raises(VocabularyError, match=r"recursive automaton: A0 -> A2 -> .* -> A0"):
-        repertoire.add(Automaton("A0", (Use("A2"),), (), {}))
-    with pytest.raises(VocabularyError, match='behavior "A0" takes 1 target'):
-        repertoire.add(Automaton("A0", (Use("Left"),), (), {}, ("G",)))
-    assert dict(repertoire.automata) == before
-    repertoire.check_state(Use("A0"))
-    repertoire.discard("A2")
-    assert "A2" not in repertoire
-    with pytest.raises(VocabularyError, match='unknown behavior "A2"'):
-        repertoire.check_state(Use("A2"))
-    repertoire.add(Automaton("A0", (Use("Left"),), (), {}))
 
 
 # Learning ---------------------------------------------------------------------------------------

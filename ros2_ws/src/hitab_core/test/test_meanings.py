@@ -89,9 +89,7 @@ class Agent:
 
     def __init__(self, *automata, seed=1, most_probable=False):
         self.body = Recorder()
-        self.repertoire = Repertoire(DOMAIN)
-        for made in automata:
-            self.repertoire.add(made)
+        self.repertoire = Repertoire(DOMAIN, {made.name: made for made in automata})
         self.senses = Senses(self.body, DOMAIN)
         draw = random.Random(seed).random
         self.context = RunContext(self.repertoire, self.body, self.senses, draw, most_probable)
@@ -128,11 +126,9 @@ def test_exactly_one_state_is_active_in_each_automaton():
 
 
 def test_an_automaton_that_uses_itself_through_others_is_refused():
-    agent = Agent(automaton("Low", ["A"], {START: lambda x: "A"}))
-    agent.repertoire.add(automaton("High", ["Low"], {START: lambda x: "Low"}))
+    high = automaton("High", ["Low"], {START: lambda x: "Low"})
     with pytest.raises(VocabularyError, match="recursive"):
-        agent.repertoire.add(automaton("Low", ["High"], {START: lambda x: "High"}))
-    assert agent.repertoire.automata["Low"].labels == ("A",), "the earlier one must stay"
+        Agent(high, automaton("Low", ["High"], {START: lambda x: "High"}))
 
 
 def test_training_an_automaton_refuses_itself_and_what_uses_it_as_a_state():
@@ -505,7 +501,7 @@ def test_an_automaton_with_parameters_is_trained_with_them_bound_to_targets():
     session.tick()
     assert agent.log() == ["start GoTo(y)", "pulse GoTo(y)"]
     assert session.examples[0].features == (3.0,)
-    agent.repertoire.add(session.automaton())
+    agent = Agent(session.automaton())
     agent.perform("T(x)").tick()
     assert agent.log() == ["start GoTo(x)", "pulse GoTo(x)"]
 
