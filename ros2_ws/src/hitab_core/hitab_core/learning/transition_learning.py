@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from copy import copy
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -65,24 +64,6 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
             raise TrainingError(f'"{spec}" cannot learn: {error}') from error
 
     return learn_tree
-
-
-def earlier(classifier: str) -> list[str]:
-    """Return what a classifier of a file meant in earlier versions, the latest first.
-
-    Before trees looked ahead, default examples reached around circles at first.
-
-    Raises:
-        VocabularyError: if the text does not name a classifier.
-    """
-    spec = ClassifierSpec.parse(classifier)
-    if spec.name != TREE:
-        return []
-    meant: list[dict[str, Any]] = [
-        {"look_ahead": False},
-        {"look_ahead": False, "all_around": True},
-    ]
-    return [str(ClassifierSpec(TREE, {**arguments, **spec.arguments})) for arguments in meant]
 
 
 def learn_transitions(

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from hitab_core.automaton import RESERVED
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import file_name
-from hitab_core.library.behavior_schema import SUFFIX
+from hitab_core.library.behavior_file import SUFFIX, file_name
 from hitab_core.library.commit import announce, commit, finish, is_unfinished, pending
 from hitab_core.library.durable_files import PATIENCE, file_errors, locked, make_folder
 from hitab_core.library.yaml_places import read_text, text_in

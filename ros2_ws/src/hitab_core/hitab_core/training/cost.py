@@ -55,10 +55,8 @@ class TrainingCost:
     finished: bool
 
 
-def training_cost(
-    records: Iterable[Mapping[str, Any]], now: float | None = None
-) -> TrainingCost | None:
-    """Return what a training cost; None if its journal is from before these were counted.
+def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None) -> TrainingCost:
+    """Return what a training cost.
 
     Args:
         records: of its journal, all of them.
@@ -68,8 +66,6 @@ def training_cost(
         TrainingError, KeyError, TypeError, ValueError: if they are no journal.
     """
     begin, *lines = records
-    if "at" not in begin:
-        return None
     rest = [record for record in lines if record["do"] != RESUMED]
     log = ExampleLog(map(example_of, begin["examples"]))
     told: list[str] = []
