@@ -175,7 +175,7 @@ class _Reader:
             )
         if name in RESERVED or name in domain.behaviors:
             self._complain(
-                f'"{name}" is reserved, or a basic behavior of domain "{domain.name}"; '
+                f'"{name}" is a basic behavior of domain "{domain.name}", or reserved; '
                 "choose another name",
                 "name",
             )
