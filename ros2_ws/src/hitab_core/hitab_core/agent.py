@@ -37,7 +37,6 @@ from hitab_core.repertoire_change import (
     check_performable,
     prepare,
 )
-from hitab_core.running.live_features import Reading, live_features
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.running.senses import Senses
@@ -144,7 +143,7 @@ class Agent:
     @property
     def active_path(self) -> list[str]:
         """Labels of the active states, outermost first."""
-        running = self._running
+        running = self.running
         return running.active_path if running is not None else []
 
     @property
@@ -167,17 +166,18 @@ class Agent:
     @property
     def raised(self) -> frozenset[str]:
         """The flags that the top-level behavior has raised and that are still up."""
-        running = self._running
+        running = self.running
         return frozenset() if running is None else frozenset(running.raised)
 
     def lower_flags(self) -> None:
         """Lower the flags of the top-level behavior, as a commander's new order does."""
-        running = self._running
+        running = self.running
         if running is not None:
             running.raised.clear()
 
     @property
-    def _running(self) -> Running | None:
+    def running(self) -> Running | None:
+        """What it performs, its training included; None: nothing."""
         if self.mode is Mode.IDLE:
             return None
         if self.mode is Mode.PERFORMING or self.session is None:
@@ -214,10 +214,6 @@ class Agent:
         if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
             self.session.perceived(cycle, time, jumped=jumped)
 
-    def live_features(self, also: Sequence[Use] = ()) -> list[Reading]:
-        """Return what the agent perceives now; see `live_features`."""
-        return live_features(self._running, self.context, also)
-
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
         self._episode_since = self.cycle
@@ -248,11 +244,11 @@ class Agent:
             return True
         session = self.session if self.mode is Mode.TESTING else None
         trained = () if session is None else session.examples
-        if self.monitor.is_sure(self._running, self.context, trained):
+        if self.monitor.is_sure(self.running, self.context, trained):
             self.monitor.release()
             return True
         if self.monitor.caution.when_unsure is WhenUnsure.HALT:
-            self.monitor.halt(self._running)
+            self.monitor.halt(self.running)
         elif session is not None:
             self.take_over()
         else:
@@ -319,7 +315,7 @@ class Agent:
 
     def _stop(self) -> None:
         self.monitor.forget()
-        running = self._running
+        running = self.running
         if running is not None:
             running.stop()
 
@@ -373,7 +369,7 @@ class Agent:
             use: what to perform, or a flag.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
             seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
-            request: who commands it and with which number; see `requests`.
+            request: who commands it and with which number.
 
         Raises:
             TrainingError: if the agent is not in training mode, or if the demonstrator saw an
@@ -387,13 +383,16 @@ class Agent:
                 f'goes on with "{self.training}", and then it takes commands'
             )
         if self.mode is Mode.TESTING:
-            raise TrainingError(f"{session.is_tested} (`hitab train {self.name}`)")
+            raise TrainingError(
+                f'"{self.training}" is being tested; go to training mode to take over before '
+                f"commanding (`hitab train {self.name}`)"
+            )
         if 0 < seen < self._episode_since:
             raise TrainingError(
                 f"the command was for cycle {seen}, but a new episode has begun in cycle "
                 f"{self._episode_since}; command what is right in the new episode"
             )
-        if not session.has_perceived and 0.0 <= ago <= KEPT_SECONDS:
+        if session.perception.moments.latest is None and 0.0 <= ago <= KEPT_SECONDS:
             ago, seen = 0.0, 0  # nothing has changed since the training began
         if self.awaits_percept:
             self.context.senses.check_perceived()
@@ -405,11 +404,6 @@ class Agent:
         """Whether a command has to wait for the first percept, which its examples need."""
         chosen = () if self.session is None else self.session.curriculum.features
         return not self.context.senses.perceived and any(f.name not in FLAGS for f in chosen)
-
-    @property
-    def requests(self) -> Sequence[Request]:
-        """The latest numbered commands of the training under way, before a crash too."""
-        return () if self.session is None else tuple(self.session.requests)
 
     def test(self, *, restart: bool = False) -> None:
         """Learn from the examples and give control to what was learned.

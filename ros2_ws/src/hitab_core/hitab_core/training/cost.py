@@ -13,7 +13,6 @@ from typing import Any
 
 from hitab_core.example_codec import example_of
 from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.training_record import prepared
 from hitab_core.training.undo import Edit
 
 RESUMED = "resume"
@@ -72,7 +71,7 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
     for record in rest:
         told.append(str(record["do"]))
         # What was retimed, or learned from other features, is as many examples as before.
-        edit = Edit() if told[-1] in ("retime", "features") else prepared(log, record)
+        edit = Edit() if told[-1] in ("retime", "features") else log.prepared(record)
         if edit is not None:
             log.make(edit)
     walls = [[float(begin["at"])]]

@@ -23,7 +23,6 @@ from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
-from hitab_core.training.training_record import prepared
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -194,11 +193,6 @@ class TrainingSession:
         if not self._left:
             self.perception.keep(self.running, cycle, time, jumped=jumped)
 
-    @property
-    def has_perceived(self) -> bool:
-        """Whether anything is known of what was before a command."""
-        return self.perception.moments.latest is not None
-
     def check_on(self, context: RunContext) -> None:
         """Check that the training could continue with another repertoire.
 
@@ -237,14 +231,6 @@ class TrainingSession:
         if self.testing:
             self.running.set_transitions(self.automaton().transitions)
 
-    @property
-    def is_tested(self) -> str:
-        """Why a command is refused while testing."""
-        return (
-            f'"{self.curriculum.name}" is being tested; go to training mode to take over before '
-            "commanding"
-        )
-
     def command(
         self,
         state: Use,
@@ -277,7 +263,10 @@ class TrainingSession:
             FeatureValueError: if no feature had a value, or one was infinite.
         """
         if self.testing:
-            raise TrainingError(self.is_tested)
+            raise TrainingError(
+                f'"{self.curriculum.name}" is being tested; go to training mode to take over '
+                "before commanding"
+            )
         try:
             taught = self._record(state, cycle, ago, seen, request)
             self.note = ""
@@ -490,7 +479,7 @@ class TrainingSession:
             case "features":
                 features = tuple(map(Use.parse, record["features"]))
                 return exchange(self.log, self.curriculum, features, self.readable)
-        return prepared(self.log, record)
+        return self.log.prepared(record)
 
     def _check_features(self, features: Sequence[Use]) -> None:
         chosen = replace(self.curriculum, features=tuple(features))
