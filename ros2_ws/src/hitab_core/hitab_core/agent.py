@@ -9,8 +9,10 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
+from typing import NamedTuple
 
 from hitab_core.automaton import FLAGS
 from hitab_core.caution import CautionMonitor, WhenUnsure
@@ -30,13 +32,6 @@ from hitab_core.library.contents import Losses
 from hitab_core.library.edition import Edition
 from hitab_core.library.provenance import Provenance
 from hitab_core.repertoire import Repertoire
-from hitab_core.repertoire_change import (
-    Prepared,
-    check_change,
-    check_nothing_lost,
-    check_performable,
-    prepare,
-)
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.running.senses import Senses
@@ -58,6 +53,15 @@ class Mode(StrEnum):
     PERFORMING = "performing"
     TRAINING = "training"
     TESTING = "testing"
+
+
+class _State(NamedTuple):
+    """What an agent switches to: an edition, its context, and what it performs, not started."""
+
+    edition: Edition
+    context: RunContext
+    use: Use | None
+    performance: Running | None
 
 
 class Agent:
@@ -309,7 +313,7 @@ class Agent:
         """Return the performer of a behavior, cached because orders repeat."""
         performance = self._performances.get(use)
         if performance is None:
-            check_performable(self.repertoire, use)
+            self.repertoire.check_performable(use)
             performance = self._performances[use] = self.context.perform(use)
         return performance
 
@@ -469,9 +473,9 @@ class Agent:
             saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
             edition = edition_with(saved, change, self.library, self.edition)
             try:
-                state = prepare(self.context, edition, then, None)
+                state = self._state(edition, then)
             except VocabularyError as error:
-                state = prepare(self.context, edition, None, None)
+                state = self._state(edition, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
             self.journal.saved(saved.name, saved.checksum)
@@ -545,7 +549,7 @@ class Agent:
         files = read_bundle(bundle, self.library.editions)
         with self.library.change() as change:
             edition = plan_bundle(change, bundle)
-            state = self._prepared_for(edition, start)
+            state = self._state(edition, self.check_fit(edition, start))
             change.commit()
         self._swap(state, self.library)
         return digest_in(edition, files)
@@ -566,7 +570,8 @@ class Agent:
         Raises:
             VocabularyError: if the active behavior or training does not fit; nothing has changed.
         """
-        return self._swap(self._prepared_for(edition, start), library or self.library)
+        state = self._state(edition, self.check_fit(edition, start))
+        return self._swap(state, library or self.library)
 
     def check_fit(self, edition: Edition, start: Use | None = None) -> Use | None:
         """Check that the active behavior, or ``start``, and the training fit an edition.
@@ -580,21 +585,47 @@ class Agent:
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
         if use is None and self.mode is Mode.IDLE and self.awaited is not None:
             with suppress(VocabularyError):
-                check_performable(edition.repertoire, self.awaited)
+                edition.repertoire.check_performable(self.awaited)
                 use = self.awaited
+        losses = edition.losses
+        gone = sorted(losses.reasons.keys() & self.edition.files.keys())
+        kept = f"{self.name} keeps what it knew:"
+        if gone:
+            raise LostBehaviorError(
+                f"{kept} {', '.join(gone)} would be lost: {'; '.join(losses.faults)}"
+            )
         try:
-            check_nothing_lost(self.edition, edition)
-            check_change(self.context, edition, use, self.session)
+            if use is not None:
+                edition.repertoire.check_performable(use)
         except VocabularyError as error:
-            raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
+            raise VocabularyError(
+                f'{kept} it could no longer perform "{use}": {error}; have it perform something '
+                "else first, or nothing"
+            ) from None
+        try:
+            if self.session is not None:
+                self.session.check_on(edition.repertoire)
+        except VocabularyError as error:
+            raise VocabularyError(
+                f'{kept} the training of "{self.training}" could not continue: {error}; '
+                "save it or discard it first"
+            ) from None
         return use
 
-    def _prepared_for(self, edition: Edition, start: Use | None) -> Prepared:
-        use = self.check_fit(edition, start)
-        return prepare(self.context, edition, use, self.session)
+    def _state(self, edition: Edition, use: Use | None) -> _State:
+        """Return what the agent switches to; so far nothing is changed.
+
+        Raises:
+            VocabularyError: if it cannot be performed.
+        """
+        context = replace(self.context, repertoire=edition.repertoire)
+        if use is None:
+            return _State(edition, context, None, None)
+        edition.repertoire.check_performable(use)
+        return _State(edition, context, use, context.perform(use))
 
     def _swap(
-        self, state: Prepared, library: BehaviorLibrary, *, ends_training: bool = False
+        self, state: _State, library: BehaviorLibrary, *, ends_training: bool = False
     ) -> list[str]:
         """Switch to a prepared state. It is on disk already, so this must not fail."""
         notes = []

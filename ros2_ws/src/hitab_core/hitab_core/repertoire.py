@@ -134,6 +134,15 @@ class Repertoire:
         self._refuse_lost(use.name)
         self.domain.check_use(use, self._parameters, parameters, what="behavior")
 
+    def check_performable(self, use: Use) -> None:
+        """Check that a behavior can be the top-level one.
+
+        Raises:
+            VocabularyError: if there is no such behavior or target.
+        """
+        self.get(use.name)
+        self.check_state(use)
+
     def check_feature(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
         """Check that ``use`` can be a feature of an automaton with these parameters.
 

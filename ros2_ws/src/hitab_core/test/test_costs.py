@@ -8,7 +8,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -18,7 +17,6 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.example import Example
 from hitab_core.hierarchy import circle_among, in_order
-from hitab_core.learning.memo import LearningMemo
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -189,30 +187,5 @@ def test_what_is_learned_again_from_the_same_tells_the_names_that_were_asked_for
     (other,) = learn_transitions(examples, scales, names=["Distance"]).values()
     assert isinstance(named, TransitionTree)
     assert isinstance(other, TransitionTree)
-    assert (named.feature_names, other.feature_names) == (["Speed"], ["Distance"])
+    assert (named.feature_names, other.feature_names) == (("Speed",), ("Distance",))
     assert named.digest() == other.digest()
-
-
-@pytest.mark.parametrize(
-    "other",
-    [
-        {"classifier": "tree(max_depth=1)"},
-        {"X": [[1.0], [3.0]]},
-        {"y": ["A", "C"]},
-        {"default": [False, True]},
-    ],
-)
-def test_what_differs_is_learned_by_itself(other: dict[str, Any]) -> None:
-    memo = LearningMemo()
-    calls: list[int] = []
-
-    def learns() -> Any:
-        calls.append(1)
-        return TransitionTree().fit([[0.0]], ["A"])
-
-    given_ = {"classifier": "tree", "X": [[1.0], [2.0]], "y": ["A", "B"], "default": [False] * 2}
-    for what in (given_, given_, given_ | other):
-        memo.learned(
-            what["classifier"], [], np.array(what["X"]), what["y"], what["default"], learns
-        )
-    assert len(calls) == 2

@@ -159,8 +159,8 @@ def test_pessimistic_errors_of_parts_lie_between_those_of_whole_errors() -> None
 def test_the_digest_has_parts_exactly() -> None:
     rows = [[1], [2], [9], [NAN]]
     one = learned(rows, ["A", "A", "B", "B"], [CONTINUOUS])
-    assert one.to_dict()["root"]["branches"][0]["counts"] == [(2.0).hex(), (2 / 3).hex()]
-    assert one.to_dict()["root"]["counts"] == [2, 2]
+    assert one.root_.branches[0].counts == (2.0, 2 / 3)
+    assert one.root_.counts == (2, 2)
     assert one.digest() != learned([*rows, [NAN]], [*"AABBB"], [CONTINUOUS]).digest()
 
 

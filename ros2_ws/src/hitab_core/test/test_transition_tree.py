@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from sklearn.base import clone
 from sklearn.tree import DecisionTreeClassifier
 
 from hitab_core.domain import FeatureKind, Scale
@@ -214,7 +213,7 @@ def test_a_tree_as_deep_as_it_has_examples_is_learned_read_and_run():
     assert tree.predict(X).tolist() == y
     assert len(tree.rules(["x"])) == 1500
     assert len(tree.digest()) == 64
-    assert tree.to_dict()["root"]["counts"] == [750, 750]
+    assert tree.root_.counts == (750, 750)
 
 
 # Zero may be put anywhere
@@ -383,16 +382,6 @@ def test_the_scikit_learn_form_learns_the_same_tree():
     tree = TransitionTree([DEGREES]).fit(X, y, default)
     theirs = TransitionTreeClassifier([DEGREES]).fit(X, y, default)
     assert theirs.tree_.digest() == tree.digest()
-
-
-def test_the_tree_itself_takes_parameters_as_scikit_learns_estimators_do():
-    tree = TransitionTree(MIXED, max_depth=3)
-    assert tree.get_params()["max_depth"] == 3
-    assert clone(tree).get_params() == tree.get_params()
-    assert tree.set_params(prune=True, max_depth=None) is tree
-    assert repr(tree.set_params(scales=None)) == "TransitionTree(prune=True)"
-    with pytest.raises(ValueError, match=r'no parameter "depth".*max_depth'):
-        tree.set_params(depth=3)
 
 
 def test_learning_and_running_a_tree_imports_no_scikit_learn():
@@ -700,13 +689,6 @@ def test_the_digest_differs_if_a_label_a_count_or_a_feature_does():
         )
     }
     assert len(digests) == 5
-
-
-def test_plain_data_holds_the_whole_tree_exactly():
-    plain = TransitionTree().fit([[0.1], [0.2]], ["A", "B"]).to_dict()
-    assert plain["classes"] == ["A", "B"]
-    assert float.fromhex(plain["root"]["threshold"]) == (0.1 + 0.2) / 2
-    assert [branch["counts"] for branch in plain["root"]["branches"]] == [[1, 0], [0, 1]]
 
 
 # Pruning

@@ -164,19 +164,6 @@ def test_thresholds_that_waver_by_15_percent_are_no_mistakes():
     assert sorted(lost)[len(lost) // 2] == 0
 
 
-def test_a_command_put_right_in_the_state_that_it_led_to_is_a_mistake():
-    wrong = [
-        *shown(((2.0,), "Stop"), ((2.2,), "Stop"), ((2.1,), "Pass"), ((9.0,), "GoFast")),
-        Example("Pass", (2.1,), "Pass", ExampleKind.DEFAULT, 5, 3),
-        Example("Pass", (9.0,), "Pass", ExampleKind.DEFAULT, 6, 7),
-    ]
-    told = [Correction("Pass", (2.1,), "Pass", "Stop")]
-    (proposal,) = propose(wrong, [METERS], told)
-    assert (proposal.kind, proposal.state) == (ProposalKind.MISTAKE, "GoMedium")
-    assert (proposal.examples, proposal.instead) == ((3, 5), "Stop")
-    assert "you put Pass (example 3) right afterwards, with Stop" in proposal.evidence[0]
-
-
 def test_without_a_correction_only_what_all_near_examples_contradict_is_suspicious():
     slow = [((1.0 + 0.1 * i,), "GoSlow") for i in range(6)]
     fast = [((6.0 + 0.1 * i,), "GoFast") for i in range(6)]

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from copy import copy
-from functools import partial
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +14,6 @@ from hitab_core.example import Example
 from hitab_core.learning.classifier_replacement import classifier_maker, learn_replacement
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
-from hitab_core.learning.memo import LearningMemo
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.vocabulary import has
@@ -23,9 +21,8 @@ from hitab_core.wording import quantity
 
 TREE = "tree"
 
-_MEMO = LearningMemo()
-"""Shared by the process; affects only how long learning takes."""
-
+KEPT = 256
+"""How many functions are kept: saving learns from the same examples several times."""
 
 Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
 """``learn(X, y, default)`` learns from the examples of one state."""
@@ -74,8 +71,7 @@ def learn_transitions(
 ) -> dict[str, LearnedTransition]:
     """Learn a transition function for each state that has examples, in order of appearance.
 
-    Learning from equal examples returns the same object, so do not modify it; see
-    `hitab_core.learning.memo`.
+    Learning from equal examples returns the same object, so do not modify it.
 
     Args:
         examples: of any states.
@@ -96,7 +92,7 @@ def learn_transitions(
         >>> {state: function.labels for state, function in functions.items()}
         {'Start': ['GoFast'], 'GoFast': ['Stop']}
     """
-    learn = learner(classifier, scales, names)
+    learner(classifier, scales, names)  # which checks what it is called
     may_miss = ClassifierSpec.parse(classifier).name == TREE
     by_state: dict[str, list[Example]] = {}
     for example in examples:
@@ -114,22 +110,25 @@ def learn_transitions(
         rows = [f'example {example.number} of state "{state}"' for example in own]
         # Checked here so that errors name the example.
         feature_values(X, scales, names, rows, may_miss=may_miss)
-        y = [example.next_state for example in own]
-        default = [example.is_default for example in own]
+        y = tuple(example.next_state for example in own)
+        default = tuple(example.is_default for example in own)
+        called = None if names is None else tuple(names)
         try:
-            functions[state] = _named(
-                _MEMO.learned(classifier, scales, X, y, default, partial(learn, X, y, default)),
-                names,
-            )
+            functions[state] = _learned(classifier, tuple(scales), called, X.tobytes(), y, default)
         except TrainingError as error:
             raise TrainingError(f'state "{state}": {error}') from error
     return functions
 
 
-def _named(function: LearnedTransition, names: Sequence[str] | None) -> LearnedTransition:
-    """Return a function with these feature names in its errors."""
-    if not isinstance(function, TransitionTree) or function.feature_names == names:
-        return function
-    renamed = copy(function)
-    renamed.feature_names = names
-    return renamed
+@lru_cache(maxsize=KEPT)
+def _learned(
+    classifier: str,
+    scales: tuple[Scale, ...],
+    names: tuple[str, ...] | None,
+    values: bytes,
+    y: tuple[str, ...],
+    default: tuple[bool, ...],
+) -> LearnedTransition:
+    """Learn from the values of an array, shape (n, m), and what was done in each row."""
+    X = np.frombuffer(values, np.float64).reshape(len(y), len(scales))
+    return learner(classifier, scales, names)(X, y, default)

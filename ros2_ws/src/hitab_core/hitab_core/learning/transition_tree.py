@@ -27,7 +27,7 @@ from hitab_core.learning.feature_values import check_scales, feature_values
 from hitab_core.learning.missing_values import distribution_at, likely_state
 from hitab_core.learning.splits import Choose, choose_split
 from hitab_core.learning.tree_growth import grow
-from hitab_core.learning.tree_nodes import Leaf, Node, ThresholdNode, described, fold, nodes
+from hitab_core.learning.tree_nodes import Leaf, Node, ThresholdNode, described, nodes
 from hitab_core.learning.tree_pruning import prune
 from hitab_core.learning.tree_text import Rule
 from hitab_core.transition_function import Decide, Explanation
@@ -106,20 +106,6 @@ class TransitionTree:
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Return the parameters by name; ``deep`` is for scikit-learn and has no effect."""
         return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}
-
-    def set_params(self, **params: Any) -> Self:
-        """Set parameters by name.
-
-        Raises:
-            ValueError: naming an unknown parameter.
-        """
-        known = self.get_params()
-        for name in params:
-            if name not in known:
-                raise ValueError(f'TransitionTree has no parameter "{name}" {has(known, name)}')
-        for name, value in params.items():
-            setattr(self, name, value)
-        return self
 
     def __repr__(self) -> str:
         """Return the constructor call, without default parameters."""
@@ -319,14 +305,6 @@ class TransitionTree:
     def as_text(self, names: Sequence[str]) -> str:
         """Return a drawing of the tree, one line per branch."""
         return tree_text.drawing(self._fitted(), self.labels, self.scales_, names)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the tree as plain data, numbers exact (``float.hex``)."""
-
-        def plain(node: Node, parts: list[dict[str, Any]]) -> dict[str, Any]:
-            return described(node) | ({"branches": parts} if parts else {})
-
-        return {"classes": self.labels, "root": fold(self._fitted(), plain)}
 
     def digest(self) -> str:
         """Return a SHA-256 in hexadecimal of the tree: labels, structure, counts, exact numbers.

@@ -110,19 +110,16 @@ class ExampleLog:
                 wanted = self._known(record["numbers"])
                 return self.replacement((), f"deleted {these(wanted)}", wanted)
             case "add":
-                state, to, kind = record["state"], record["next_state"], record["kind"]
-                values, numbers = (
-                    values_of(record["features"]),
-                    (self._next_number, self._next_command),
-                )
-                example = Example(state, values, to, ExampleKind(kind), *numbers)
+                state, to, number = record["state"], record["next_state"], self._next_number
+                kind, values = ExampleKind(record["kind"]), values_of(record["features"])
+                example = Example(state, values, to, kind, number, self._next_command)
                 return self.replacement([example], f"answered {state} → {to}")
             case "relabel":
                 return self._relabeling(record["numbers"], record["next_state"])
         return None
 
     def _relabeling(self, numbers: Iterable[int], next_state: str) -> Edit:
-        """Prepare to change the next state of examples; a default example becomes an ordinary one."""
+        """Prepare to change next states; a default example becomes an ordinary one."""
         changed = [
             replace(
                 e, next_state=next_state, kind=ExampleKind.CORRECTION if e.is_default else e.kind

@@ -15,6 +15,7 @@ from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, Vo
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
@@ -193,15 +194,15 @@ class TrainingSession:
         if not self._left:
             self.perception.keep(self.running, cycle, time, jumped=jumped)
 
-    def check_on(self, context: RunContext) -> None:
+    def check_on(self, repertoire: Repertoire) -> None:
         """Check that the training could continue with another repertoire.
 
         Raises:
             VocabularyError: naming what is missing there.
         """
-        check_curriculum(self.curriculum, context.repertoire)
+        check_curriculum(self.curriculum, repertoire)
         for label in _labels(self.log.examples):
-            context.repertoire.check_state(Use.parse(label), self.curriculum.parameters)
+            repertoire.check_state(Use.parse(label), self.curriculum.parameters)
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> None:
         """Replay the journal of the training, without its first record.
@@ -221,7 +222,7 @@ class TrainingSession:
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
-        self.check_on(self.context)
+        self.check_on(self.context.repertoire)
         self.rebuild(self.context)
 
     def rebuild(self, context: RunContext) -> None:
