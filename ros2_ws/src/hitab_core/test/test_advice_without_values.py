@@ -7,11 +7,10 @@ import pytest
 from hitab_core.advice.ambiguity import ambiguities
 from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
+from hitab_core.domain import BOOLEAN_SCALE, Scale
 from hitab_core.example import Example, ExampleKind
 
 METERS = Scale()
-COLORS = Scale(FeatureKind.CATEGORICAL, categories=("red", "green", "blue"))
 NAMES = ("Taker", "Kickable")
 SCALES = (METERS, BOOLEAN_SCALE)
 UNITS = ("m", "")

@@ -14,7 +14,6 @@ from hitab_core.learning.tree_nodes import nodes
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
-COLORS = Scale(FeatureKind.CATEGORICAL, categories=("red", "green", "blue"))
 NAMES = ("Taker", "Kickable")
 SCALES = (METERS, BOOLEAN_SCALE)
 UNITS = ("m", "")
@@ -85,12 +84,6 @@ def test_nothing_is_asked_where_the_explanations_never_differ():
     assert ambiguities(known, readings) == []
 
 
-def test_nothing_is_asked_about_values_between_two_examples():
-    # Which of them a value in the middle belongs to says nothing about what was meant.
-    questions = ambiguities(evidence(CHASING), seen([9.9, 1.0]))
-    assert questions == []
-
-
 def test_readings_of_the_state_itself_come_first():
     known = evidence(CHASING)
     (question,) = ambiguities(known, [("At", (12.0, 1.0)), ("Go", (14.0, 1.0))])
@@ -118,17 +111,6 @@ def test_a_question_is_recognized_again_after_more_examples():
     assert before.key[0] == "Go"
 
 
-def test_explanations_on_circles_and_categories_have_words():
-    scales, names = (DEGREES, COLORS), ("Bearing", "Color")
-    rows = [("S", (350.0, 0.0), "T", False), ("S", (90.0, 2.0), "U", False)]
-    known = evidence(rows, scales, names, ("deg", ""))
-    (question,) = ambiguities(known, seen([-10.0, 2.0]))
-    assert question.situation == (350.0, 2.0)
-    assert question.learned.because == "Color = blue"
-    assert question.other.because == "Bearing in -140..40 deg"
-    assert "with Bearing = -10 deg, Color = blue" in question.text
-
-
 def test_a_single_direction_is_no_explanation():
     scales, names = (METERS, DEGREES), ("Ball", "Bearing")
     rows = [
@@ -137,12 +119,6 @@ def test_a_single_direction_is_no_explanation():
         ("S", (9.5, 30.0), "S", True),
     ]
     assert alternatives(evidence(rows, scales, names))[1] == []
-
-
-def test_only_trees_have_alternatives():
-    nearest = evidence(CHASING, classifier="sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)")
-    assert ambiguities(nearest, seen([12.5, 1.0])) == []
-    assert ambiguities(Evidence.of("Other", [], SCALES, NAMES)) == []
 
 
 def test_the_alternative_of_two_tests_is_their_other_order():

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.errors import LibraryError
-from hitab_core.example import Example, ExampleKind
 from hitab_core.library.behavior_file import BehaviorFile, text_of
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.provenance import Provenance
@@ -84,16 +83,6 @@ def behavior_checksum(content: dict[str, object]) -> str:
     from hitab_core.library.digests import checksum
 
     return checksum(content)
-
-
-def test_a_reader_sees_kinds_units_and_rules_and_one_example_per_line(text: str) -> None:
-    assert "  - {feature: DistanceTo(ball), kind: continuous, unit: m}\n" in text
-    assert "kind: toroidal, unit: deg, period: 360.0}" in text
-    assert 'categories: [keeper, taker, "off"]' in text
-    assert "  # always: Approach (1 example)\n  Start: " in text
-    rows = [line for line in text.splitlines() if line.startswith("  - {number: ")]
-    assert len(rows) == 6
-    assert len({row.index("next_state:") for row in rows}) == 1, "columns stand below each other"
 
 
 @given(data=st.data())
@@ -221,19 +210,6 @@ def test_comments_and_spaces_may_be_changed(text: str, robot: Domain) -> None:
     )
 
 
-def test_several_things_that_are_wrong_are_told_together(text: str, robot: Domain) -> None:
-    wrong = edited(text, "kind: toroidal", "kind: round")
-    wrong = edited(wrong, "parameters: []", "parameters: [ball?]")
-    wrong = edited(wrong, "cycle: 10,", "cycle: -1, colour: red,")
-    complaints = complaints_of(wrong, robot)
-    assert len(complaints) == 7  # two examples have this cycle; the checksum is another one
-    assert complaints[0].endswith(
-        'item 1 of `parameters:` is the text "ball?", not a name; use up to 100 letters, digits '
-        "and _, beginning with a letter"
-    )
-    assert "not known (known: boolean, categorical, continuous, flag, toroidal)" in complaints[1]
-
-
 @pytest.mark.parametrize(
     ("old", "new", "at", "complaint"),
     [
@@ -327,24 +303,6 @@ def test_a_file_of_another_domain_is_refused_with_nothing_else_said(
     ]
 
 
-def test_a_file_of_another_version_of_the_domain_is_refused_until_accepted(
-    text: str, robot: Domain, control: Automaton
-) -> None:
-    grown = Domain.of(
-        robot.name,
-        "2",
-        robot.body,
-        behaviors=robot.behaviors.values(),
-        features=[*robot.features.values(), Feature("Battery", float)],
-        targets=robot.targets.values(),
-    )
-    complaint = complaints_of(text, grown)[0]
-    assert 'with domain "small_robot" version 1' in complaint
-    assert "run: hitab library accept Control.hfa.yaml" in complaint
-    accepted = read_behavior(text, "Control.hfa.yaml", grown, accepting=True)
-    assert says_the_same(accepted, control)
-
-
 def test_a_file_whose_feature_now_means_something_else_is_not_accepted(
     text: str, robot: Domain
 ) -> None:
@@ -389,13 +347,6 @@ def test_a_hand_written_automaton_cannot_be_stored(robot: Domain) -> None:
 
     automaton = Automaton("Fixed", (), (), {"Start": HandWritten(lambda: "Start")})
     with pytest.raises(LibraryError, match="was not learned from examples"):
-        text_of(automaton, robot, classifier="tree", uses={}, provenance=Provenance())
-
-
-def test_an_example_with_the_wrong_number_of_values_cannot_be_stored(robot: Domain) -> None:
-    example = Example("Start", (1.0,), "Stop", ExampleKind.DEMONSTRATED, 1)
-    automaton = Automaton("Odd", (), (), {}, (), (example,))
-    with pytest.raises(LibraryError, match="example 1 has 1 value for 0 features; delete it"):
         text_of(automaton, robot, classifier="tree", uses={}, provenance=Provenance())
 
 

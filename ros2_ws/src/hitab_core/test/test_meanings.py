@@ -8,7 +8,6 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.running.senses import Senses
@@ -298,19 +297,6 @@ def test_a_state_without_examples_is_never_left():
     assert session.running.active == "Once"
 
 
-def test_examples_of_one_state_do_not_matter_to_another():
-    def learned(extra):
-        examples = [
-            Example(START, (0.0,), "A"),
-            Example("A", (0.0,), "A"),
-            Example("A", (4.0,), "B"),
-            *extra,
-        ]
-        return learn_transitions(examples, [DOMAIN.features["x"].scale])["A"].digest()
-
-    assert learned([]) == learned([Example("B", (1.0,), "A"), Example("B", (9.0,), "B")])
-
-
 def test_without_an_example_leaving_start_there_is_nothing_to_test():
     agent = Agent()
     session = agent.train()
@@ -465,17 +451,6 @@ def test_two_instances_of_an_automaton_with_different_bindings_work_side_by_side
         "start GoTo(x)", "pulse GoTo(x)", "stop GoTo(x)",
         "start GoTo(y)", "pulse GoTo(y)", "pulse GoTo(y)",
     ]  # fmt: skip
-
-
-def test_a_parameter_is_passed_down_through_any_number_of_levels():
-    middle = automaton(
-        "Middle", ["Approach(H)"], {START: lambda v: "Approach(H)"}, ("Of(H)",), ("H",)
-    )
-    top = automaton("Top", ["Middle(y)"], {START: lambda x: "Middle(y)"})
-    agent = Agent(going(), middle, top)
-    agent.see(y=5.0)
-    agent.perform("Top").tick()
-    assert agent.log() == ["start GoTo(y)", "pulse GoTo(y)"]
 
 
 def test_what_cannot_be_commanded_is_refused_with_what_could_be():

@@ -29,15 +29,6 @@ def test_a_file_is_reissued_with_its_comments_and_can_be_read(tmp_path):
     assert library.file("GotoBall").provenance.note == "generation 2 restored"
 
 
-def test_another_layout_is_reissued_without_its_comments():
-    text = (SHIPPED / "ApproachBall.hfa.yaml").read_text()
-    block = text[text.index("\nprovenance:") :]
-    moved = block.strip("\n") + "\n" + text.removesuffix(block)
-    after = reissued(moved, "ApproachBall.hfa.yaml", version=9)
-    assert content_of(after, "a")["provenance"]["version"] == 9
-    assert same_behavior(content_of(moved, "a"), content_of(after, "b"))
-
-
 def test_a_damaged_file_is_not_reissued():
     text = (SHIPPED / "ApproachBall.hfa.yaml").read_text()
     with pytest.raises(LibraryError, match=r"A.hfa.yaml: is not a behavior file as it was saved"):

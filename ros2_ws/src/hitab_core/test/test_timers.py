@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import VocabularyError
@@ -208,33 +208,6 @@ def test_a_default_example_is_of_the_state_as_it_is_entered(tmp_path: Path) -> N
     assert [e.features for e in agent.session.examples if e.command == 2] == [(2.0,), (0.0,)]
 
 
-def test_what_waits_is_saved_read_and_performed(tmp_path: Path) -> None:
-    agent = trained(tmp_path)
-    path = agent.save().path
-    text = path.read_text()
-    assert "SecondsInState" in text
-    assert "unit: s" in text
-    agent.library.load()
-    agent.perform(Use("WaitAWhile"))
-    assert agent.mode is Mode.PERFORMING
-    states = []
-    for cycle in range(10):
-        agent.sense([0.0], [], 10 + cycle, 30.0 + cycle * STEP)
-        agent.tick()
-        states.append(agent.active_path[0])
-    assert states == ["Wait"] * 8 + ["Go"] * 2
-
-
-def test_commanding_the_active_state_again_does_not_restart_its_timer(tmp_path: Path) -> None:
-    agent = trained(tmp_path)
-    assert agent.session is not None
-    for cycle, (at, behavior) in enumerate([(13.0, "Go"), (14.0, "Wait"), (15.0, "Go")], 3):
-        agent.sense([0.0], [], cycle, at)
-        agent.command(Use(behavior))
-    ordinary = [e.features[0] for e in agent.session.examples if not e.is_default]
-    assert ordinary == [0.0, 2.0, 1.0, 2.0, 1.0]
-
-
 def test_a_command_sees_a_flag_for_the_timers() -> None:
     parent = hand("T", [SINCE_DONE], Start=lambda s: "Child", Child=lambda s: "Child")
     player = Player(finishing(0.25), parent)
@@ -250,12 +223,6 @@ def test_a_command_sees_a_flag_for_the_timers() -> None:
 
 
 # Words ------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["Done", "SecondsInState", "SecondsSince"])
-def test_no_domain_has_a_feature_of_such_a_name(name: str) -> None:
-    with pytest.raises(VocabularyError, match=f'"{name}" is a name of the engine'):
-        robot(features=[Feature(name, lambda body: 0.0)])
 
 
 def test_flags_are_no_names_of_targets_and_parameters() -> None:

@@ -2,8 +2,6 @@
 
 import itertools
 import math
-import subprocess
-import sys
 from collections import Counter
 from itertools import pairwise
 
@@ -43,7 +41,6 @@ queries = st.tuples(
 taught = st.lists(
     st.tuples(value_rows, st.sampled_from(LABELS), st.booleans()), min_size=1, max_size=25
 )
-draw = st.floats(0, 1, exclude_max=True)
 
 
 def learned(examples, scales=MIXED, **parameters):
@@ -202,11 +199,6 @@ def test_depth_and_branch_size_are_limited_where_asked():
     assert min(sum(n.counts) for n in leaves) == 3
 
 
-def test_a_tree_without_features_knows_only_how_often():
-    tree = TransitionTree([]).fit(np.empty((3, 0)), ["Stop", "Stop", "GoFast"])
-    assert tree.predict_proba(np.empty((1, 0))).tolist() == [[1 / 3, 2 / 3]]
-
-
 def test_a_tree_as_deep_as_it_has_examples_is_learned_read_and_run():
     X, y = np.arange(1500.0)[:, None], ["GoFast", "Stop"] * 750
     tree = TransitionTree().fit(X, y)
@@ -263,14 +255,6 @@ def test_a_toroidal_feature_gives_the_same_leaf_wherever_its_zero_is_put(
     assert np.array_equal(
         here.predict_proba(asked), there.predict_proba([[p + offset, b] for p, b in asked])
     )
-
-
-def test_an_arc_at_zero_is_the_same_as_one_elsewhere():
-    at_zero = TransitionTree([DEGREES]).fit([[355], [5], [180]], ["Go", "Go", "Turn"])
-    elsewhere = TransitionTree([DEGREES]).fit([[85], [95], [270]], ["Go", "Go", "Turn"])
-    around = np.arange(0.25, 360, 0.5)[:, None]
-    assert at_zero.predict(around).tolist() == elsewhere.predict(around + 90).tolist()
-    assert at_zero.predict([[-1e-20], [0], [360], [-0.0]]).tolist() == ["Go"] * 4
 
 
 def test_an_end_of_an_arc_belongs_to_the_side_above_it_also_at_zero():
@@ -375,31 +359,6 @@ def test_the_scikit_learn_form_of_the_tree_passes_scikit_learns_checks():
         assert sum(result["status"] == "passed" for result in results) > 40
 
 
-def test_the_scikit_learn_form_learns_the_same_tree():
-    from hitab_core.learning.scikit_learn import TransitionTreeClassifier
-
-    X, y, default = [[350], [10], [90]], ["Go", "Go", "Turn"], [False, False, True]
-    tree = TransitionTree([DEGREES]).fit(X, y, default)
-    theirs = TransitionTreeClassifier([DEGREES]).fit(X, y, default)
-    assert theirs.tree_.digest() == tree.digest()
-
-
-def test_learning_and_running_a_tree_imports_no_scikit_learn():
-    script = """
-import sys
-from hitab_core.learning import classifier_replacement
-from hitab_core.learning import transition_learning as learning
-from hitab_core.domain import Scale
-tree = learning.learner("tree", [Scale()])([[1.0], [2.0]], ["Stop", "Go"], [False] * 2)
-decide = tree.compile([0], {"Stop": 0, "Go": 1})
-assert decide([2.0], None, None) == 1
-tree.explain([1.0], ["x"]), tree.digest(), tree.predict([[1.0]])
-print([m for m in sys.modules if m.split(".")[0] in ("sklearn", "scipy")])
-"""
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.stdout.strip() == "[]", done.stderr
-
-
 # Deciding
 
 
@@ -468,11 +427,6 @@ def test_only_features_on_the_way_are_read_and_from_their_slots():
     assert read == [3, 1]
     assert decide(values, reading, None) == 1
     assert read == [3, 1]
-
-
-def test_a_feature_of_the_automaton_that_the_tree_does_not_use_is_not_among_those_used():
-    tree = TransitionTree().fit([[3, 1, 3], [3, 2, 3]], ["Stop", "GoFast"])
-    assert tree.features_used == (1,)
 
 
 def test_a_state_that_the_automaton_does_not_have_is_refused_by_name():
@@ -677,20 +631,6 @@ def test_the_digest_differs_if_a_threshold_differs_in_its_last_bit():
     assert tree(1.0).digest() == tree(1.0).digest()
 
 
-def test_the_digest_differs_if_a_label_a_count_or_a_feature_does():
-    digests = {
-        TransitionTree().fit(X, y).digest()
-        for X, y in (
-            ([[1, 0], [2, 0]], ["A", "B"]),
-            ([[1, 0], [2, 0]], ["A", "C"]),
-            ([[1, 0], [2, 0]], ["B", "A"]),
-            ([[1, 0], [2, 0], [2, 0]], ["A", "B", "B"]),
-            ([[0, 1], [0, 2]], ["A", "B"]),
-        )
-    }
-    assert len(digests) == 5
-
-
 # Pruning
 
 
@@ -724,13 +664,6 @@ def test_pruning_makes_a_subtree_that_only_fits_noise_a_leaf():
     pruned = TransitionTree(prune=True).fit(X, y)
     assert len(nodes(full.root_)) == 7
     assert pruned.root_ == ThresholdNode(0, 19.5, (21, 19), Leaf((1, 19)), Leaf((20, 0)))
-
-
-def test_pruning_keeps_what_every_example_speaks_for():
-    assert (
-        learned([((i, 0, 0, 0), LABELS[i // 10], False) for i in range(30)], prune=True).root_
-        == learned([((i, 0, 0, 0), LABELS[i // 10], False) for i in range(30)]).root_
-    )
 
 
 @given(taught, st.sampled_from([0.05, 0.25, 0.5]))

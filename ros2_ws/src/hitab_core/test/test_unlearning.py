@@ -100,14 +100,6 @@ def test_a_correction_that_recorded_an_example_is_not_heard_twice():
     assert with_it == propose(APPROACH, [METERS], [to_slow(1.7)])
 
 
-def test_where_no_example_decided_the_correction_is_what_was_missing():
-    assert propose(APPROACH, [METERS], [Correction("GoSlow", (1.0,), "GoSlow", "Stop")]) == []
-
-
-def test_a_decision_that_the_examples_already_make_needs_nothing():
-    assert propose(APPROACH, [METERS], [Correction("GoMedium", (7.0,), "GoSlow", "GoFast")]) == []
-
-
 def test_booleans_and_categories_are_the_same_or_not_and_circles_close():
     examples = shown(
         ((1.0, 359.0), "Stop"), ((1.0, 1.0), "GoFast"), ((1.0, 3.0), "Stop"), ((0.0, 1.0), "Pass")
