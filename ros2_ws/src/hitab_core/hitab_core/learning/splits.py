@@ -206,8 +206,8 @@ def split_toroidal(
         examples: as in `split_by`.
         period: the length of the circle.
         min_branch: as in `split_by`.
-        all_around: whether default examples reach all around the circle, as they did in earlier
-            versions; see `hitab_core.learning.boundaries`.
+        all_around: whether default examples reach all around the circle, for comparison; see
+            `hitab_core.learning.boundaries`.
     """
     groups = _Groups.of(examples)
     k = len(groups.values)

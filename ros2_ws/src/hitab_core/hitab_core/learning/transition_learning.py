@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 from functools import lru_cache
 
 import numpy as np
@@ -46,7 +47,7 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     if spec.name != TREE:
         make = classifier_maker(spec)
         return lambda X, y, default: learn_replacement(spec, make, scales, X, y, names)
-    known = sorted({*TransitionTree().get_params()} - {"scales", "feature_names"})
+    known = sorted({f.name for f in fields(TransitionTree)} - {"scales", "feature_names"})
     for name in spec.arguments:
         if name not in known:
             raise VocabularyError(

@@ -7,10 +7,9 @@ a checked one.
 from __future__ import annotations
 
 import hashlib
-import inspect
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import partial
 from typing import Any, Self
 
@@ -34,6 +33,7 @@ from hitab_core.transition_function import Decide, Explanation
 from hitab_core.vocabulary import has
 
 
+@dataclass(eq=False)
 class TransitionTree:
     """Decision tree that maps feature values to a distribution over next states.
 
@@ -58,8 +58,8 @@ class TransitionTree:
         boolean_first: whether ties between features are broken in favor of boolean and
             categorical ones.
         look_ahead: whether boolean and categorical features come before a boundary that would be
-            shared (`hitab_core.learning.splits`); False is for old files.
-        all_around: as in `hitab_core.learning.splits.split_toroidal`; for old files.
+            shared (`hitab_core.learning.splits`).
+        all_around: as in `hitab_core.learning.splits.split_toroidal`.
         feature_names: names of the features, for errors.
 
     Attributes:
@@ -70,8 +70,7 @@ class TransitionTree:
 
     Examples:
         >>> tree = TransitionTree(feature_names=["DistanceTo(ball)"])
-        >>> tree.fit([[9.0], [1.0], [4.0]], ["GoFast", "Stop", "GoFast"])
-        TransitionTree(feature_names=['DistanceTo(ball)'])
+        >>> _ = tree.fit([[9.0], [1.0], [4.0]], ["GoFast", "Stop", "GoFast"])
         >>> tree.predict([[2.4], [2.6]]).tolist()
         ['Stop', 'GoFast']
 
@@ -79,43 +78,16 @@ class TransitionTree:
         Paper, section 3. J. R. Quinlan, C4.5: Programs for Machine Learning, 1993.
     """
 
-    def __init__(
-        self,
-        scales: Sequence[Scale] | None = None,
-        *,
-        min_samples_leaf: int = 1,
-        max_depth: int | None = None,
-        prune: bool = False,
-        confidence: float = 0.25,
-        boolean_first: bool = True,
-        look_ahead: bool = True,
-        all_around: bool = False,
-        feature_names: Sequence[str] | None = None,
-    ) -> None:
-        """Store the parameters; `fit` checks them."""
-        self.scales = scales
-        self.min_samples_leaf = min_samples_leaf
-        self.max_depth = max_depth
-        self.prune = prune
-        self.confidence = confidence
-        self.boolean_first = boolean_first
-        self.look_ahead = look_ahead
-        self.all_around = all_around
-        self.feature_names = feature_names
-
-    def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Return the parameters by name; ``deep`` is for scikit-learn and has no effect."""
-        return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}
-
-    def __repr__(self) -> str:
-        """Return the constructor call, without default parameters."""
-        defaults = inspect.signature(type(self)).parameters
-        given = ", ".join(
-            f"{name}={value!r}"
-            for name, value in self.get_params().items()
-            if value != defaults[name].default
-        )
-        return f"{type(self).__name__}({given})"
+    scales: Sequence[Scale] | None = None
+    _: KW_ONLY
+    min_samples_leaf: int = 1
+    max_depth: int | None = None
+    prune: bool = False
+    confidence: float = 0.25
+    boolean_first: bool = True
+    look_ahead: bool = True
+    all_around: bool = False
+    feature_names: Sequence[str] | None = None
 
     def fit(
         self,

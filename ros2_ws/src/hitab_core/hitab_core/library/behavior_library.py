@@ -269,12 +269,9 @@ class BehaviorLibrary:
         Raises:
             LibraryError: naming what is wrong; nothing has changed.
         """
-        # Read before making the folder, and kept so that each is read only once.
-        read = [self.editions.read(t, self._folder.file(n).name) for n, t in texts.items()]
         with self.change() as change:
             changed = change.install(texts)
             change.commit()
-        del read
         return changed
 
     def has_saved(self, name: str, checksum: str) -> bool:
