@@ -20,7 +20,7 @@ from hitab_core.learning.gain_ratio import gain_and_ratio, two_way_gains
 from hitab_core.learning.transition_learning import learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_growth import LEAST_FRACTION
-from hitab_core.learning.tree_nodes import Leaf, ThresholdNode, nodes
+from hitab_core.learning.tree_nodes import Fork, Leaf, Threshold, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext
@@ -81,7 +81,9 @@ def test_whole_numbers_gain_the_same_whatever_their_type(counts: Any) -> None:
 
 def test_an_example_without_a_value_goes_into_each_branch_in_part() -> None:
     tree = learned([[1], [2], [9], [NAN]], ["A", "A", "B", "B"], [CONTINUOUS])
-    assert tree.root_ == ThresholdNode(0, 5.5, (2, 2), Leaf((2.0, 2 / 3)), Leaf((0.0, 1 + 1 / 3)))
+    assert tree.root_ == Fork(
+        0, Threshold(5.5), (2, 2), (Leaf((2.0, 2 / 3)), Leaf((0.0, 1 + 1 / 3)))
+    )
     assert tree.as_text("x") == "x <= 5.5: A 0.75, B 0.25 (2.67)\nx > 5.5: B (1.33)"
     assert str(tree.rules("x")[0]) == "if x <= 5.5: A 0.75, B 0.25 (2.67 examples)"
 

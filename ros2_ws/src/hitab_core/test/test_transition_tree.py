@@ -15,7 +15,7 @@ from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
 from hitab_core.learning import tree_text
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, ThresholdNode, nodes
+from hitab_core.learning.tree_nodes import Arc, Categories, Fork, Leaf, Threshold, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors, prune
 
 CONTINUOUS = Scale()
@@ -181,7 +181,7 @@ def test_one_demonstration_among_default_ones_holds_for_a_side_of_the_circle():
 
 def test_a_category_that_was_not_seen_gets_the_distribution_of_its_node():
     tree = TransitionTree([COLOR]).fit([[0], [0], [2]], ["Stop", "Stop", "GoFast"])
-    assert isinstance(tree.root_, CategoryNode)
+    assert isinstance(tree.root_.test, Categories)
     assert tree.predict_proba([[0], [2], [1], [3]]).tolist() == [
         [0, 1],
         [1, 0],
@@ -339,11 +339,11 @@ def test_where_gain_and_gain_ratio_choose_alike_the_tree_is_scikit_learns(n_feat
             choice = one_choice(best_by_feature(X, y, rows))
             if isinstance(mine, Leaf) or choice is None:
                 continue
-            assert (mine.feature, mine.threshold) == choice
+            assert (mine.feature, mine.test.threshold) == choice
             assert (theirs.feature[index], theirs.threshold[index]) == choice
             left = X[rows, mine.feature] <= mine.threshold
-            waiting.append((mine.low, theirs.children_left[index], rows[left]))
-            waiting.append((mine.high, theirs.children_right[index], rows[~left]))
+            waiting.append((mine.branches[0], theirs.children_left[index], rows[left]))
+            waiting.append((mine.branches[1], theirs.children_right[index], rows[~left]))
             compared += 1
     assert compared > 50
 
@@ -595,7 +595,7 @@ def test_an_arc_of_radians_is_written_in_degrees_with_the_lower_end_first():
     ]:
         turn = Scale(FeatureKind.TOROIDAL, math.tau)
         around = [math.radians(place) % math.tau for place in (start, end)]
-        node = ArcNode(0, math.tau, *around, (1, 1), Leaf((1, 0)), Leaf((0, 1)))
+        node = Fork(0, Arc(*around, math.tau), (1, 1), (Leaf((1, 0)), Leaf((0, 1))))
         assert tree_text.conditions([(node, 0)], [turn], ["a"]) == (f"a {words}",)
         assert tree_text.conditions([(node, 0)], [turn], ["a"], ["rad"]) == (f"a {words}",)
 
@@ -643,14 +643,14 @@ def test_pessimistic_errors_are_those_of_quinlans_example():
 
 
 def test_a_leaf_replaces_a_subtree_that_expects_up_to_a_tenth_of_an_error_less():
-    slightly = ThresholdNode(0, 1.0, (5, 4), Leaf((3, 1)), Leaf((2, 3)))
-    clearly = ThresholdNode(0, 1.0, (8, 4), Leaf((6, 1)), Leaf((2, 3)))
+    slightly = Fork(0, Threshold(1.0), (5, 4), (Leaf((3, 1)), Leaf((2, 3))))
+    clearly = Fork(0, Threshold(1.0), (8, 4), (Leaf((6, 1)), Leaf((2, 3))))
 
     def errors(node):
         return pessimistic_errors(min(node.counts), sum(node.counts), 0.25)
 
     for node, saved in ((slightly, 0.093), (clearly, 0.102)):
-        difference = errors(node) - errors(node.low) - errors(node.high)
+        difference = errors(node) - sum(map(errors, node.branches))
         assert difference == pytest.approx(saved, abs=5e-4)
     assert prune(slightly) == Leaf((5, 4))
     assert prune(clearly) == clearly
@@ -663,7 +663,7 @@ def test_pruning_makes_a_subtree_that_only_fits_noise_a_leaf():
     full = TransitionTree().fit(X, y)
     pruned = TransitionTree(prune=True).fit(X, y)
     assert len(nodes(full.root_)) == 7
-    assert pruned.root_ == ThresholdNode(0, 19.5, (21, 19), Leaf((1, 19)), Leaf((20, 0)))
+    assert pruned.root_ == Fork(0, Threshold(19.5), (21, 19), (Leaf((1, 19)), Leaf((20, 0))))
 
 
 @given(taught, st.sampled_from([0.05, 0.25, 0.5]))

@@ -35,9 +35,9 @@ from hitab_core.domain import Scale
 from hitab_core.learning import Leaf
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.gain_ratio import TIE
-from hitab_core.learning.splits import Arc, Chosen, Leaves, Split, choose_split, worthy_splits
+from hitab_core.learning.splits import Chosen, Leaves, Split, choose_split, worthy_splits
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.learning.tree_nodes import nodes
+from hitab_core.learning.tree_nodes import Arc, nodes
 
 NEARLY = 0.9
 """The least gain ratio, as a share of the best one, of a feature that explains nearly as well."""

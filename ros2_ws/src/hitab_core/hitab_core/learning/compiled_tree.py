@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from hitab_core.errors import NoValueError
 from hitab_core.learning.missing_values import Likely
-from hitab_core.learning.tree_nodes import ArcNode, Counts, Leaf, Node, ThresholdNode, fold
+from hitab_core.learning.tree_nodes import Arc, Counts, Leaf, Node, Threshold, fold
 from hitab_core.transition_function import Decide, Values
 
 Compiled = Any
@@ -77,43 +77,35 @@ def compiled(root: Node, slots: Sequence[int], leaf: Callable[[Counts], Any]) ->
     def make(node: Node, parts: list[Compiled]) -> Compiled:
         if isinstance(node, Leaf):
             return leaf(node.counts)
-        slot = slots[node.feature]
-        if isinstance(node, ThresholdNode):
-            return (slot, 0.0, -math.inf, node.threshold, *parts, _share(node.low, node.high))
-        if isinstance(node, ArcNode):
-            return _arc(slot, node, *parts)
+        slot, test = slots[node.feature], node.test
+        if isinstance(test, Threshold):
+            return (slot, 0.0, -math.inf, test.threshold, *parts, _share(node.branches))
+        if isinstance(test, Arc):
+            return _arc(slot, test, node.branches, parts)
         sizes = [sum(branch.counts) for branch in node.branches]
-        return _categories(slot, node.categories, parts, sizes, leaf(node.counts))
+        return _categories(slot, test.categories, parts, sizes, leaf(node.counts))
 
     return fold(root, make)
 
 
-def _share(yes: Node, no: Node) -> float:
+def _share(branches: Sequence[Node]) -> float:
     """Return the fraction of the examples of two branches that is in the first one."""
-    first = sum(yes.counts)
-    return first / (first + sum(no.counts))
+    first, second = (sum(branch.counts) for branch in branches)
+    return first / (first + second)
 
 
-def _arc(slot: int, node: ArcNode, inside: Compiled, outside: Compiled) -> Compiled:
+def _arc(slot: int, arc: Arc, branches: Sequence[Node], parts: Sequence[Compiled]) -> Compiled:
     """Return the test of an arc, on whichever of its two sides does not contain zero.
 
     So neither zero nor ``period``, the same place, is in a tested arc: Python's remainder of a
     tiny negative value is ``period``.
     """
-    low, high, yes, no = node.start, node.end or node.period, inside, outside
-    share = _share(node.inside, node.outside)
+    low, high = arc.start, arc.end or arc.period
     if low == 0.0 or high < low:
-        low, high, yes, no = node.end, node.start or node.period, outside, inside
-        share = _share(node.outside, node.inside)
-    return (
-        slot,
-        node.period,
-        math.nextafter(low, -math.inf),
-        math.nextafter(high, -math.inf),
-        yes,
-        no,
-        share,
-    )
+        low, high = arc.end, arc.start or arc.period
+        branches, parts = branches[::-1], parts[::-1]
+    ends = math.nextafter(low, -math.inf), math.nextafter(high, -math.inf)
+    return (slot, arc.period, *ends, *parts, _share(branches))
 
 
 def _categories(

@@ -26,7 +26,7 @@ from hitab_core.learning.feature_values import check_scales, feature_values
 from hitab_core.learning.missing_values import distribution_at, likely_state
 from hitab_core.learning.splits import Choose, choose_split
 from hitab_core.learning.tree_growth import grow
-from hitab_core.learning.tree_nodes import Leaf, Node, ThresholdNode, described, nodes
+from hitab_core.learning.tree_nodes import Leaf, Node, described, nodes
 from hitab_core.learning.tree_pruning import prune
 from hitab_core.learning.tree_text import Rule
 from hitab_core.transition_function import Decide, Explanation
@@ -168,12 +168,6 @@ class TransitionTree:
         """Indices of the features that the tree tests, ascending."""
         inner = (node for node in nodes(self._fitted()) if not isinstance(node, Leaf))
         return tuple(sorted({node.feature for node in inner}))
-
-    @property
-    def thresholds(self) -> tuple[tuple[int, float], ...]:
-        """The index of a feature and what it is compared with, of each such test."""
-        inner = (node for node in nodes(self._fitted()) if isinstance(node, ThresholdNode))
-        return tuple((node.feature, node.threshold) for node in inner)
 
     def predict_proba(self, X: ArrayLike) -> Floats:
         """Return the probability of each class.
