@@ -341,7 +341,7 @@ def test_where_gain_and_gain_ratio_choose_alike_the_tree_is_scikit_learns(n_feat
                 continue
             assert (mine.feature, mine.test.threshold) == choice
             assert (theirs.feature[index], theirs.threshold[index]) == choice
-            left = X[rows, mine.feature] <= mine.threshold
+            left = X[rows, mine.feature] <= mine.test.threshold
             waiting.append((mine.branches[0], theirs.children_left[index], rows[left]))
             waiting.append((mine.branches[1], theirs.children_right[index], rows[~left]))
             compared += 1
