@@ -12,7 +12,6 @@ from pathlib import Path
 
 from hitab_bringup import supervision
 from hitab_bringup.libraries import read_only
-from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.unsaved_trainings import announcements
 from hitab_client import (
@@ -111,7 +110,6 @@ def _brought_up(
             _refuse_conflicts(swarm, folder, domain_id)
             for text in _beside_others(swarm, refused, domain_id):
                 warn(text)
-            remove_stale()
             record = stack.enter_context(
                 _started(swarm, folder, domain_id, temporary=False, say=say)
             )
@@ -155,7 +153,6 @@ def temporary_swarm(
             stack.callback(shutil.rmtree, run_folder, ignore_errors=True)
         folder = RunFolder(run_folder)
         supervision.refuse_running(folder)
-        remove_stale()
         for tries_left in reversed(range(DOMAINS_TRIED)):
             # Reserved to the end, so that another try uses another domain.
             domain_id = stack.enter_context(domain_ids.reserved())

@@ -16,7 +16,6 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup.called_wrongly import reword, with_way
-from hitab_bringup.dds_noise import noise_left_out
 from hitab_bringup.help_pages import HelpfulGroup, make_helpful
 from hitab_bringup.verbs import (
     bootstrap,
@@ -152,8 +151,7 @@ def main() -> None:
     """Run the command; on SIGTERM, clean up as on Ctrl-C."""
     interruptions.handle_interruptions()
     try:
-        with noise_left_out():
-            make_app()()
+        make_app()()
     finally:
         interruptions.forget_handled()
 

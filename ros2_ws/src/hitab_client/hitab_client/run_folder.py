@@ -26,7 +26,6 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
-from hitab_client.dds_profile import is_noise
 from hitab_client.errors import SwarmError
 
 MARK = "HITAB_RUN_FOLDER"
@@ -111,12 +110,12 @@ class RunFolder:
         return self.path / "logs" / f"{process}.log"
 
     def tail(self, process: str, lines: int = 12) -> list[str]:
-        """Return the last lines of a process's log, without known harmless messages."""
+        """Return the last lines of a process's log."""
         try:
             text = self.log(process).read_text(encoding="utf-8", errors="replace")
         except OSError:
             return []
-        return [line for line in text.splitlines() if not is_noise(line)][-lines:]
+        return text.splitlines()[-lines:]
 
     def socket_path(self) -> Path:
         """Return a path for the supervisor's socket, which must be short."""

@@ -11,7 +11,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from hitab_bringup.doctor.finding import Finding, error, warning
-from hitab_bringup.shared_memory import FOLDER, left_behind
 from hitab_client.run_folder import state_home
 
 PACKAGES = ("core", "msgs", "ros", "agent", "world", "client", "commander", "studio", "bringup")
@@ -123,22 +122,3 @@ def limits() -> Iterator[Finding]:
         )
     if not wrong:
         yield Finding("limits", "high enough for a thousand agents")
-
-
-def shared_memory(folder: Path = FOLDER) -> Iterator[Finding]:
-    """Report what Fast DDS has left in shared memory; HiTAB's own DDS profiles do not use it."""
-    own, foreign = left_behind(folder)
-    if foreign:
-        yield warning(
-            "shared memory",
-            f"{foreign} files of other users' ROS programs in {folder}",
-            "harmless with HiTAB's DDS profiles; with another, its user has to remove them",
-        )
-    if own:
-        yield warning(
-            "shared memory",
-            f"{own} files in {folder} that ROS programs have left behind",
-            "`hitab up` and `hitab down` remove them",
-        )
-    if not own and not foreign:
-        yield Finding("shared memory", f"nothing left behind in {folder}")

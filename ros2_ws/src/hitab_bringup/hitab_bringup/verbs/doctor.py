@@ -79,7 +79,6 @@ def _findings() -> Iterator[Finding]:
             yield error("ROS", str(refused), "check the variables that begin with ROS_")
     yield from machine.home()
     yield from machine.memory()
-    yield from machine.shared_memory()
     yield from machine.limits()
 
 

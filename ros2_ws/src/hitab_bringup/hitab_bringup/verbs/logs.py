@@ -11,7 +11,9 @@ from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
 
 if TYPE_CHECKING:
-    from hitab_bringup.run_logs import LogFile
+    from collections.abc import Iterable
+
+    from hitab_bringup.run_logs import Line, LogFile
     from hitab_client import RunFolder, RunRecord
 
 LOOK_SECONDS = 0.3  # between two looks for new lines
@@ -57,7 +59,7 @@ def logs(
 
       hitab logs --level warn
     """
-    from hitab_bringup.run_logs import LEVELS, at_least, logs_of, merged, shown
+    from hitab_bringup.run_logs import LEVELS, logs_of, new_lines
 
     if level not in LEVELS:
         levels = ", ".join(LEVELS)
@@ -66,25 +68,26 @@ def logs(
     files = _chosen(name, folder, record)
     console.note(f"from {files[0].path if len(files) == 1 else folder.path / 'logs'}")
     names = len(files) > 1
-    # Warnings may be far apart, so all that is kept is searched for them.
-    whole = lines == 0 or level != LEVELS[0]
-    last = at_least(level, merged(file.last(whole=whole, follow=follow) for file in files))
+    last = new_lines(files, level, ended=follow)
     if not last:
         console.note(f"no lines{f' of level {level} or above' if level != LEVELS[0] else ''}")
-    for line in shown(last[-lines:] if lines else last, names=names):
-        console.say(line)
+    _say(last[-lines:], names)
     while follow:
         record = folder.read()
         up = record is not None and folder.supervisor(record) is not None
         if names:  # processes may have been added
             known = {file.path for file in files}
             files += [file for file in logs_of(folder) if file.path not in known]
-        for line in shown(at_least(level, merged(file.more() for file in files)), names=names):
-            console.say(line)
+        _say(new_lines(files, level, ended=True), names)
         if not up:
             console.note(f"{folder.path.name} is down")
             return
         time.sleep(LOOK_SECONDS)
+
+
+def _say(lines: Iterable[Line], names: bool) -> None:
+    for line in lines:
+        console.say(f"{line.process} | {line.text}" if names else line.text)
 
 
 def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
