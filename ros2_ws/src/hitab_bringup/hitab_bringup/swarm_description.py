@@ -26,9 +26,8 @@
       relay: {module: my_robot.relay, for: scout}      # scout_1_relay in the namespace scout_1 ...
 
 Settings above ``agents`` apply to all agents, so that an agent lists only its differences.
-`hitab_bringup.ros_options` documents the words of ROS, `hitab_bringup.process_section` further
-processes. An agent has no namespace of its own but its name: whoever works with a swarm finds all
-its agents in the swarm's namespace.
+`hitab_bringup.swarm_lines` has all keys. An agent has no namespace but its name: whoever
+works with a swarm finds all its agents in the swarm's namespace.
 `hitab_commander.kind_reader` documents kinds of commanders; the default orders of a kind are the
 behaviors that all its subordinates share.
 """
@@ -40,12 +39,37 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.ros_options import CLOCK, RosOptions
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
 from hitab_core import NAME, NAME_RULE
 
 PACES = ("lockstep", "realtime")
+AGENT = "{agent}"
+"""Placeholder for the agent's name, in names and texts."""
+
+CLOCK = "/clock"
+SIM_TIME = "use_sim_time"
+
+
+@dataclass(frozen=True)
+class RosOptions:
+    """Remappings and parameters of nodes.
+
+    Attributes:
+        remap: the names that nodes use, each with the one to use instead.
+        parameters: by name; a nested one has dots in its name.
+        use_sim_time: whether the nodes' clock is the topic ``/clock``; None: not said.
+    """
+
+    remap: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    use_sim_time: bool | None = None
+
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """The parameters, with that of the clock if it was given."""
+        given = {} if self.use_sim_time is None else {SIM_TIME: self.use_sim_time}
+        return {**self.parameters, **given}
 
 
 @dataclass(frozen=True)
@@ -188,14 +212,15 @@ class SwarmDescription:
 
     def with_sim_time(self) -> SwarmDescription:
         """Return the same swarm with nodes whose clock is the topic of the world's time."""
-        on = RosOptions(use_sim_time=True)
+
+        def on(ros: RosOptions) -> RosOptions:
+            return replace(ros, use_sim_time=True)
+
         return replace(
             self,
-            agents=tuple(replace(a, ros=on.over(a.ros)) for a in self.agents),
-            commanders=tuple(replace(c, ros=on.over(c.ros)) for c in self.commanders),
-            processes=tuple(
-                replace(p, ros=on.over(p.ros)) if p.is_node else p for p in self.processes
-            ),
+            agents=tuple(replace(a, ros=on(a.ros)) for a in self.agents),
+            commanders=tuple(replace(c, ros=on(c.ros)) for c in self.commanders),
+            processes=tuple(replace(p, ros=on(p.ros)) if p.is_node else p for p in self.processes),
         )
 
     def with_world(self, **changes: Any) -> SwarmDescription:
