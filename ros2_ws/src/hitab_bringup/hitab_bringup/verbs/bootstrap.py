@@ -66,18 +66,13 @@ By = Annotated[str, typer.Option(help="The figure that counts, such as passes.")
 Least = Annotated[bool, typer.Option("--least", help="Lower is better.")]
 
 
-def register(main: typer.Typer) -> None:
-    """Add this group to the command."""
-    main.add_typer(app, name="bootstrap", rich_help_panel="Train")
-
-
 @app.command("next")
 def next_(
     agent: AgentName,
     to: To = None,
     episodes: Episodes = 20,
     seed: Seed = 1,
-    note: Annotated[str, typer.Option(help="To keep with the generation.")] = "",
+    note: str = "",
     snapshot: SnapshotName = "",
     place: PlaceFile = None,
     wait: WaitFor = "",
@@ -91,6 +86,9 @@ def next_(
     The teammates get it and perform it from Start, and it is evaluated. The training goes on with
     the examples so far. Without --snapshot, --place or --wait it goes on as after the last
     generation.
+
+    Args:
+        note: To keep with the generation.
 
     Examples:
 
@@ -117,12 +115,10 @@ def next_(
 @app.command()
 def back(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="The behavior that is bootstrapped.")],
-    generation: Annotated[int, typer.Argument(help="Its number; see `hitab bootstrap list`.")],
+    behavior: str,
+    generation: int,
     to: To = None,
-    discard: Annotated[
-        bool, typer.Option("--discard", help="Give up examples that are in no generation.")
-    ] = False,
+    discard: Annotated[bool, typer.Option("--discard")] = False,
     episodes: Episodes = 20,
     seed: Seed = 1,
     snapshot: SnapshotName = "",
@@ -137,6 +133,11 @@ def back(
 
     It becomes the next version in the libraries; the later generations are kept. If it has no
     score, it is evaluated.
+
+    Args:
+        behavior: The behavior that is bootstrapped.
+        generation: Its number; see `hitab bootstrap list`.
+        discard: Give up examples that are in no generation.
 
     Example:
 
@@ -163,7 +164,7 @@ def back(
 @app.command("list")
 def list_(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A behavior. Default: all.")] = "",
+    behavior: Annotated[str, typer.Argument()] = "",
     by: By = "seconds",
     least: Least = False,
     swarm: SwarmName = None,
@@ -173,6 +174,9 @@ def list_(
 
     The score is the mean of a figure in a few episodes, with its standard error: of the length of
     an episode, or of what else the world reports.
+
+    Args:
+        behavior: A behavior. Default: all.
 
     Examples:
 

@@ -20,28 +20,11 @@ Targets = Annotated[
 ]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel="Train")(demonstrate)
-    app.command(rich_help_panel="Perform")(perform)
-    app.command(rich_help_panel="Perform")(distribute)
-    app.command(rich_help_panel="Perform")(vocabulary)
-
-
 def demonstrate(
     agent: AgentName,
-    behavior: Annotated[
-        str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")
-    ] = "",
+    behavior: Annotated[str, typer.Argument()] = "",
     targets: Targets = None,
-    ago: Annotated[
-        float | None,
-        typer.Option(
-            "--ago",
-            help="How long ago it was due, s of your time. Default: your reaction time.",
-            show_default=False,
-        ),
-    ] = None,
+    ago: Annotated[float | None, typer.Option("--ago")] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
@@ -51,6 +34,10 @@ def demonstrate(
 
     A command that comes late is recorded with the situation of some time before you pressed Enter,
     if you say how long: with --ago, or for all commands with `hitab reaction`.
+
+    Args:
+        behavior: A behavior, such as GoFast, or GoTo(ball).
+        ago: How long ago it was due, s of your time. Default: your reaction time.
 
     Examples:
 
@@ -116,13 +103,16 @@ def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
 
 def perform(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A behavior; without one, stop.")] = "",
+    behavior: Annotated[str, typer.Argument()] = "",
     targets: Targets = None,
     swarm: SwarmName = None,
 ) -> None:
     """Make an agent perform a behavior from its beginning; without one, stop it.
 
     A training under way is kept with its examples; `hitab train AGENT` goes on with it.
+
+    Args:
+        behavior: A behavior; without one, stop.
 
     Examples:
 
@@ -146,21 +136,21 @@ def perform(
 
 def distribute(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A trained behavior in that agent's library.")],
+    behavior: str,
     targets: Targets = None,
-    to: Annotated[
-        list[str] | None,
-        typer.Option("--to", help="A receiver. Repeatable. Default: all others of its domain."),
-    ] = None,
-    start: Annotated[
-        bool, typer.Option("--start", help="Make the receivers perform it, from Start.")
-    ] = False,
+    to: Annotated[list[str] | None, typer.Option("--to")] = None,
+    start: Annotated[bool, typer.Option("--start")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """Send a behavior and everything it uses from one agent to the others of its domain.
 
     Each receiver verifies what it got; the output lists which ones accepted it.
+
+    Args:
+        behavior: A trained behavior in that agent's library.
+        to: A receiver. Repeatable. Default: all others of its domain.
+        start: Make the receivers perform it, from Start.
 
     Examples:
 

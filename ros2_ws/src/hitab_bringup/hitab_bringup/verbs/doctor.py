@@ -17,11 +17,6 @@ if TYPE_CHECKING:
 STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Swarm")(doctor)
-
-
 def doctor(json: JsonPath = None) -> None:
     """Check this computer, ROS, DDS, and what runs; name each problem and its remedy.
 

@@ -36,29 +36,17 @@ class ExamplesGroup(HelpfulGroup):
         return super().resolve_command(ctx, args)
 
 
-examples_app = typer.Typer(
+app = typer.Typer(
     cls=ExamplesGroup,
     help="List and correct the examples of a training: `hitab examples keeper_1` lists them.",
 )
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.add_typer(examples_app, name="examples", rich_help_panel="Train")
-
-
-@examples_app.command("list")
+@app.command("list")
 def examples_list(
     agent: AgentName,
-    automaton: Annotated[
-        str,
-        typer.Argument(
-            metavar="behavior", help="A trained behavior. Default: what is being trained."
-        ),
-    ] = "",
-    cost: Annotated[
-        bool, typer.Option("--cost", help="Show instead what its trainings took.")
-    ] = False,
+    automaton: Annotated[str, typer.Argument(metavar="behavior")] = "",
+    cost: Annotated[bool, typer.Option("--cost")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -71,6 +59,10 @@ def examples_list(
     superseded, since a command in the same place contradicts them. `structures` counts the sets of
     features that were tried: 1, and one more for each `hitab examples features`. `proposals`
     counts the questions of the agent that you answered as it proposed.
+
+    Args:
+        automaton: A trained behavior. Default: what is being trained.
+        cost: Show instead what its trainings took.
 
     Examples:
 
@@ -177,7 +169,7 @@ def _shown(value: float, unit: str, kind: str) -> str:
 Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
 
 
-@examples_app.command("delete")
+@app.command("delete")
 def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
     """Delete examples; `hitab undo` brings them back.
 
@@ -190,14 +182,17 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
     console.say(answer.message)
 
 
-@examples_app.command("relabel")
+@app.command("relabel")
 def examples_relabel(
     agent: AgentName,
     numbers: Numbers,
-    to: Annotated[str, typer.Option("--to", help="The correct next state.")],
+    to: Annotated[str, typer.Option("--to")],
     swarm: SwarmName = None,
 ) -> None:
     """Change which state examples go to; `hitab undo` takes that back.
+
+    Args:
+        to: The correct next state.
 
     Example:
 
@@ -208,17 +203,17 @@ def examples_relabel(
     console.say(answer.message)
 
 
-@examples_app.command("retime")
+@app.command("retime")
 def examples_retime(
     agent: AgentName,
     numbers: Numbers,
-    ago: Annotated[
-        float,
-        typer.Option("--ago", help="Seconds of simulated time from the situation to the command."),
-    ],
+    ago: Annotated[float, typer.Option("--ago")],
     swarm: SwarmName = None,
 ) -> None:
     """Correct commands that came late: date them back to what the agent perceived earlier.
+
+    Args:
+        ago: Seconds of simulated time from the situation to the command.
 
     Example:
 
@@ -229,7 +224,7 @@ def examples_retime(
     console.say(answer.message)
 
 
-@examples_app.command("features")
+@app.command("features")
 def examples_features(
     agent: AgentName,
     feature: Features,

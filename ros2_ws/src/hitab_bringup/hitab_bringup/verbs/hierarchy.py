@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from hitab_client import Branch, CommandView
 
-PANEL = "Command"
 WAIT_SECONDS = 8.0
 STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
 GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
@@ -26,24 +25,19 @@ SHOWN = 12
 """Up to this many agents of a commander are shown individually."""
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel=PANEL)(tree)
-    app.command(rich_help_panel=PANEL)(order)
-
-
 def tree(
-    commander: Annotated[
-        str, typer.Argument(help="Show only this commander and what is below it.")
-    ] = "",
-    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
-    agents: Annotated[
-        bool, typer.Option("--agents/--commanders", help="Show every agent, or commanders only.")
-    ] = True,
+    commander: Annotated[str, typer.Argument()] = "",
+    watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
+    agents: Annotated[bool, typer.Option("--agents/--commanders")] = True,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """Show the command hierarchy: each commander's order, and how many agents perform it.
+
+    Args:
+        commander: Show only this commander and what is below it.
+        watch: Keep it up to date.
+        agents: Show every agent, or commanders only.
 
     Examples:
 
@@ -210,24 +204,19 @@ def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
 
 
 def order(
-    commander: Annotated[
-        str,
-        typer.Argument(
-            help="Name of the commander, such as captain.", autocompletion=completion.commanders
-        ),
-    ],
-    behavior: Annotated[
-        str, typer.Argument(help="One of its orders, or a behavior that it has learned.")
-    ],
-    targets: Annotated[
-        list[str] | None,
-        typer.Argument(help="Targets for its parameters.", show_default=False),
-    ] = None,
+    commander: Annotated[str, typer.Argument(autocompletion=completion.commanders)],
+    behavior: str,
+    targets: Annotated[list[str] | None, typer.Argument()] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Make a commander give an order, or perform what it has learned; its group obeys at once.
 
     The next order from its own commander replaces this one.
+
+    Args:
+        commander: Name of the commander, such as captain.
+        behavior: One of its orders, or a behavior that it has learned.
+        targets: Targets for its parameters.
 
     Examples:
 

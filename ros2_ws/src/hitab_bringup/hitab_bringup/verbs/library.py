@@ -124,14 +124,14 @@ def show(
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
-    picture: Annotated[
-        Path | None, typer.Option("--picture", help="Draw it to a PNG or SVG file instead.")
-    ] = None,
-    deep: Annotated[
-        bool, typer.Option("--deep", help="Also show the automata that it uses.")
-    ] = False,
+    picture: Annotated[Path | None, typer.Option("--picture")] = None,
+    deep: Annotated[bool, typer.Option("--deep")] = False,
 ) -> None:
     """Show a behavior: its states, its transitions and its trees.
+
+    Args:
+        picture: Draw it to a PNG or SVG file instead.
+        deep: Also show the automata that it uses.
 
     Examples:
 
@@ -200,17 +200,17 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
 @app.command()
 def diff(
     name: Name,
-    before: Annotated[
-        int | None, typer.Argument(help="A version. Default: the one before.", min=1)
-    ] = None,
-    after: Annotated[
-        int | None, typer.Argument(help="Another. Default: the newest.", min=1)
-    ] = None,
+    before: Annotated[int | None, typer.Argument(min=1)] = None,
+    after: Annotated[int | None, typer.Argument(min=1)] = None,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Show the differences between two versions of a behavior.
+
+    Args:
+        before: A version. Default: the one before.
+        after: Another. Default: the newest.
 
     Examples:
 
@@ -234,5 +234,14 @@ def diff(
     console.say(str(difference(old, new)))
 
 
-library_changes.register(app)
-recording.register_in_library(app)
+for changes in (
+    library_changes.restore,
+    library_changes.accept,
+    library_changes.delete,
+    library_changes.rename,
+    library_changes.export,
+):
+    app.command()(changes)
+app.command("import")(library_changes.import_)
+app.command()(library_changes.reload)
+app.command("from-recording")(recording.from_recording)

@@ -26,30 +26,17 @@ Output = Annotated[
 ]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the group."""
-    app.command()(restore)
-    app.command()(accept)
-    app.command()(delete)
-    app.command()(rename)
-    app.command()(export)
-    app.command("import")(import_)
-    app.command()(reload)
-
-
 def restore(
     name: Name,
-    version: Annotated[
-        int | None,
-        typer.Argument(
-            help="Number of the version; without it, the versions that there are.", min=1
-        ),
-    ] = None,
+    version: Annotated[int | None, typer.Argument(min=1)] = None,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Make an earlier version of a behavior the newest one, even if it was deleted or damaged.
+
+    Args:
+        version: Number of the version; without it, the versions that there are.
 
     Example:
 
@@ -76,9 +63,12 @@ def _kept(there: Any) -> str:
 
 
 def accept(
-    paths: Annotated[list[Path], typer.Argument(help="Behavior files, or folders of them.")],
+    paths: list[Path],
 ) -> None:
     """Accept behavior files that were edited by hand: check them and update their digests.
+
+    Args:
+        paths: Behavior files, or folders of them.
 
     Examples:
 
@@ -103,14 +93,15 @@ def accept(
 
 def delete(
     name: Name,
-    anyway: Annotated[
-        bool, typer.Option("--anyway", help="Delete it even if others can no longer be used then.")
-    ] = False,
+    anyway: Annotated[bool, typer.Option("--anyway")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Delete a behavior. Its versions are kept and can be restored.
+
+    Args:
+        anyway: Delete it even if others can no longer be used then.
 
     Example:
 
@@ -141,10 +132,8 @@ def delete(
 
 def rename(
     name: Name,
-    new: Annotated[str, typer.Argument(help="Its new name.")],
-    with_users: Annotated[
-        bool, typer.Option("--with-users", help="Rename it in the behaviors that use it, too.")
-    ] = False,
+    new: str,
+    with_users: Annotated[bool, typer.Option("--with-users")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
@@ -152,6 +141,10 @@ def rename(
     """Rename a behavior, and on request in what uses it: all or nothing.
 
     Swarm descriptions, lessons and kinds of commanders that name it stay as they are.
+
+    Args:
+        new: Its new name.
+        with_users: Rename it in the behaviors that use it, too.
 
     Example:
 
@@ -175,19 +168,18 @@ def _use(users: list[str]) -> str:
 
 
 def export(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(help="The behaviors; what they are made of comes along. Default: all."),
-    ] = None,
+    names: Annotated[list[str] | None, typer.Argument()] = None,
     output: Output = None,
-    replace: Annotated[
-        bool, typer.Option("--replace", help="Replace the file if it exists.")
-    ] = False,
+    replace: Annotated[bool, typer.Option("--replace")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Write behaviors, and everything they are made of, to one file.
+
+    Args:
+        names: The behaviors; what they are made of comes along. Default: all.
+        replace: Replace the file if it exists.
 
     Examples:
 
@@ -214,10 +206,8 @@ def export(
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(help="A file that `hitab library export` wrote.")],
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only say what it would replace.")
-    ] = False,
+    file: Path,
+    dry_run: Annotated[bool, typer.Option("--dry-run")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
@@ -225,6 +215,10 @@ def import_(
     """Read behaviors from a file into a library: all or none. What they replace is kept.
 
     A folder that does not exist is a new library.
+
+    Args:
+        file: A file that `hitab library export` wrote.
+        dry_run: Only say what it would replace.
 
     Examples:
 
@@ -269,14 +263,15 @@ def import_(
 
 
 def reload(
-    agents: Annotated[
-        list[str] | None, typer.Argument(help="The agents. Default: all of the swarm.")
-    ] = None,
+    agents: Annotated[list[str] | None, typer.Argument()] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Have agents read their libraries again, after a change by other means.
 
     What an agent performs begins again at Start.
+
+    Args:
+        agents: The agents. Default: all of the swarm.
 
     Example:
 

@@ -19,37 +19,20 @@ if TYPE_CHECKING:
 LOOK_SECONDS = 0.3  # between two looks for new lines
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Swarm")(logs)
-
-
 def logs(
-    name: Annotated[
-        str,
-        typer.Argument(
-            help="An agent, a host, world or supervisor. Default: all.",
-            autocompletion=completion.processes,
-        ),
-    ] = "",
-    follow: Annotated[
-        bool, typer.Option("--follow", "-f", help="Go on until the swarm is down, or Ctrl-C.")
-    ] = False,
-    lines: Annotated[
-        int, typer.Option("--lines", "-n", help="Number of lines to begin with; 0: all.", min=0)
-    ] = 100,
-    level: Annotated[
-        str,
-        typer.Option(
-            "--level",
-            metavar="LEVEL",
-            help="Only lines of this level or above: debug, info, warn, error or fatal.",
-            show_default=False,
-        ),
-    ] = "debug",
+    name: Annotated[str, typer.Argument(autocompletion=completion.processes)] = "",
+    follow: Annotated[bool, typer.Option("--follow", "-f")] = False,
+    lines: Annotated[int, typer.Option("--lines", "-n", min=0)] = 100,
+    level: Annotated[str, typer.Option("--level", metavar="LEVEL", show_default=False)] = "debug",
     swarm: SwarmName = None,
 ) -> None:
     """Show what the processes of a swarm have logged, even after it has ended.
+
+    Args:
+        name: An agent, a host, world or supervisor. Default: all.
+        follow: Go on until the swarm is down, or Ctrl-C.
+        lines: Number of lines to begin with; 0: all.
+        level: Only lines of this level or above: debug, info, warn, error or fatal.
 
     Examples:
 

@@ -22,21 +22,10 @@ WATCH_S = 0.2
 """How often what is watched is renewed, s."""
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Perform")(perceive)
-
-
 def perceive(
     agent: AgentName,
-    features: Annotated[
-        list[str] | None,
-        typer.Argument(
-            help="Features, such as DistanceTo(ball). Default: all, with all targets.",
-            show_default=False,
-        ),
-    ] = None,
-    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
+    features: Annotated[list[str] | None, typer.Argument()] = None,
+    watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -45,6 +34,10 @@ def perceive(
     A feature whose sensor is silent has no value; below the table is what is wrong. Angles are in
     degrees here, and in the feature's own unit in JSON. While the agent performs, the flags and
     timers of the automata that are active are shown, too.
+
+    Args:
+        features: Features, such as DistanceTo(ball). Default: all, with all targets.
+        watch: Keep it up to date.
 
     Examples:
 

@@ -12,22 +12,11 @@ from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Train")(questions)
-
-
 def questions(
     agent: AgentName,
-    answer: Annotated[
-        int | None,
-        typer.Option(metavar="NUMBER", help="Answer this question, as proposed or with --choice."),
-    ] = None,
-    choice: Annotated[str, typer.Option(help="One of the question's choices.")] = "",
-    dismiss: Annotated[
-        int | None,
-        typer.Option(metavar="NUMBER", help="Do not ask this question again; change nothing."),
-    ] = None,
+    answer: Annotated[int | None, typer.Option(metavar="NUMBER")] = None,
+    choice: str = "",
+    dismiss: Annotated[int | None, typer.Option(metavar="NUMBER")] = None,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -36,6 +25,11 @@ def questions(
     It asks when commands contradict each other, when an example made it do what you corrected,
     when it was shown too little somewhere, and when several explanations fit what it was shown.
     `hitab undo` takes an answer back.
+
+    Args:
+        answer: Answer this question, as proposed or with --choice.
+        choice: One of the question's choices.
+        dismiss: Do not ask this question again; change nothing.
 
     Examples:
 

@@ -24,17 +24,15 @@ if TYPE_CHECKING:
 LOOK_SECONDS = 1.0  # for a world that was started by hand
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Swarm")(status)
-
-
 def status(
-    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """Show the agents: their modes, what they perform and what went wrong.
+
+    Args:
+        watch: Keep it up to date.
 
     Examples:
 

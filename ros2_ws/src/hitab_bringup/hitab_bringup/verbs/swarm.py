@@ -16,64 +16,38 @@ from hitab_core import in_lines, quantity
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
-PANEL = "Swarm"
 RunDir = Annotated[
     Path | None,
     typer.Option("--run-dir", help="Folder for its files, instead of the default one."),
 ]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel=PANEL)(up)
-    app.command(rich_help_panel=PANEL)(down)
-
-
 def up(
     swarm: Annotated[
-        str,
-        typer.Argument(
-            help="A swarm description, or the name of a shipped one.",
-            autocompletion=completion.swarm_descriptions,
-        ),
+        str, typer.Argument(autocompletion=completion.swarm_descriptions)
     ] = "keepaway",
-    pace: Annotated[
-        str, typer.Option(help="lockstep or realtime; overrides the description.")
-    ] = "",
-    paused: Annotated[bool, typer.Option("--paused", help="Start with the world paused.")] = False,
-    library: Annotated[
-        str | None,
-        typer.Option(
-            "--library",
-            "-l",
-            metavar="LIBRARY",
-            help="A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to "
-            "save to. Default: folders of their own, which are kept for the next start. A "
-            "training that was not saved resumes at the next start with the same library.",
-            show_default=False,
-        ),
-    ] = None,
-    namespace: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME",
-            help="Namespace around all of its nodes, so that another swarm with the same agents "
-            "can be up in the same ROS domain. The swarm is then called SWARM_NAME.",
-        ),
-    ] = "",
-    use_sim_time: Annotated[
-        bool,
-        typer.Option(
-            "--use-sim-time",
-            help="All nodes but the world take their time from the world's clock.",
-        ),
-    ] = False,
+    pace: str = "",
+    paused: Annotated[bool, typer.Option("--paused")] = False,
+    library: Annotated[str | None, typer.Option("--library", "-l", metavar="LIBRARY")] = None,
+    namespace: Annotated[str, typer.Option(metavar="NAME")] = "",
+    use_sim_time: Annotated[bool, typer.Option("--use-sim-time")] = False,
     run_dir: RunDir = None,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
 
     Waits until every agent and the world answer. Killed processes are restarted. What the agents
     learn is kept: the next start of the swarm goes on with it.
+
+    Args:
+        swarm: A swarm description, or the name of a shipped one.
+        pace: lockstep or realtime; overrides the description.
+        paused: Start with the world paused.
+        library: A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to
+            save to. Default: folders of their own, which are kept for the next start. A training
+            that was not saved resumes at the next start with the same library.
+        namespace: Namespace around all of its nodes, so that another swarm with the same agents
+            can be up in the same ROS domain. The swarm is then called SWARM_NAME.
+        use_sim_time: All nodes but the world take their time from the world's clock.
 
     Examples:
 
@@ -135,24 +109,20 @@ def up(
 
 def down(
     name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="swarm",
-            help="The swarm, if several are up: its name, identity, namespace or run folder.",
-            autocompletion=completion.swarms,
-        ),
+        str | None, typer.Argument(metavar="swarm", autocompletion=completion.swarms)
     ] = None,
     swarm: SwarmName = None,
-    run_dir: Annotated[
-        Path | None, typer.Option("--run-dir", help="Its run folder, instead of its name.")
-    ] = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Stop all swarms that were started from here.")
-    ] = False,
+    run_dir: Annotated[Path | None, typer.Option("--run-dir")] = None,
+    every: Annotated[bool, typer.Option("--all")] = False,
 ) -> None:
     """Stop a swarm and all its processes.
 
     What was trained and not saved is named and kept: the next start of the swarm resumes it.
+
+    Args:
+        name: The swarm, if several are up: its name, identity, namespace or run folder.
+        run_dir: Its run folder, instead of its name.
+        every: Stop all swarms that were started from here.
 
     Examples:
 

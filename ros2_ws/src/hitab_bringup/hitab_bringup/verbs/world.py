@@ -47,10 +47,14 @@ def resume(swarm: SwarmName = None) -> None:
 
 @app.command()
 def step(
-    cycles: Annotated[int, typer.Argument(help="Number of cycles.", min=1)] = 1,
+    cycles: Annotated[int, typer.Argument(min=1)] = 1,
     swarm: SwarmName = None,
 ) -> None:
-    """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once."""
+    """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once.
+
+    Args:
+        cycles: Number of cycles.
+    """
     with connection(swarm) as swarm_up:
         world = swarm_up.world
         before = world.wait().missed_deadlines
@@ -121,19 +125,17 @@ def reset(swarm: SwarmName = None) -> None:
 
 @app.command()
 def pace(
-    pace: Annotated[str, typer.Argument(help="lockstep or realtime.")],
-    factor: Annotated[
-        float | None,
-        typer.Option(
-            help="For realtime: multiple of real time, above 0. Default: as it is.",
-            show_default=False,
-        ),
-    ] = None,
+    pace: str,
+    factor: float | None = None,
     swarm: SwarmName = None,
 ) -> None:
     """Set how fast the world runs.
 
     lockstep: the next cycle starts when every agent has answered. realtime: by the clock.
+
+    Args:
+        pace: lockstep or realtime.
+        factor: For realtime: multiple of real time, above 0. Default: as it is.
 
     Examples:
 
@@ -158,24 +160,17 @@ _NUMBER = re.compile(r"[0-9.]+\Z")
 
 @app.command()
 def place(
-    things: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="NAME FIELD=VALUE...", help="x, y in m, heading in degrees, vx, vy in m/s."
-        ),
-    ],
-    new_episode: Annotated[
-        bool,
-        typer.Option(
-            "--new-episode",
-            help="Begin a new episode from these positions; what is not named gets new ones.",
-        ),
-    ] = False,
+    things: Annotated[list[str], typer.Argument(metavar="NAME FIELD=VALUE...")],
+    new_episode: Annotated[bool, typer.Option("--new-episode")] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Put things somewhere; ends when the agents have perceived it.
 
     Fields that are not given are kept, or with --new-episode those of the new episode.
+
+    Args:
+        things: x, y in m, heading in degrees, vx, vy in m/s.
+        new_episode: Begin a new episode from these positions; what is not named gets new ones.
 
     Example:
 
@@ -231,11 +226,15 @@ def _off_the_field(state: WorldState, places: Mapping[str, Mapping[str, float]])
 
 @app.command()
 def snapshot(
-    action: Annotated[str, typer.Argument(help="save, restore, delete or list.")],
-    name: Annotated[str, typer.Argument(help="Name of the snapshot.")] = "",
+    action: str,
+    name: Annotated[str, typer.Argument()] = "",
     swarm: SwarmName = None,
 ) -> None:
     """Save the world's state under a name, restore it or delete it.
+
+    Args:
+        action: save, restore, delete or list.
+        name: Name of the snapshot.
 
     Examples:
 
