@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.showing import tell_faults
+from hitab_bringup.verbs.showing import plain, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
@@ -122,15 +122,12 @@ def perform(
     """
     from hitab_core import Use
 
-    use = Use.parse(behavior) if behavior else None
+    use = Use.parse(behavior) if behavior else Use("")
     with connection(swarm) as swarm_up:
         swarm_up.check_order(agent, behavior, f"`hitab perform {behavior} {agent}`")
-        if use is None:
-            answer = swarm_up.agents.perform(agent, "")
-        else:
-            answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
-        faults = swarm_up.agents.statuses[agent].faults if use is not None else ()
-    console.say(answer.message or f"{agent} performs {use or 'nothing'}")
+        answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
+        faults = swarm_up.agents.statuses[agent].faults if behavior else ()
+    console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")
     tell_faults(faults)
 
 
@@ -175,22 +172,13 @@ def distribute(
             start=start,
             progress=lambda done, total: advance(done, total, ""),
         )
-    for name in report.accepted:
-        console.say(f"{name}: has it")
-    for name, why in report.refused.items():
-        console.say(f"{name}: refuses: {why.removeprefix(f'{name} ')}")
-    for name in report.silent:
-        console.say(f"{name}: does not answer")
-    console.write_json(
-        json,
-        {
-            "sequence": report.sequence,
-            "digest": report.digest,
-            "accepted": report.accepted,
-            "refused": report.refused,
-            "silent": report.silent,
-        },
-    )
+    told = [f"{name}: has it" for name in report.accepted]
+    told += [
+        f"{name}: refuses: {why.removeprefix(f'{name} ')}" for name, why in report.refused.items()
+    ]
+    told += [f"{name}: does not answer" for name in report.silent]
+    fields = ("sequence", "digest", "accepted", "refused", "silent")
+    console.show(json, {field: getattr(report, field) for field in fields}, *told)
     if not report.complete:
         there = len(report.accepted)
         total = there + len(report.refused) + len(report.silent)
@@ -205,30 +193,23 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
 
-    if json != "-":
-        console.say(f"domain    {words.domain}")
-        for b in words.behaviors:
-            kinds = ["trained"] * b.trained + ["one-shot"] * b.one_shot
-            console.say(f"behavior  {_with_description(b.name, kinds, b.description)}")
-        for f in words.features:
-            kinds = [f.kind, f.unit] if f.unit else [f.kind]
-            console.say(f"feature   {_with_description(f.name, kinds, f.description)}")
-        for name in words.targets:
-            console.say(f"target    {name}")
-    console.write_json(
-        json,
-        {
-            "domain": words.domain,
-            "behaviors": [{"name": b.name, "description": b.description} for b in words.behaviors],
-            "trained": [b.name.split("(")[0] for b in words.behaviors if b.trained],
-            "one_shot": [b.name.split("(")[0] for b in words.behaviors if b.one_shot],
-            "features": [
-                {"name": f.name, "kind": f.kind, "unit": f.unit, "description": f.description}
-                for f in words.features
-            ],
-            "targets": list(words.targets),
-        },
-    )
+    lines = [f"domain    {words.domain}"]
+    for b in words.behaviors:
+        kinds = ["trained"] * b.trained + ["one-shot"] * b.one_shot
+        lines.append(f"behavior  {_with_description(b.name, kinds, b.description)}")
+    for f in words.features:
+        kinds = [f.kind, f.unit] if f.unit else [f.kind]
+        lines.append(f"feature   {_with_description(f.name, kinds, f.description)}")
+    lines += [f"target    {name}" for name in words.targets]
+    data = {
+        "domain": words.domain,
+        "behaviors": [plain(b, "name description") for b in words.behaviors],
+        "trained": [b.name.split("(")[0] for b in words.behaviors if b.trained],
+        "one_shot": [b.name.split("(")[0] for b in words.behaviors if b.one_shot],
+        "features": [plain(f, "name kind unit description") for f in words.features],
+        "targets": list(words.targets),
+    }
+    console.show(json, data, *lines)
 
 
 def _with_description(name: str, kinds: list[str], description: str) -> str:

@@ -12,7 +12,7 @@ import typer
 
 from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
+from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, plain
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
@@ -80,73 +80,60 @@ def examples_list(
         words = swarm_up.agents.vocabulary(agent)
         units = _of_features(words, "unit", answer.features)
         kinds = _of_features(words, "kind", answer.features)
-    if json != "-":
-        late = any(e.ago for e in answer.examples)
-        shown = (
-            f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
-            for f, unit in zip(answer.features, units, strict=True)
+    late = any(e.ago for e in answer.examples)
+    names = (
+        f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
+        for f, unit in zip(answer.features, units, strict=True)
+    )
+    columns = ("number", "in", *names, "go to", "kind", "command", "cycle", *["s ago"] * late)
+    rows = [
+        (
+            str(e.number),
+            e.state,
+            *map(_shown, e.values, units, kinds),
+            e.next_state,
+            e.kind,
+            str(e.command),
+            str(e.cycle),
+            *[f"{e.ago:.2g}" if e.ago else ""] * late,
         )
-        columns = ("number", "in", *shown, "go to", "kind", "command", "cycle")
-        rows = [
-            (
-                str(e.number),
-                e.state,
-                *map(_shown, e.values, units, kinds),
-                e.next_state,
-                e.kind,
-                str(e.command),
-                str(e.cycle),
-                *([f"{e.ago:.2g}" if e.ago else ""] if late else []),
-            )
-            for e in answer.examples
-        ]
-        columns = (*columns, "s ago") if late else columns
-        title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
-        superseded = sum(e.kind == ExampleKind.SUPERSEDED for e in answer.examples)
-        if superseded:
-            title += f", {superseded} of them superseded and not learned from"
-        console.out().print(console.table(columns, rows, title))
-    console.write_json(
+        for e in answer.examples
+    ]
+    title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
+    if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in answer.examples):
+        title += f", {superseded} of them superseded and not learned from"
+    fields = "number state values next_state kind command cycle ago"
+    data = [
+        plain(e, fields)
+        | {
+            "readings": {
+                name: None if math.isnan(value) else value
+                for name, value in zip(answer.readable, e.readings, strict=False)
+            }
+        }
+        for e in answer.examples
+    ]
+    console.show(
         json,
-        {
-            "automaton": answer.automaton,
-            "features": list(answer.features),
-            "examples": [
-                {
-                    "number": e.number,
-                    "state": e.state,
-                    "values": list(e.values),
-                    "next_state": e.next_state,
-                    "kind": e.kind,
-                    "command": e.command,
-                    "cycle": e.cycle,
-                    "ago": e.ago,
-                    "readings": {
-                        name: None if math.isnan(value) else value
-                        for name, value in zip(answer.readable, e.readings, strict=False)
-                    },
-                }
-                for e in answer.examples
-            ],
-        },
+        {**plain(answer, "automaton features"), "examples": data},
+        console.table(columns, rows, title),
     )
 
 
 def _show_costs(costs: list[TrainingCost], json: str | None) -> None:
-    if json != "-":
-        rows = [
-            (
-                cost.automaton if cost.finished else f"{cost.automaton}, not saved",
-                cost.began.replace("T", " ")[:16],
-                _duration(cost.wall_seconds),
-                _duration(cost.simulated_seconds),
-                *(str(getattr(cost, count)) for count in COUNTS),
-            )
-            for cost in costs
-        ]
-        heads = ("automaton", "began (UTC)", "time", "simulated", *COUNTS)
-        console.out().print(console.table(heads, rows))
-    console.write_json(json, {"trainings": [asdict(cost) for cost in costs]})
+    rows = [
+        (
+            cost.automaton if cost.finished else f"{cost.automaton}, not saved",
+            cost.began.replace("T", " ")[:16],
+            _duration(cost.wall_seconds),
+            _duration(cost.simulated_seconds),
+            *(str(getattr(cost, count)) for count in COUNTS),
+        )
+        for cost in costs
+    ]
+    heads = ("automaton", "began (UTC)", "time", "simulated", *COUNTS)
+    data = {"trainings": [asdict(cost) for cost in costs]}
+    console.show(json, data, console.table(heads, rows))
 
 
 def _duration(seconds: float) -> str:
@@ -166,6 +153,13 @@ def _shown(value: float, unit: str, kind: str) -> str:
     return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
 
 
+def edit(swarm: str | None, agent: str, action: str, *what: Any, **fields: Any) -> None:
+    """Edit the examples of a training, or take that back, and say what was done."""
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, action, *what, **fields)
+    console.say(answer.message)
+
+
 Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
 
 
@@ -177,9 +171,7 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
 
       hitab examples delete keeper_1 3 4
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
-    console.say(answer.message)
+    edit(swarm, agent, "delete", numbers)
 
 
 @app.command("relabel")
@@ -198,9 +190,7 @@ def examples_relabel(
 
       hitab examples relabel keeper_1 5 --to GoSlow
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
-    console.say(answer.message)
+    edit(swarm, agent, "relabel", numbers, to)
 
 
 @app.command("retime")
@@ -219,9 +209,7 @@ def examples_retime(
 
       hitab examples retime keeper_1 5 --ago 0.4
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "retime", numbers, ago=ago)
-    console.say(answer.message)
+    edit(swarm, agent, "retime", numbers, ago=ago)
 
 
 @app.command("features")
@@ -239,9 +227,8 @@ def examples_features(
 
       hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
     """
+    if not show:
+        edit(swarm, agent, "features", features=feature)
+        return
     with connection(swarm) as swarm_up:
-        if show:
-            console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))
-            return
-        answer = swarm_up.agents.edit_examples(agent, "features", features=feature)
-    console.say(answer.message)
+        console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.examples import edit
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean, quantity
 from hitab_ros.fault_texts import STOPPED
-
-if TYPE_CHECKING:
-    from hitab_msgs.msg import AgentStatus
 
 UNASKED_MAX = 3
 """Commands that are discarded without a question: they are quickly given again."""
@@ -145,9 +143,7 @@ def undo(agent: AgentName, swarm: SwarmName = None) -> None:
 
       hitab undo keeper_1
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "undo")
-    console.say(answer.message)
+    edit(swarm, agent, "undo")
 
 
 def redo(agent: AgentName, swarm: SwarmName = None) -> None:
@@ -157,9 +153,7 @@ def redo(agent: AgentName, swarm: SwarmName = None) -> None:
 
       hitab redo keeper_1
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "redo")
-    console.say(answer.message)
+    edit(swarm, agent, "redo")
 
 
 def save(
@@ -230,25 +224,14 @@ def discard(
     with connection(swarm) as swarm_up:
         if not yes and _is_terminal():
             status = swarm_up.agents.await_agent(agent)
-            _ask_to_discard(status, KeptTrainings(swarm_up.agents).name(status))
+            if status.examples - status.default_examples > UNASKED_MAX:
+                training = KeptTrainings(swarm_up.agents).name(status)
+                examples = quantity(status.examples, "unsaved example")
+                question = f'Discard the training of "{training}" with its {examples}?'
+                typer.confirm(question, abort=True, err=True)
         answer = swarm_up.agents.discard(agent)
     console.say(answer.message)
 
 
 def _is_terminal() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty()
-
-
-def _ask_to_discard(status: AgentStatus, training: str) -> None:
-    """Ask whether to discard a training that took more than a few commands.
-
-    Raises:
-        typer.Abort: if not.
-    """
-    if status.examples - status.default_examples > UNASKED_MAX:
-        examples = quantity(status.examples, "unsaved example")
-        typer.confirm(
-            f'Discard the training of "{training}" with its {examples}?',
-            abort=True,
-            err=True,
-        )
