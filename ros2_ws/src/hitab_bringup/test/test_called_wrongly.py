@@ -32,8 +32,8 @@ def test_the_error_names_the_argument_and_what_it_may_be():
         ("world place keeper_1", 'where to put "keeper_1"? Write keeper_1 x=1 y=2 heading=90'),
         ("stop keeper_1", "it stops all robots; `hitab perform keeper_1` stops one of them"),
         ("reaction -1", "-1 is no option, and no negative number is expected here"),
-        ("world place keeper_1 z=1", 'keeper_1 has no field "z"; its fields are x (m), y (m), '),
-        ("world place keeper_1 x=far", 'x must be a number, not "far"'),
+        ("world place keeper_1 z=1", "such as keeper_1 x=1; the fields are x (m), y (m), "),
+        ("world place keeper_1 x=far", '"x=far": write a name, then its fields, each with a'),
     ]:
         assert expected in told(*call.split())
 

@@ -47,7 +47,7 @@ def test_help_imports_nothing_that_takes_long():
     [
         (["demonstrat"], 2, "No such command"),
         (["up", "nothing_like_it"], 1, 'error: no swarm "nothing_like_it"'),
-        (["up", "keepaway", "--pace", "fast"], 2, "is not one of lockstep, realtime"),
+        (["up", "keepaway", "--pace", "fast"], 2, "is not one of 'lockstep', 'realtime'"),
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
         (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
         (["lesson", "check", "no_such"], 1, 'no lesson "no_such"'),

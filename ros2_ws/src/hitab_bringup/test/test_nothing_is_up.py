@@ -33,6 +33,7 @@ CALLS = {
     "world pause",
     "world place ball x=1",
     "lesson run approach_ball",
+    'bootstrap next keeper_1 --wait {"said":keeper_2} --within 20',
 }
 
 

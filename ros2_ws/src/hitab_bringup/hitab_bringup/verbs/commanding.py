@@ -89,14 +89,13 @@ def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
     from hitab_client import reaction_time
 
     swarm_up.agents.await_agent(agent)
+    swarm_up.await_world()
     world = swarm_up.world
-    there = swarm_up.has_world or world.is_there()  # perhaps started by hand
-    status = world.wait() if there else world.status
     due, passed = (
-        reaction_time.simulated(seconds, status, world.speed)
+        reaction_time.simulated(seconds, world.status, world.speed)
         for seconds in (ago, time.time() - psutil.Process().create_time())
     )
-    if status is None:
+    if world.status is None:
         return due + passed, 0  # a robot's cycles are its agent's own
     return due, world.cycle_before(passed) if passed else 0
 

@@ -54,6 +54,17 @@ class Connection:
         if agent not in agents and other in agents:
             raise SwarmError(f'the agent comes first, and "{agent}" is none: {way}')
 
+    def await_world(self) -> WorldClient | None:
+        """Return the world, once it answers; None: there is none.
+
+        Raises:
+            SwarmError: if the swarm has one that does not answer.
+        """
+        if not (self.has_world or self.world.is_there()):
+            return None
+        self.world.wait()
+        return self.world
+
     @property
     def has_world(self) -> bool:
         """Whether `hitab up` has started a world."""

@@ -176,8 +176,7 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
         if not there:
             raise SwarmError("no agent answers; `hitab status` shows what there is")
         agent = min(there, key=natural)
-    if swarm_up.has_world or world.is_there():
-        world.wait()
+    swarm_up.await_world()
     demonstrator = Demonstrator(
         agents, world, asks=asks, keys=behavior_keys.Keys(behavior_keys.file())
     )

@@ -58,8 +58,7 @@ def run(
     reports = []
     with connection(swarm) as swarm_up:
         swarm_up.agents.await_agents()
-        without = swarm_up.record is not None and not swarm_up.has_world
-        world = None if without else swarm_up.world
+        world = swarm_up.await_world()
         for lesson in read:
             player = LessonPlayer(lesson, swarm_up.agents, world, factor=factor, discard=discard)
             report = _played(player)

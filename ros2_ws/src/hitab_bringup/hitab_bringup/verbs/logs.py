@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hitab_bringup.run_logs import Line, LogFile
     from hitab_client import RunFolder, RunRecord
 
+Level = Literal["debug", "info", "warn", "error", "fatal"]
 LOOK_SECONDS = 0.3  # between two looks for new lines
 
 
@@ -23,7 +24,7 @@ def logs(
     name: Annotated[str, typer.Argument(autocompletion=completion.processes)] = "",
     follow: Annotated[bool, typer.Option("--follow", "-f")] = False,
     lines: Annotated[int, typer.Option("--lines", "-n", min=0)] = 100,
-    level: Annotated[str, typer.Option("--level", metavar="LEVEL", show_default=False)] = "debug",
+    level: Annotated[Level, typer.Option(metavar="LEVEL", show_default=False)] = "debug",
     swarm: SwarmName = None,
 ) -> None:
     """Show what the processes of a swarm have logged, even after it has ended.
@@ -42,18 +43,15 @@ def logs(
 
       hitab logs --level warn
     """
-    from hitab_bringup.run_logs import LEVELS, logs_of, new_lines
+    from hitab_bringup.run_logs import logs_of, new_lines
 
-    if level not in LEVELS:
-        levels = ", ".join(LEVELS)
-        raise typer.BadParameter(f'"{level}" is not one of {levels}', param_hint="--level")
     folder, record = _run(swarm)
     files = _chosen(name, folder, record)
     console.note(f"from {files[0].path if len(files) == 1 else folder.path / 'logs'}")
     names = len(files) > 1
     last = new_lines(files, level, ended=follow)
     if not last:
-        console.note(f"no lines{f' of level {level} or above' if level != LEVELS[0] else ''}")
+        console.note(f"no lines{f' of level {level} or above' if level != 'debug' else ''}")
     _say(last[-lines:], names)
     while follow:
         record = folder.read()

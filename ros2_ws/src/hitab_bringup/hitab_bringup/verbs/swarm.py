@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -26,7 +26,7 @@ def up(
     swarm: Annotated[
         str, typer.Argument(autocompletion=completion.swarm_descriptions)
     ] = "keepaway",
-    pace: str = "",
+    pace: Literal["lockstep", "realtime"] | None = None,
     paused: Annotated[bool, typer.Option("--paused")] = False,
     library: Annotated[str | None, typer.Option("--library", "-l", metavar="LIBRARY")] = None,
     namespace: Annotated[str, typer.Option(metavar="NAME")] = "",
@@ -60,30 +60,22 @@ def up(
       hitab up keepaway --namespace left
     """
     from hitab_bringup.bringing_up import LARGE, bring_up
-    from hitab_bringup.library_choice import with_library
-    from hitab_bringup.swarm_description import PACES
-    from hitab_bringup.swarm_file import read_swarm
+    from hitab_bringup.swarm_options import described_swarm
     from hitab_client import RunFolder
     from hitab_client.run_folder import running_swarms
-    from hitab_client.shipped import find_file
     from hitab_client.swarm_choice import name_to_choose
 
-    description = read_swarm(find_file(swarm, "swarms", "swarm"), run_dir)
-    if namespace:
-        description = description.in_namespace(namespace)
-    if use_sim_time:
-        description = description.with_sim_time()
-    if pace and pace not in PACES:
-        known = ", ".join(PACES)
-        raise typer.BadParameter(f'"{pace}" is not one of {known}', param_hint="--pace")
-    if pace:
-        description = description.with_world(pace=pace)
-    if paused:
-        description = description.with_world(paused=True)
+    description = described_swarm(
+        swarm,
+        run_dir,
+        namespace=namespace,
+        use_sim_time=use_sim_time,
+        pace=pace or "",
+        paused=paused,
+        library=library or "",
+    )
     if library:
-        before = {member.library for member in description.members}
-        description = with_library(description, library)
-        for new in {member.library for member in description.members} - before:
+        for new in {member.library for member in description.members}:
             if new is not None and not new.is_dir():
                 console.note(f"{new} is a new library: nothing is learned in it yet")
     folder = RunFolder.of_swarm(description.name, run_dir)
