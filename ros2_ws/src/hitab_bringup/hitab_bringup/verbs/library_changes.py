@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.library_options import Agent, Library, Name, chosen_folder, opened
+from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
 from hitab_client.command_options import SwarmName
 from hitab_core import quantity
@@ -49,17 +49,11 @@ def restore(
         there.load(strict=False)
         if versions := there.versions(name):
             raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
-        raise LibraryError(f'{there.folder}: no version of "{name}" was kept {_kept(there)}')
+        kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
+        raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
     path = there.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
     _tell_users(there.folder)
-
-
-def _kept(there: Any) -> str:
-    """Return of which behaviors a library has kept versions."""
-    from hitab_core import has
-
-    return has(sorted(path.name for path in (there.folder / ".versions").glob("*")))
 
 
 def accept(
@@ -154,17 +148,13 @@ def rename(
     users, otherwise = there.rename(name, new, with_users=with_users)
     console.say(f"renamed {name} to {new} in {there.folder}")
     if users:
-        console.say(f"changed {', '.join(users)}, which {_use(users)} it")
+        console.say(f"changed what uses it: {', '.join(users)}")
     for user in otherwise:
         console.note(
             f"{user} decides differently now, where its examples contradict each other; see "
             f"`hitab library diff {user} -l {shlex.quote(str(there.folder))}`"
         )
     _tell_users(there.folder)
-
-
-def _use(users: list[str]) -> str:
-    return "uses" if len(users) == 1 else "use"
 
 
 def export(
@@ -226,12 +216,14 @@ def import_(
 
       hitab library import Keepaway.bundle.yaml --agent keeper_1
     """
+    from hitab_bringup.library_choice import known_libraries, library_meant
     from hitab_bringup.opened_library import domain_in, open_library
     from hitab_core import BehaviorLibrary, load_domain
     from hitab_core.library import read_bundle_file, read_bundled
 
     bundle = read_bundle_file(file)
-    folder = chosen_folder(library, agent, swarm, new=True)
+    is_new = library is not None and library not in known_libraries()
+    folder = Path(library or "").expanduser() if is_new else library_meant(library, agent, swarm)
     there = (
         BehaviorLibrary(folder, load_domain(bundle.domain))
         if not folder.is_dir() or domain_in(folder) is None
@@ -244,19 +236,13 @@ def import_(
         numbers = dict(change.numbers)
         if not dry_run:
             change.commit()
+    if dry_run:
+        console.note("nothing is changed; without --dry-run:")
     for behavior in read:
-        if behavior.name not in changed:
-            console.say(f"{behavior.name}: the same is there already")
-        elif replaced[behavior.name]:
-            number, what = numbers[behavior.name], replaced[behavior.name]
-            told = (
-                f"would become version {number} and replace"
-                if dry_run
-                else (f"version {number}, replaces")
-            )
-            console.say(f"{behavior.name}: {told} {what}")
-        else:
-            console.say(f"{behavior.name}: {'would be new' if dry_run else 'new'}")
+        what = replaced.get(behavior.name)
+        told = f"version {numbers[behavior.name]}, replaces {what}" if what else "new"
+        there_already = behavior.name not in changed
+        console.say(f"{behavior.name}: {'the same is there already' if there_already else told}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
         _tell_users(folder)
@@ -297,8 +283,7 @@ def _tell_users(folder: Path) -> None:
     from hitab_core import some
 
     for swarm, agents in users_of(folder):
-        use, them = ("uses", "it") if len(agents) == 1 else ("use", "them")
         console.say(
-            f"{some(agents, most=3)} of swarm {swarm} still {use} this library as it was before; "
-            f"`hitab library reload --swarm {swarm}` makes {them} read the change"
+            f"the library of {some(agents, most=3)} of swarm {swarm} is used as it was before; "
+            f"`hitab library reload --swarm {swarm}` has the change read"
         )
