@@ -16,6 +16,9 @@ from hitab_core import in_lines, quantity
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
+LARGE = 100
+"""Agents; a larger swarm starts for a while, so that lines tell of it where there is no bar."""
+
 RunDir = Annotated[
     Path | None,
     typer.Option("--run-dir", help="Folder for its files, instead of the default one."),
@@ -59,7 +62,7 @@ def up(
 
       hitab up keepaway --namespace left
     """
-    from hitab_bringup.bringing_up import LARGE, bring_up
+    from hitab_bringup.bringing_up import bring_up
     from hitab_bringup.swarm_options import described_swarm
     from hitab_client import RunFolder
     from hitab_client.run_folder import running_swarms
@@ -82,7 +85,7 @@ def up(
     began = time.monotonic()
     faults: list[str] = []
     nodes = len(description.agent_names)
-    tenth = nodes // 10 if nodes > LARGE else 0  # a large one starts for a while
+    tenth = nodes // 10 if nodes > LARGE else 0
     with console.progress(f"starting {description.name}", "nodes", line_every=tenth) as advance:
         record = bring_up(description, folder, advance, faults.append, console.note)
     console.say(
