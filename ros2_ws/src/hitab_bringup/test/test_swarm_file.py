@@ -36,7 +36,7 @@ def test_what_is_no_swarm_file_is_told_apart(tmp_path, monkeypatch):
     with pytest.raises(HitabError, match="this is a folder"):
         find_file(str(tmp_path), "swarms", "swarm")
     # A file that somebody thinks is there is not replaced by the shipped one of this name.
-    with pytest.raises(HitabError, match='the shipped swarm is called "keepaway"'):
+    with pytest.raises(HitabError, match='Did you mean "keepaway"'):
         find_file("keepaway.yaml", "swarms", "swarm")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "keepaway").mkdir()

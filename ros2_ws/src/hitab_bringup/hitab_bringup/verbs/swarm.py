@@ -131,7 +131,7 @@ def down(
     """
     from hitab_client import RunFolder
     from hitab_client.run_folder import registered_swarms
-    from hitab_client.swarm_choice import to_take_down, told_of_other_homes
+    from hitab_client.swarm_choice import to_take_down
 
     if every and (name or swarm or run_dir):
         raise typer.BadParameter(
@@ -148,8 +148,6 @@ def down(
         found = [one] if one is not None else []
     if not found:
         console.say("no swarm is up")
-        for text in told_of_other_homes():
-            console.note(text)
     for folder, record in found:
         _take_down(folder, record)
 
