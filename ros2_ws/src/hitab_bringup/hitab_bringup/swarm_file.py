@@ -15,7 +15,7 @@ from hitab_bringup.swarm_description import (
     AGENT,
     AgentDescription,
     CommanderDescription,
-    ProcessDescription,
+    Process,
     RosOptions,
     SwarmDescription,
     WorldDescription,
@@ -321,7 +321,7 @@ class _Reader:
         members: Sequence[AgentDescription],
         *,
         has_world: bool,
-    ) -> list[ProcessDescription]:
+    ) -> list[Process]:
         owners = {m.process: m.name for m in members} | {m.name: m.name for m in members}
         if has_world:
             owners[WORLD] = WORLD
@@ -339,7 +339,7 @@ class _Reader:
 
     def _process_line(
         self, key: str, line: ProcessLine, groups: Mapping[str, Sequence[AgentDescription]]
-    ) -> list[ProcessDescription]:
+    ) -> list[Process]:
         if bool(line.module) == bool(line.command):
             text = "needs either `module:`, run with Python, or `command:`, and not both"
             self._tell(key, "", text, "processes")
@@ -365,10 +365,10 @@ class _Reader:
         command = (*line.command, *line.arguments)
         if line.agents is None:
             ros = _ros(own, own.parameters)
-            return [ProcessDescription(key, line.module, command, line.namespace, ros, is_node)]
+            return [Process(key, line.module, command, line.namespace, ros, is_node)]
         space = line.namespace or AGENT
         return [
-            ProcessDescription(
+            Process(
                 f"{a.name}_{key}",
                 line.module,
                 command,

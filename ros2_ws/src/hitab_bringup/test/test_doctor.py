@@ -120,21 +120,6 @@ def test_with_variables_that_ros_cannot_start_with_doctor_goes_on_and_others_ref
     assert told == f"error: {error['text']}; {error['way_out']}"
 
 
-def test_nodes_that_hitab_up_did_not_start_are_reported(alone, monkeypatch):
-    monkeypatch.setattr(ros, "LOOK_SECONDS", 0.01)
-    assert one(ros.neighbors(started_here=False)).text.startswith("0 agents and worlds")
-    wait = RosLink.spin_until
-
-    def until_found(link: RosLink, *_: object) -> bool:
-        return wait(link, lambda: link.node.count_publishers("/lone/status"), 60.0)
-
-    monkeypatch.setattr(RosLink, "spin_until", until_found)
-    with RosLink(alone) as link:
-        link.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
-        assert one(ros.neighbors(started_here=False)).level == "warning"
-        assert one(ros.neighbors(started_here=True)).level == "ok"
-
-
 def test_a_suspended_process_of_a_swarm_is_warned_of_with_the_remedy(monkeypatch):
     folder = RunFolder.of_swarm("red")
     folder.prepare()

@@ -1,4 +1,4 @@
-"""Checks ROS: where it is from, DDS, the domain, and who is there."""
+"""Checks ROS: where it is from, DDS, and the domain."""
 
 from __future__ import annotations
 
@@ -10,14 +10,11 @@ from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
 from hitab_client import domain_ids
 from hitab_client.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
 from hitab_client.ros_environment import is_from_wheels
-from hitab_core import quantity
 
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
 COMMON = 102
 """Domains whose ports no other program of the system uses."""
-
-LOOK_SECONDS = 2.0
 
 
 def installation() -> Iterator[Finding]:
@@ -76,34 +73,3 @@ def domain() -> Iterator[Finding]:
     mean = "all commands mean swarms in this domain"
     told = f"{number}: {mean if number < COMMON else 'its ports may be in use by others'}"
     yield judged("ROS domain", told, number < COMMON, "choose a ROS_DOMAIN_ID up to 101")
-
-
-def neighbors(started_here: bool) -> Iterator[Finding]:
-    """Look who is in the ROS domain, and whether all have the same message definitions.
-
-    Args:
-        started_here: whether `hitab up` has started a swarm in this domain.
-    """
-    from hitab_bringup.doctor.runs import told_by
-    from hitab_client import RosLink, SwarmClient
-    from hitab_client.swarm_choice import reported_on
-    from hitab_ros import FinalError, refuse_other_definitions
-
-    number = domain_ids.chosen_by_user() or 0
-    with RosLink(number) as link:
-        agents = SwarmClient(link)
-        # Looks the whole time: nobody knows how many there are.
-        link.spin_until(lambda: None if started_here else agents.discover(), LOOK_SECONDS)
-        try:
-            refuse_other_definitions(link.node)
-        except FinalError as wrong:
-            way_out = "run scripts/setup where that node was started"
-            yield Finding("nodes", str(wrong), ERROR, way_out)
-        found = {topic.rsplit("/", 1)[0].lstrip("/") for topic in reported_on(link)}
-    nodes = quantity(len(found), "agent or world", "agents and worlds")
-    own = started_here or not found
-    told = f"{nodes} in ROS domain {number}"
-    told += "" if own else ", started by hand or on another computer"
-    yield judged("nodes", told, own, "to be alone, choose another ROS_DOMAIN_ID")
-    if not own:
-        yield from told_by(agents.statuses, "`hitab status` shows it")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from hitab_bringup.doctor.finding import WARNING, Finding, judged
 from hitab_client import RunRecord, SwarmError
@@ -17,9 +16,6 @@ from hitab_client.run_folder import (
 from hitab_client.run_processes import ANSWER_SECONDS, is_suspended, process_states
 from hitab_client.swarm_choice import name_to_choose, way_to_stop
 from hitab_core import each_once, quantity, some
-
-if TYPE_CHECKING:
-    from hitab_msgs.msg import AgentStatus
 
 SHOWN = 5  # processes by name
 MANY = 100  # agents; a larger swarm takes long to ask
@@ -100,13 +96,8 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
     if mute:
         told = f"{some(mute)} of {record.swarm} did not answer within {ASK_SECONDS:g} s"
         yield Finding("agents", told, WARNING, f"`hitab logs {mute[0]}` shows why")
-    found = list(told_by(statuses, f"`hitab status --swarm {name_to_choose(record)}` shows it"))
-    yield from found
+    way_out = f"`hitab status --swarm {name_to_choose(record)}` shows it"
+    found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
+    yield from (Finding("agents", fault, WARNING, way_out) for fault in found)
     if not mute and not found:
         yield Finding("agents", f"{quantity(len(statuses), 'agent')} of {record.swarm}: no faults")
-
-
-def told_by(statuses: Mapping[str, AgentStatus], way_out: str) -> Iterator[Finding]:
-    """Report the faults of agents, each once with the names of those concerned."""
-    for fault in each_once((name, fault) for name, s in statuses.items() for fault in s.faults):
-        yield Finding("agents", fault, WARNING, way_out)

@@ -22,7 +22,7 @@ Targets = Annotated[
 
 def demonstrate(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument()] = "",
+    behavior: str,
     targets: Targets = None,
     ago: Annotated[float | None, typer.Option("--ago")] = None,
     swarm: SwarmName = None,
@@ -52,18 +52,12 @@ def demonstrate(
     from hitab_client import reaction_time
     from hitab_core import Use
 
-    if not behavior:
-        raise typer.BadParameter(
-            "name the agent and the behavior, as in `hitab demonstrate keeper_1 GoFast`; only "
-            f'"{agent}" was given'
-        )
     use = Use.parse(behavior)
     if ago is None:
         ago = reaction_time.of(getpass.getuser()) or None
     else:
         reaction_time.check(ago)
     with connection(swarm) as swarm_up:
-        swarm_up.check_order(agent, behavior, f"`hitab demonstrate {behavior} {agent}`")
         due, seen = _due(swarm_up, agent, ago) if ago else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
@@ -123,7 +117,6 @@ def perform(
 
     use = Use.parse(behavior) if behavior else Use("")
     with connection(swarm) as swarm_up:
-        swarm_up.check_order(agent, behavior, f"`hitab perform {behavior} {agent}`")
         answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
         faults = swarm_up.agents.statuses[agent].faults if behavior else ()
     console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")

@@ -44,9 +44,7 @@ def doctor(json: JsonPath = None) -> None:
 def _findings() -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
     from hitab_bringup.doctor.finding import ERROR, Finding
-    from hitab_client import domain_ids
     from hitab_client.ros_environment import problems
-    from hitab_client.run_folder import registered_swarms
     from hitab_core import HitabError
 
     yield from machine.python()
@@ -60,11 +58,7 @@ def _findings() -> Iterator[Finding]:
     yield from runs.swarms()
     yield from runs.leftovers()
     if all(finding.level != "error" for finding in starts):
-        number = domain_ids.chosen_by_user() or 0
-        # What a killed run has left was started here, too, and is among the leftovers.
-        here = [folder for folder, r in registered_swarms() if r.domain_id == number]
         try:
-            yield from ros.neighbors(any(folder.processes() for folder in here))
             yield from runs.faults()
         except HitabError as refused:
             yield Finding("ROS", str(refused), ERROR, "check the variables that begin with ROS_")

@@ -48,6 +48,8 @@ def status(
 
       hitab status --watch
     """
+    from hitab_client import SwarmError
+
     with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
         _await_world(swarm_up)
@@ -58,23 +60,12 @@ def status(
         silent = _silent(swarm_up)
         data = _status_data(swarm_up, silent, KeptTrainings(swarm_up.agents))
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
-            raise _nobody(swarm_up)
+            number = swarm_up.link.node.context.get_domain_id()
+            raise SwarmError(
+                f"nobody answers in ROS domain {number}; a swarm that starts or ends needs a "
+                "moment: try again, or start one, such as `hitab up keepaway`"
+            )
         console.show(json, data, _rendered(data, silent))
-
-
-def _nobody(swarm_up: Connection) -> Exception:
-    """Return an error for when nodes that have been found report nothing."""
-    from hitab_client import SwarmError
-    from hitab_client.swarm_choice import reported_on
-    from hitab_core import some
-
-    topics = some(sorted(reported_on(swarm_up.link)))
-    return SwarmError(
-        f"nobody answers in ROS domain {swarm_up.link.node.context.get_domain_id()}"
-        + (f", although there is somebody on {topics}; " if topics else "; ")
-        + "a swarm that starts or ends needs a moment: try again, or start one, such as "
-        "`hitab up keepaway`"
-    )
 
 
 def _await_world(swarm_up: Connection) -> None:
