@@ -137,7 +137,10 @@ class CommandTree:
                 self._complain(key, "commands", text)
         kind = self._kinds.get(line.kind)
         if kind is not None and not kind.orders:
-            kind = replace(kind, orders=self._shared_orders(key, share))
+            shared = self._shared_behaviors(key, share)
+            orders = tuple(OrderMap(name, {OTHERS: name}) for name in shared)
+            described = {**kind.described, "orders": {name: name for name in shared}}
+            kind = replace(kind, orders=orders, described=described)
         kind = kind or CommanderKind(line.kind, ())
         for order in kind.orders:
             for member in share:
@@ -149,15 +152,15 @@ class CommandTree:
             made, kind=kind, domain=kind.name, library_name=kind.name, subordinates=subordinates
         )
 
-    def _shared_orders(self, key: str, share: Sequence[AgentDescription]) -> tuple[OrderMap, ...]:
-        """Return an order for each behavior without parameters that all subordinates share."""
+    def _shared_behaviors(self, key: str, share: Sequence[AgentDescription]) -> list[str]:
+        """Return the behaviors without parameters that all subordinates share."""
         known = (self._words.repertoire(member).items() for member in share)
         names = [{name for name, parameters in one if not parameters} for one in known]
         shared = set.intersection(*names)
         if not shared:
             text = "has no orders, and its subordinates share no behavior; give its kind `orders:`"
             self._complain(key, "", text)
-        return tuple(OrderMap(name, {OTHERS: name}) for name in sorted(shared))
+        return sorted(shared)
 
     def _wrong(self, order: OrderMap, member: AgentDescription) -> Iterator[str]:
         """Yield what is wrong with an order for a member, in words that similar ones share."""

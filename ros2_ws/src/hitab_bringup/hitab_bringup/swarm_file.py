@@ -150,10 +150,11 @@ class _Reader:
         tree = CommandTree(
             groups, file.commanders, self._kinds(), self._commander, self._words, self._tell
         )
-        commanders = [c for group in self._commanders(tree).values() for c in group]
+        lines = self._commanders(tree)
+        commanders = [c for group in lines.values() for c in group]
         groups = {key: tree.with_superiors(group) for key, group in groups.items()}
         agents = [agent for group in groups.values() for agent in group]
-        self._refuse_doubles(groups, commanders)
+        self._refuse_doubles(groups, lines)
         if file.hosts is not None and not self._complaints:
             agents, commanders = in_hosts(agents, commanders, file.hosts)
         processes = self._processes(groups, (*agents, *commanders), has_world=world is not None)
@@ -294,24 +295,17 @@ class _Reader:
     def _refuse_doubles(
         self,
         groups: Mapping[str, Sequence[AgentDescription]],
-        commanders: Sequence[CommanderDescription],
+        commanders: Mapping[str, Sequence[CommanderDescription]],
     ) -> None:
         owners: dict[str, str] = {}
-        for key, group in groups.items():
-            for agent in group:
-                if agent.name in owners:
-                    text = (
-                        f'a second agent "{agent.name}" (see `{owners[agent.name]}`); rename one'
-                    )
-                    self._tell(key, "", text, "agents")
-                owners[agent.name] = key
-        for key in self._file.commanders:
-            if key in groups or key in owners:
-                self._tell(key, "", f'a second "{key}" (see `agents:`); rename one')
-        for commander in commanders:
-            if commander.name in owners:
-                self._complaints.add(("commanders",), f'a second "{commander.name}"; rename one')
-            owners[commander.name] = commander.name
+        for section, found in (("agents", groups), ("commanders", commanders)):
+            for key, group in found.items():
+                for name in [member.name for member in group] or [key]:
+                    if name in owners:
+                        text = f'a second "{name}" (see `{owners[name]}`); rename one'
+                        self._tell(key, "", text, section)
+                    owners[name] = key
+            owners |= {key: key for key in found}
 
     # -- further processes ------------------------------------------------------------------
 

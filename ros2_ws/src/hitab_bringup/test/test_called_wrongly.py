@@ -38,12 +38,6 @@ def test_the_error_names_the_argument_and_what_it_may_be():
         assert expected in told(*call.split())
 
 
-def test_a_mistyped_file_gets_the_one_beside_it(tmp_path):
-    (tmp_path / "swarm.yaml").write_text("")
-    assert 'Did you mean "' in (said := told("up", str(tmp_path / "swarm.yml")))
-    assert "swarm.yaml" in said
-
-
 def test_who_names_no_agent_reads_which_are_up(monkeypatch):
     up = (None, SimpleNamespace(agents=("keeper_1", "keeper_2")))
     monkeypatch.setattr(swarm_choice, "find_running", lambda which: up)

@@ -2,18 +2,16 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
-from collections import namedtuple
 
 import psutil
 import pytest
 from hitab_msgs.msg import AgentStatus
 
-from hitab_bringup.doctor import machine, ros, runs
+from hitab_bringup.doctor import ros, runs
 from hitab_bringup.main import make_app
 from hitab_client import RosLink, RunFolder, RunRecord, domain_ids, ros_environment
 from hitab_client.dds_profile import LOOPBACK, RANGE, VARIABLES
@@ -49,22 +47,6 @@ def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, ca
 
 
 @pytest.mark.parametrize(
-    ("said", "level", "text"),
-    [
-        (None, "ok", "not chosen: each swarm gets a free one"),
-        ("150", "warning", "150: its ports may be in use"),
-    ],
-)
-def test_the_domain_is_explained(said, level, text, monkeypatch):
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    if said is not None:
-        monkeypatch.setenv("ROS_DOMAIN_ID", said)
-    finding = one(ros.domain())
-    assert finding.level == level
-    assert text in finding.text
-
-
-@pytest.mark.parametrize(
     ("variables", "level", "text"),
     [
         ({}, "ok", "of processes on this computer only"),
@@ -83,18 +65,10 @@ def test_discovery_is_explained(variables, level, text, monkeypatch):
     assert text in finding.text
 
 
-def test_another_middleware_and_localhost_only_are_warned_of(monkeypatch):
-    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
-    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
-    warned = [finding for finding in ros.middleware() if finding.level == "warning"]
-    assert [finding.about for finding in warned] == ["DDS", "discovery"]
-
-
 @pytest.mark.parametrize(
     ("name", "value", "text"),
     [
         ("RMW_IMPLEMENTATION", "rmw_none_cpp", "RMW_IMPLEMENTATION=rmw_none_cpp is not installed"),
-        ("ROS_DOMAIN_ID", "abc", "ROS_DOMAIN_ID=abc is not a number from 0 to 232"),
         ("ROS_SECURITY_ENABLE", "true", "but ROS from wheels has no DDS security"),
     ],
 )
@@ -187,14 +161,3 @@ def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
         assert found.way_out == "`hitab status --swarm red` shows it"
         monkeypatch.setattr(runs, "MANY", 1)
         assert "were not asked" in one(runs.faults()).text
-
-
-def test_little_room_is_reported(monkeypatch, tmp_path):
-    usage = namedtuple("usage", "total used free")
-    for free, level in ((10 << 20, "error"), (500 << 20, "warning"), (5000 << 20, "ok")):
-        monkeypatch.setattr(shutil, "disk_usage", lambda _, free=free: usage(1, 1, free))
-        _, disk = machine.home()
-        assert disk.level == level
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "file" / "home"))
-    assert one(machine.home()).way_out == "name another folder in HITAB_HOME"

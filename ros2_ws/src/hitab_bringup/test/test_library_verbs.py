@@ -88,30 +88,18 @@ def library_of(folder: Path) -> BehaviorLibrary:
 # -- which library ----------------------------------------------------------------------------
 
 
-def test_with_nothing_up_and_none_named_it_says_which_libraries_there_are(home: Path) -> None:
+def test_with_nothing_up_and_none_named_it_says_which_libraries_there_are(
+    home: Path, lib: Path
+) -> None:
     run_before(home)
     text = refused("library", "list")
     assert "choose a library, for example with -l keepaway_trained/keeper_1; there are" in text
-    assert "ApproachBall" in done("library", "list", "-l", "keepaway_trained/keeper_1")
+    for name in ("keepaway_trained/keeper_1", "keepaway", "lib"):
+        assert "ApproachBall" in done("library", "list", "-l", name)
     assert "-l keepaway_trained/keeper_2;" in refused("library", "list", "-a", "keeper_2")
     assert "keepaway_trained/keeper_1, keepaway_trained/keeper_2" in text
     assert "foraging" in text
     assert "ApproachBall" not in text
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "keepaway_trained/keeper_2",
-        "keepaway",
-        "lib",
-    ],
-)
-def test_a_library_is_named_by_its_folder_its_swarm_or_the_name_that_it_ships_with(
-    home: Path, lib: Path, name: str
-) -> None:
-    run_before(home)
-    assert "ApproachBall" in done("library", "list", "-l", name)
 
 
 def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_same(
@@ -157,15 +145,6 @@ def test_all_libraries_of_the_swarm_that_is_up_are_checked(up: RunFolder) -> Non
     assert f"`hitab library delete GotoBall -l {where}`" in text
 
 
-def test_a_library_whose_only_file_is_damaged_can_be_restored(lib: Path) -> None:
-    for name in ("Keepaway", "ControlBall", "GotoBall", "ApproachBall"):
-        library_of(lib).remove(name)
-    (lib / "ApproachBall.hfa.yaml").write_text("nothing")
-    assert "restore ApproachBall 1" in refused("library", "check", "-l", "lib")
-    done("library", "restore", "ApproachBall", "1", "-l", "lib")
-    assert sorted(library_of(lib).load()) == ["ApproachBall"]
-
-
 # -- changing ---------------------------------------------------------------------------------
 
 
@@ -200,34 +179,6 @@ def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: P
     assert f"Keepaway: {replaced}" in done("library", "import", "all.yaml", "-l", "other")
 
 
-def test_all_edited_files_of_folders_are_accepted_at_once(lib: Path, tmp_path: Path) -> None:
-    shutil.copytree(lib, tmp_path / "other")
-    for path in (*lib.glob("*.yaml"), *(tmp_path / "other").glob("GotoBall*.yaml")):
-        path.write_text(path.read_text().replace('description: "', 'description: "Ours. '))
-    with pytest.raises(LibraryError):
-        library_of(lib).load()
-
-    text = done("library", "accept", "lib", "other")
-    assert re.findall(r"accepted (\S+)\.hfa", text) == [
-        "lib/ApproachBall", "lib/GotoBall", "lib/ControlBall", "lib/Keepaway", "other/GotoBall"
-    ]  # fmt: skip
-    assert sorted(library_of(lib).load()) == KEEPAWAY
-    assert "lib: nothing to accept" in done("library", "accept", "lib")
-
-
-def test_an_export_replaces_a_file_only_on_request(lib: Path, tmp_path: Path) -> None:
-    done("library", "export", "GotoBall", "-l", "lib")
-    done("library", "export", "GotoBall", "-l", "lib")  # the same again does no harm
-    path = tmp_path / "GotoBall.bundle.yaml"
-    path.write_text("mine")
-    text = refused("library", "export", "GotoBall", "-l", "lib")
-    assert "GotoBall.bundle.yaml exists already" in text
-    assert "--replace" in text
-    assert path.read_text() == "mine"
-    done("library", "export", "GotoBall", "-l", "lib", "--replace")
-    assert path.read_text() != "mine"
-
-
 def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_again(
     up: RunFolder,
 ) -> None:
@@ -241,19 +192,6 @@ def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_aga
 
 def swarm(name: str) -> Any:
     return read_swarm(find_file(name, "swarms", "swarm"))
-
-
-def test_a_swarm_can_use_a_library_for_all_its_agents(lib: Path, home: Path) -> None:
-    description = with_library(swarm("keepaway"), "lib")
-    assert {agent.library for agent in description.agents} == {lib}
-    prepare(description, home)
-    assert sorted(library_of(lib).load()) == KEEPAWAY
-
-
-def test_what_a_swarm_learned_before_can_be_used_by_another(home: Path) -> None:
-    before = run_before(home)
-    description = with_library(swarm("keepaway"), "keepaway_trained/keeper_1")
-    assert {a.library for a in description.agents} == {before.path / "libraries" / "keeper_1"}
 
 
 def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:

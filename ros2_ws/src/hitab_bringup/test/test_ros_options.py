@@ -31,11 +31,6 @@ def rules(process) -> list[str]:
     return [line[i + 1] for i, word in enumerate(line) if word == "-r"]
 
 
-def test_without_words_of_ros_nothing_is_remapped():
-    assert rules(found(f"world: {{kind: keepaway}}\n{AGENTS}")["world"]) == ["__ns:=/world"]
-    assert "use_sim_time" not in found(AGENTS)["a"].parameters
-
-
 def test_a_namespace_is_around_all_nodes_and_gives_the_swarm_its_own_clock():
     there = found(
         f"namespace: left\nworld: {{kind: keepaway}}\n{AGENTS}"
@@ -83,17 +78,6 @@ def test_what_is_nearer_counts_and_the_rest_is_kept():
     assert "use_sim_time" not in world.parameters  # it would wait for its own clock
     assert world.parameters["state_rate"] == 5.0
     assert "rate" not in world.parameters
-
-
-def test_commanders_take_what_holds_for_all_nodes_but_not_the_agents_parameters():
-    chief = found(
-        "domain: keepaway\nuse_sim_time: true\nremap: {tf: /tf}\nparameters: {rate: 10}\n"
-        "agents: {a: {}}\nkinds: {Squad: {orders: {Rest: nothing}}}\n"
-        "commanders: {chief: {kind: Squad, commands: [a]}}\n"
-    )["chief"]
-    assert chief.remap == {"tf": "/tf"}
-    assert chief.parameters["use_sim_time"] is True
-    assert "rate" not in chief.parameters
 
 
 def test_a_process_can_run_for_each_agent_of_a_line_in_its_namespace():
@@ -199,13 +183,3 @@ def test_a_swarm_can_be_put_into_a_namespace_under_a_name_of_its_own():
     assert swarm.full_name("a") == "/lab/left/a"
     with pytest.raises(DescriptionError, match=r'"a-b" is not a namespace; use up to 100 letters'):
         swarm.in_namespace("a-b")
-
-
-def test_sim_time_can_be_turned_on_for_all_nodes_but_the_world():
-    text = (
-        f"world: {{kind: keepaway}}\n{AGENTS}"
-        "processes: {x: {module: json.tool}, y: {command: sh}}\n"
-    )
-    swarm = parse_swarm(text, HERE).with_sim_time()
-    told = {p.name: p.parameters.get("use_sim_time") for p in processes(swarm, Path("/run"))}
-    assert told == {"world": None, "a": True, "b": True, "x": True, "y": None}

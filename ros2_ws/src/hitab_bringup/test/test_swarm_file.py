@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from hitab_bringup.swarm_file import parse_swarm, read_swarm
-from hitab_bringup.swarm_processes import library_of, processes
+from hitab_bringup.swarm_processes import processes
 from hitab_client.errors import DescriptionError
 from hitab_client.shipped import find_file
 from hitab_core.errors import HitabError
@@ -17,15 +17,6 @@ def complaint(text: str, path: Path = HERE) -> str:
     with pytest.raises(DescriptionError) as error:
         parse_swarm(text, path)
     return str(error.value)
-
-
-def test_the_shipped_swarm_is_three_keepers_in_processes_of_their_own():
-    swarm = read_swarm(find_file("keepaway", "swarms", "swarm"))
-    assert swarm.agent_names == ("keeper_1", "keeper_2", "keeper_3")
-    assert swarm.world is not None
-    assert swarm.world.pace == "realtime"
-    names = [process.name for process in processes(swarm, Path("/run"))]
-    assert names == ["world", "keeper_1", "keeper_2", "keeper_3"]
 
 
 def test_what_is_no_swarm_file_is_told_apart(tmp_path, monkeypatch):
@@ -94,22 +85,13 @@ def test_many_likes_take_one_line_and_few_processes():
     }
 
 
-def test_agents_that_differ_can_share_a_process_but_no_library():
-    swarm = parse_swarm(
-        "domain: keepaway\nagents:\n  a: {host: one}\n  b: {host: one, behavior: Stop}\n", HERE
-    )
-    (process,) = processes(swarm, Path("/run"))
-    assert process.agents == ("a", "b")
-    assert [library_of(agent, Path("/run")).name for agent in swarm.agents] == ["one_a", "one_b"]
-
-
 def test_an_agent_twice_is_refused_with_both_places():
     text = "domain: keepaway\nagents:\n  a: {}\n  b: {}\n  a: {}\n"
     assert complaint(text) == (
         '/somewhere/team.yaml:5: has the key "a" twice (first at line 3); remove one'
     )
     text = "domain: keepaway\nagents:\n  ant: {count: 2}\n  ant_2: {}\n"
-    assert complaint(text).startswith('/somewhere/team.yaml:4: a second agent "ant_2" (see `ant`)')
+    assert complaint(text).startswith('/somewhere/team.yaml:4: a second "ant_2" (see `ant`)')
 
 
 def test_an_unknown_domain_is_told_once_and_with_what_was_meant():
@@ -129,11 +111,6 @@ def test_an_unknown_behavior_is_told_where_it_stands(tmp_path):
     told = complaint(text, tmp_path / "team.yaml")
     assert told.startswith(f'{tmp_path}/team.yaml:5: unknown behavior "Danse" (known: Dance, ')
     assert told.endswith('Did you mean "Dance"?)')
-
-
-def test_a_missing_library_is_told_with_the_way_out():
-    told = complaint("domain: keepaway\nlibrary: nowhere\nagents: {a: {}}\n")
-    assert told.startswith('/somewhere/team.yaml:2: `library:` there is no folder "nowhere"; make')
 
 
 @pytest.mark.parametrize(
@@ -156,10 +133,3 @@ def test_everything_wrong_is_told_with_its_place(text, expected):
 def test_all_complaints_come_at_once():
     told = complaint("domain: keepaway\nworld: {pace: fast}\nagents:\n  a: {seed: -1}\n")
     assert [line.split(":")[1] for line in told.splitlines()] == ["2", "2", "4"]
-
-
-def test_a_file_that_is_not_there_is_told(tmp_path):
-    with pytest.raises(DescriptionError, match=r"cannot read it: .*; check the path"):
-        read_swarm(tmp_path / "none.yaml")
-    with pytest.raises(HitabError, match=r'no swarm "keepaways": .*Did you mean "keepaway"'):
-        find_file("keepaways", "swarms", "swarm")

@@ -1,4 +1,4 @@
-"""Reads kinds of commanders from YAML.
+"""Reads kinds of commanders from YAML, and writes them.
 
     commander: Captain
     orders:                                  # name: what the subordinates perform
@@ -30,6 +30,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
+import yaml
 from pydantic import AfterValidator, Field, PlainValidator, create_model
 
 from hitab_commander.kind import (
@@ -235,6 +236,9 @@ def kind_in(
             except ValueError as wrong:
                 complaints.add((*at, key, label), str(wrong))
 
+    described = complaints.document.value
+    for key in at:
+        described = described[key]
     return CommanderKind(
         name,
         tuple(each("orders", record.orders, _order)),
@@ -243,7 +247,13 @@ def kind_in(
         record.deadline,
         record.rate,
         record.report_period,
+        described or {},
     )
+
+
+def kind_text(kind: CommanderKind) -> str:
+    """Return the text of a file that describes a kind."""
+    return yaml.safe_dump({**kind.described, "commander": kind.name}, sort_keys=False)
 
 
 def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
