@@ -201,14 +201,6 @@ def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:
     assert [c.library for c in description.commanders] == [None]
 
 
-def test_a_library_of_commanders_is_for_those_of_its_kind(tmp_path: Path) -> None:
-    folder = tmp_path / "squad"
-    shutil.copytree(shipped("libraries", "foraging_squad"), folder)
-    description = with_library(swarm("foraging_commanders"), "squad")
-    assert {c.library for c in description.commanders} == {folder}
-    assert {a.library for a in description.agents} == {None}
-
-
 def test_nothing_is_saved_into_a_shipped_library() -> None:
     with pytest.raises(LibraryError, match="is shipped with HiTAB"):
         with_library(swarm("keepaway"), "keepaway")

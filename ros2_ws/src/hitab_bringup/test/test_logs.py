@@ -56,13 +56,6 @@ def test_all_logs_are_merged_with_names(run):
     assert result.stderr == f"from {run.path}/logs\n"
 
 
-def test_one_log_is_shown_without_names_and_an_agents_is_its_hosts(run):
-    assert hitab("logs", "c").stdout == "2026-05-01 12:00:02.000 INFO  b: second\n"
-    assert hitab("logs", "a", "-n", "1").stdout == "2026-05-01 12:00:04.000 ERROR fourth\n"
-    assert f"from {run.path}/logs/a.log" in hitab("logs", "a").stderr
-    assert "spawned: 'a'" in hitab("logs", "supervisor").stdout
-
-
 def test_following_shows_what_is_added_until_the_swarm_is_down(run, monkeypatch):
     log = run.log("a")
 

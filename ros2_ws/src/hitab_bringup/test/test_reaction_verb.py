@@ -70,10 +70,3 @@ def test_without_a_world_it_is_the_persons_own_time() -> None:
     world: Any = World(None)
     swarm = Connection(world, world, world, world)
     assert commanding._due(swarm, "ann", 0.3) == pytest.approx((1.8, 0))
-
-
-@pytest.mark.parametrize(("seconds", "cycle"), [(0.0, 100), (3.0, 70), (30.0, 1)])
-def test_the_cycle_of_some_time_ago_is_that_of_the_worlds_clock(
-    seconds: float, cycle: int
-) -> None:
-    assert World(RUNNING).cycle_before(seconds) == cycle

@@ -34,19 +34,6 @@ def test_what_is_no_swarm_file_is_told_apart(tmp_path, monkeypatch):
     assert find_file("keepaway", "swarms", "swarm").name == "keepaway.yaml"
 
 
-def test_what_is_said_for_all_can_be_said_otherwise_for_one():
-    swarm = parse_swarm(
-        "domain: keepaway\nbehavior: GetOpen\nagents:\n  a: {}\n  b: {behavior: Stop, seed: 7}\n",
-        HERE,
-    )
-    assert [(a.name, a.behavior, a.seed) for a in swarm.agents] == [
-        ("a", "GetOpen", 1),
-        ("b", "Stop", 7),
-    ]
-    assert swarm.name == "team"
-    assert swarm.world is None
-
-
 def test_hand_written_automata_can_be_taken_out_for_all_or_for_one():
     swarm = parse_swarm(
         "format: 2\ndomain: keepaway_handcoded\nwithout: [GotoBall]\n"

@@ -253,7 +253,8 @@ def kind_in(
 
 def kind_text(kind: CommanderKind) -> str:
     """Return the text of a file that describes a kind."""
-    return yaml.safe_dump({**kind.described, "commander": kind.name}, sort_keys=False)
+    described = {"commander": ""} | dict(kind.described) | {"commander": kind.name}
+    return yaml.safe_dump(described, sort_keys=False)
 
 
 def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
