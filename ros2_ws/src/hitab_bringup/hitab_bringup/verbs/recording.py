@@ -25,9 +25,6 @@ STATUS_S = 1.0
 LOOK_S = 0.5
 """Between two looks for new topics."""
 
-PATIENCE_S = 10.0
-"""How long agents may take to tell what they take in, before they are named."""
-
 
 def record(
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="PATH")] = None,
@@ -110,7 +107,6 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
     console.note(f"recording to {recorder.path}; Ctrl-C ends it")
     began = time.monotonic()
     told: list[str] = []
-    waits = True
     with _progress() as show:
         looked = began
         while not recorder.problem:
@@ -127,10 +123,6 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
                 told = recorder.sessions
                 agents = ", ".join(agent.removeprefix("/") for agent in told)
                 console.note(f"from now on it can be trained from: {agents}")
-            elif waits and recorder.awaited and now - began > PATIENCE_S:
-                waits = False
-                late = ", ".join(agent.removeprefix("/") for agent in recorder.awaited)
-                console.note(f"it cannot be trained from yet: {late} does not answer")
 
 
 @contextmanager

@@ -53,7 +53,8 @@ def status(
     with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
         _await_world(swarm_up)
-        swarm_up.note_whose(_identities(swarm_up))
+        reported = (*swarm_up.agents.statuses.values(), swarm_up.world.status)
+        swarm_up.note_whose(status.swarm for status in reported if status is not None)
         if watch:
             _watch(swarm_up)
             return
@@ -101,13 +102,6 @@ def _watch(swarm_up: Connection) -> None:
             swarm_up.link.spin_until(lambda: False, 0.2)
             swarm_up.agents.discover()
             live.update(shown())
-
-
-def _identities(swarm_up: Connection) -> set[str]:
-    """Return the swarms of all that have answered."""
-    world = swarm_up.world.status
-    found = {status.swarm for status in swarm_up.agents.statuses.values()}
-    return found | ({world.swarm} if world is not None else set())
 
 
 def _status_data(
@@ -225,7 +219,9 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     from hitab_core import gist
 
     # It may have been long ago: what is still so is among the faults.
-    what = f"last refusal{_at(status)}" if "agent" in status else "last error"
+    what = "last refusal" if "agent" in status else "last error"
+    if status.get("refused_at"):
+        what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
     told = [gist(fault) for fault in faults]
     told += [f"{what}: {gist(last)}"] if last and last not in faults else []
     if status.get("unsure"):
@@ -233,9 +229,3 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     if status.get("questions"):
         told.append(f"asks {quantity(status['questions'], 'question')}")
     return told
-
-
-def _at(status: dict[str, Any]) -> str:
-    """Return when an agent refused, in local time."""
-    refused = status["refused_at"]
-    return "" if refused is None else time.strftime(" at %H:%M:%S", time.localtime(refused))
