@@ -18,7 +18,7 @@ from hitab_ros import names
 from hitab_studio.agent_watch import Watched
 from hitab_studio.learned import NOTHING
 from hitab_studio.remembered_scenes import ExampleScenes
-from hitab_studio.robots.state import Robots
+from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT, Scene, state_shown
 from hitab_studio.swarm_finder import Target
 

@@ -49,13 +49,13 @@ class Field {
   take(message) {
     if (message.t === "frame") this.takeFrame(message);
     else if (message.t === "roster") this.takeRoster(message);
-    else if (message.t === "scans") this.robots.take(message);
     else if (message.t === "say") this.takeCalls(message.said);
     else if (message.t === "order") this.orders.push({ ...message, until: performance.now() + 2200 });
     else if (message.t === "replay") this.replay = message.on;
     else if (message.t === "chosen") this.chosen = new Set(message.names);
     else if (message.t === "reaction-game") playReactionGame(message);
     else if (message.t === "demonstrator") rememberDemonstrator(message.name);
+    else this.robots.take(message);
     this.redraw();
   }
 

@@ -48,6 +48,8 @@ def context(session: Session) -> dict[str, Any]:
     known, launch = session.shared.store.known, session.shared.launcher.launch
     world_absent = absence(known, WORLD) if live else None
     history = session.watched.history
+    faults = list(status.faults) if status is not None else []
+    stopped = [fault for fault in faults if fault.startswith(STOPPED)]
     return {
         "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
@@ -77,8 +79,8 @@ def context(session: Session) -> dict[str, Any]:
         "targets": _targets(session),
         "legend": _legend(session),
         "camera": sensors.camera(session),
-        "silent_sensors": sensors.silent(session),
-        "stopped": next((f for f in status.faults if f.startswith(STOPPED)), "") if status else "",
+        "stopped": next(iter(stopped), ""),
+        "faults": [fault for fault in faults if fault not in stopped],
         "player": session.player,
         "empty": empty,
         "choices": choices(session) if empty[0] else [],
