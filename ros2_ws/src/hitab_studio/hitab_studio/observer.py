@@ -89,8 +89,7 @@ class Observer:
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(swarm.link)
-        refuse = partial(complain, "")
-        self._robots = RobotWatch(swarm.link, options or Options(), refuse)
+        self._robots = RobotWatch(swarm.link, options or Options())
         self._shown: object = None
 
     def _know(self, **changes: Any) -> None:

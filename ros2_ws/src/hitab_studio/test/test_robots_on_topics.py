@@ -115,13 +115,12 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
     robot.draw_map([[0, 100]], 0.5, -1.0, 0.0, 0.0)
 
     async def use(page: Page) -> None:
-        camera = f"/{ROBOT}/camera/image_raw/compressed"
-        await page.until(lambda: f"{camera} is neither JPEG nor PNG" in page.shown("messages"))
+        await page.until(lambda: "is neither JPEG nor PNG" in page.shown("overlay"))
         robot.film(robot.png(4, 3))
         await page.until(lambda: {"map", f"camera {ROBOT}"} <= page.session.layers().keys())
         assert page.session.layers()[f"camera {ROBOT}"][4:] == robot.png(4, 3)
         robot.stand(math.nan, 0.0, 0.0)
-        await page.until(lambda: "or nowhere" in page.shown("messages"))
+        await page.until(lambda: "or nowhere" in page.shown("side"))
         await page.until(lambda: page.known.shown is None)  # nobody knows where it is
         await page.until(lambda: "No robot has a place yet" in page.shown("overlay"))
         robot.stand(1.0, 0.0, 0.0)

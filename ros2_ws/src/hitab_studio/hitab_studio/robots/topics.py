@@ -20,14 +20,11 @@ CAMERA = "sensor_msgs/msg/CompressedImage"
 COMMAND = "hitab_msgs/msg/Command"
 """To what only agents subscribe."""
 
-NO_SENSORS = frozenset(
+NOT_LISTED = frozenset(
     f"sensor_msgs/msg/{name}"
-    for name in ("CameraInfo", "Joy", "JoyFeedback", "JoyFeedbackArray", "RegionOfInterest")
+    for name in ("CameraInfo", "CompressedImage", "Image", "Joy", "PointCloud", "PointCloud2")
 )
-HEAVY = frozenset(
-    f"sensor_msgs/msg/{name}" for name in ("CompressedImage", "Image", "PointCloud", "PointCloud2")
-)
-"""Types whose messages are not received just to know how old they are."""
+"""No sensors, or so heavy that they are not received just to know how old they are."""
 
 ROBOTS_MAX = 50
 """Robots that are shown, by name."""
@@ -56,7 +53,7 @@ class RobotTopics:
 
     Attributes:
         node: full name of its agent's node; "": it has gone.
-        sensors: topics of its sensors, with their types.
+        sensors: topics of its sensors, with their types; without its camera.
         odometry, camera: topics; "": none.
     """
 
@@ -73,7 +70,7 @@ class RobotTopics:
 
 def is_sensor(kind: str) -> bool:
     """Whether messages of a type come from a robot's sensor."""
-    return kind == ODOMETRY or (kind.startswith("sensor_msgs/msg/") and kind not in NO_SENSORS)
+    return kind == ODOMETRY or (kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED)
 
 
 def _of_type(graph: Graph, kind: str) -> list[str]:
@@ -136,7 +133,6 @@ def _robot(
     if options.cameras:
         cameras = [t for t in cameras if any(f"/{t}".endswith(f"/{c}") for c in options.cameras)]
     camera = next(iter(of(CAMERA, cameras)), "")
-    sensors = {t: kind for t, kind in sensors.items() if kind != CAMERA}
     sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOMETRY} if odometry else {})
     return RobotTopics(node, sensors, odometry, camera)
 

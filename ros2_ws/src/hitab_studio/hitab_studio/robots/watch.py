@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from types import MappingProxyType
@@ -21,7 +21,6 @@ from hitab_studio.robots.mounts import Mounts
 from hitab_studio.robots.reading import Reading
 from hitab_studio.robots.topics import (
     CAMERA,
-    HEAVY,
     MAP,
     Options,
     RobotTopics,
@@ -66,7 +65,7 @@ class Robots:
     Attributes:
         scene: where they are; None: of none that is known.
         lost: names of robots whose odometry is silent: they were there.
-        sensors: of each robot, by the name of its agent; its camera last.
+        sensors: of each robot, by the name of its agent; with its camera and the map.
         notes: what has to be known to read what is drawn of each.
         layers: what pages draw beside the scene, each as it is sent: "scans", "map", and
             "camera robot_1" for each camera.
@@ -85,14 +84,11 @@ class RobotWatch:
     Args:
         link: the node to use.
         options: what a person has chosen.
-        refuse: called once for each topic of which something is not shown, with the reason.
     """
 
-    def __init__(self, link: RosLink, options: Options, refuse: Callable[[str], None]) -> None:
+    def __init__(self, link: RosLink, options: Options) -> None:
         self._link = link
         self._options = options
-        self._refuse = refuse
-        self._told: set[str] = set()
         self._topics: dict[str, RobotTopics] = {}
         self._map_topic = ""
         self._readings: dict[str, Reading] = {}
@@ -146,7 +142,7 @@ class RobotWatch:
         """Listen to what pages show, and to nothing else."""
         wanted = {self._map_topic: MAP}
         for agent, robot in self._topics.items():
-            wanted |= {t: kind for t, kind in robot.sensors.items() if kind not in HEAVY}
+            wanted |= robot.sensors
             if agent in agents:
                 wanted[robot.camera] = CAMERA
             if agent not in self._mounts and robot.node:
@@ -160,10 +156,6 @@ class RobotWatch:
         self._listen_to_tf()
         for open_one in self._open():
             open_one.look()
-        for topic, reading in self._readings.items():
-            if reading.trouble and topic not in self._told:
-                self._told.add(topic)
-                self._refuse(f"{topic} {reading.trouble}.")
 
     def _listen_to_tf(self) -> None:
         """Listen to tf, if its messages are installed: they come with ROS 2 only."""
@@ -251,14 +243,12 @@ class RobotWatch:
 
     def _sensors(self, agent: str) -> tuple[Sensor, ...]:
         robot = self._topics[agent]
-        topics = {**robot.sensors, **({robot.camera: CAMERA} if robot.camera else {})}
         found = []
-        for topic, kind in topics.items():
-            age = "not listened to"
-            if (reading := self._readings.get(topic)) is not None:
+        for topic, kind in {**robot.sensors, robot.camera: CAMERA, self._map_topic: MAP}.items():
+            reading = self._readings.get(topic)
+            if reading is not None:
                 age = "no message yet" if reading.age is None else f"{reading.age:.1f} s ago"
-            trouble = reading.trouble if reading is not None else ""
-            found.append(Sensor(topic, kind.rpartition("/")[2], age, trouble))
+                found.append(Sensor(topic, kind, age, reading.trouble))
         return tuple(found)
 
 
@@ -279,19 +269,11 @@ def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scen
     drawn = np.concatenate([rows[:, :2] - LEAST, rows[:, :2] + LEAST, *around])
     low, high = np.floor(drawn.min(0) / STEP) * STEP, np.ceil(drawn.max(0) / STEP) * STEP
     return Scene(
-        world="",
-        cycle=0,
-        episode=0,
-        episode_cycle=0,
-        mode="",
-        note="",
-        seconds=0.0,
         size=tuple((high - low).tolist()),
         names=tuple(names),
         kinds=("robot",) * len(names),
         radii=(RADIUS,) * len(names),
         places=rows,
-        said=MappingProxyType({}),
         looks=MappingProxyType({"robot": Look()}),
         center=tuple(((low + high) / 2).tolist()),
         real=True,

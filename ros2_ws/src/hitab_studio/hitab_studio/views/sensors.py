@@ -10,7 +10,7 @@ from hitab_studio.session import Session
 
 
 def rows(session: Session) -> Sequence[Sensor]:
-    """Return the sensors of the robot, its camera last; none in a replay."""
+    """Return the sensors of the robot, its camera and the map; none in a replay."""
     robots = session.shared.store.known.robots
     if robots is None or session.player is not None:
         return ()
@@ -25,4 +25,4 @@ def notes(session: Session) -> Sequence[str]:
 
 def camera(session: Session) -> Sensor | None:
     """Return the camera of the robot; None: it has none."""
-    return next((one for one in rows(session) if CAMERA.endswith(f"/{one.kind}")), None)
+    return next((one for one in rows(session) if one.kind == CAMERA), None)
