@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +13,9 @@ from hitab_studio.learned import is_taken_out
 from hitab_studio.session import Session
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
+
+SHOWN = 8
+"""Changes of state that are listed."""
 
 
 @dataclass(frozen=True)
@@ -32,19 +34,6 @@ class Level:
     shown: bool
 
 
-@dataclass(frozen=True)
-class Change:
-    """A state change and why it happened."""
-
-    cycle: int
-    automaton: str
-    source: str
-    target: str
-    why: str
-    probability: float
-    commanded: bool
-
-
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     levels = _levels(session)
@@ -54,28 +43,23 @@ def context(session: Session) -> dict[str, Any]:
     state = (session.state or (shown.state if shown else "")) or START
     tree = behavior.tree(state) if behavior is not None else None
     values = _values(session, shown, behavior)
-    changes = _changes(session)
-    last = next((c for c in changes if shown and c.automaton == shown.label), None)
-    names = _names(behavior, session)
+    events = _events(session)
+    names = behavior.features if behavior is not None else ()
+    automata = [b.name for b in session.watched.behaviors.values() if b.is_automaton]
     return {
         "levels": levels,
         "level": shown,
         "behavior": behavior,
         "taken_out": behavior is not None and is_taken_out(behavior),
-        "graph": graph(automaton, [b.name for b in _automata(session)]) if automaton else None,
+        "graph": graph(automaton, automata) if automaton else None,
         "state": state,
-        "last": last,
+        "last": next((e for e in events if shown and _label(e) == shown.label), None),
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
         "live": bool(values),
-        "chances": dict(behavior.decides(state, values)) if behavior and values else {},
-        "changes": changes[:8],
+        "changes": events[:SHOWN],
+        "because": lambda event: _because(session, event),
+        "label": _label,
     }
-
-
-def _automata(session: Session) -> list[Learned]:
-    found = [b for b in session.watched.behaviors.values() if b.is_automaton]
-    training = session.watched.training
-    return [*found, training] if training is not None else found
 
 
 def _behavior(session: Session, name: str) -> Learned | None:
@@ -83,10 +67,6 @@ def _behavior(session: Session, name: str) -> Learned | None:
     if training is not None and training.name == name and session.is_training:
         return training
     return session.watched.behaviors.get(name)
-
-
-def _names(behavior: Learned | None, session: Session) -> Sequence[str]:
-    return behavior.features if behavior is not None else ()
 
 
 def _levels(session: Session) -> list[Level]:
@@ -142,26 +122,22 @@ def _values(session: Session, level: Level | None, behavior: Learned | None) -> 
     return values
 
 
-def _changes(session: Session) -> list[Change]:
+def _events(session: Session) -> list[Any]:
+    """Return the last `TransitionEvent`s of the agent, the newest first."""
     if session.player is not None:
-        events = session.player.recording.events(session.player.at, session.agent)
-    else:
-        events = list(reversed(session.watched.transitions))
-    found = []
-    for event in events:
-        seen = ", ".join(
-            f"{feature} = {measured(session, feature, value)}"
-            for feature, value in zip(event.features, event.values, strict=True)
-        )
-        found.append(
-            Change(
-                event.cycle,
-                event.automaton[-1] if event.automaton else "",
-                event.from_state,
-                event.to_state,
-                "commanded" if event.commanded else seen or "always",
-                event.probability,
-                event.commanded,
-            )
-        )
-    return found
+        return session.player.recording.events(session.player.at, session.agent)
+    return list(reversed(session.watched.transitions))
+
+
+def _label(event: Any) -> str:
+    """Return the label of the automaton in which a state changed."""
+    return event.automaton[-1] if event.automaton else ""
+
+
+def _because(session: Session, event: Any) -> str:
+    """Say why a state changed."""
+    seen = ", ".join(
+        f"{feature} = {measured(session, feature, value)}"
+        for feature, value in zip(event.features, event.values, strict=True)
+    )
+    return "commanded" if event.commanded else seen or "always"
