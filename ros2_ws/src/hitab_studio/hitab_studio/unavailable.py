@@ -10,7 +10,6 @@ from hitab_studio.absence import absence
 from hitab_studio.session import CHOOSE_FIRST, REAL, Session
 
 RECORDING = "This is a recording: close it first (Esc)."
-PAUSED = "The world is paused: a command counts for what you see, so none was late."
 
 
 def off(reason: str) -> markupsafe.Markup:
@@ -70,14 +69,6 @@ def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
     undone = session.watched.history.undone
     return training(session) or ("" if undone else "There is nothing to redo.")
-
-
-def retiming(session: Session) -> str:
-    """Return why no command can have been due earlier."""
-    known = session.shared.store.known
-    if known.world is not None and known.world.mode == "paused":
-        return PAUSED
-    return training(session)
 
 
 def testing(session: Session) -> str:

@@ -1,11 +1,10 @@
 """The page says what a person should know before they press, and where they look."""
 
 import asyncio
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from hitab_msgs.msg import AgentStatus, WorldStatus
+from hitab_msgs.msg import AgentStatus
 
 from hitab_client import Learned
 from hitab_core import Example
@@ -49,19 +48,6 @@ def keeper(status: AgentStatus | None = None, **watched: Any) -> Known:
     known = Watched(vocabulary=WORDS, behaviors={"FetchBall": SAVED}, **watched)
     idle = AgentStatus(agent=ONE, mode="idle", domain="soccer")
     return Known(UP, statuses={ONE: status or idle}, watched=MappingProxyType({ONE: known}))
-
-
-def test_while_the_world_is_paused_no_command_was_late():
-    training = replace(SAVED, name="Chase")
-    status = AgentStatus(agent=ONE, mode="testing", behavior="Chase", examples=3)
-    known = keeper(status, training=training)
-
-    async def use(session: Session) -> None:
-        for mode, off in (("paused", " aria-disabled"), ("running", "  title")):
-            session.shared.store.known = replace(known, world=WorldStatus(mode=mode))
-            assert render("side", session).partition('data-test="earlier"')[2].startswith(off)
-
-    page(known, use)
 
 
 # -- a name that is taken ---------------------------------------------------------------------

@@ -46,7 +46,6 @@ def context(session: Session) -> dict[str, Any]:
         "agent_off": unavailable.agent(session),
         "undo_off": unavailable.undoing(session),
         "redo_off": unavailable.redoing(session),
-        "earlier_off": unavailable.retiming(session),
         "test_off": unavailable.testing(session),
         "training_off": unavailable.training(session),
         "last_done": history.done[-1] if history.done else "",

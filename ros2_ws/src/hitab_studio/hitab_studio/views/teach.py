@@ -35,7 +35,6 @@ def context(session: Session) -> dict[str, Any]:
         + [(text, True) for text in watched.history.undone[:SHOWN]],
         "undo_off": unavailable.undoing(session),
         "redo_off": unavailable.redoing(session),
-        "earlier_off": unavailable.retiming(session),
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),
