@@ -64,7 +64,6 @@ class Page:
             '<link rel="stylesheet" href="/studio/studio.css">'
             '<script type="module" src="/studio/studio.js"></script>'
             '<script type="module" src="/studio/keys.js"></script>'
-            '<script type="module" src="/studio/drafts.js"></script>'
             '<script type="module" src="/studio/field.js"></script>'
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")

@@ -101,11 +101,6 @@ def _lost_off(session: Session) -> str:
 def _stuck(session: Session) -> str:
     """Say why nothing happens while what was learned is tested, if nothing does."""
     status, training = session.status, session.watched.training
-    if empty := _taken_out(session):
-        return (
-            f"{empty} was taken out of the robot's domain (`without:` in the swarm file): it does "
-            "nothing until it is trained, or given by another agent."
-        )
     if status is None or status.mode != "testing" or training is None or session.player:
         return ""
     world = session.shared.store.known.world
@@ -120,16 +115,6 @@ def _stuck(session: Session) -> str:
     if world is not None and world.mode == "paused":
         return "The world is paused: press Space, and it does what it has learned."
     return ""
-
-
-def _taken_out(session: Session) -> str:
-    """Return the active automaton that does nothing because it was taken out; "" if none is."""
-    status = session.status
-    if status is None or session.player is not None:
-        return ""
-    found = session.watched.behaviors
-    names = [Use.parse(label).name for label in (status.behavior, *status.active_path) if label]
-    return next((n for n in names if n in found and is_taken_out(found[n])), "")
 
 
 def _legend(session: Session) -> list[tuple[str, str]]:
