@@ -87,11 +87,6 @@ class Scene:
     center: tuple[float, float] = (0.0, 0.0)
     real: bool = False
 
-    def place_of(self, name: str) -> dict[str, float]:
-        """Return the position and motion of a thing."""
-        row = self.places[self.names.index(name)].tolist()
-        return dict(zip(KNOWN_FIELDS, row, strict=True))
-
     def everything(self) -> dict[str, dict[str, float]]:
         """Return the places of everything, by name, as `WorldClient.place` takes them."""
         rows = self.places.tolist()

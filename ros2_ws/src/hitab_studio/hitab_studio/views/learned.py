@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import Learned
@@ -17,32 +16,19 @@ from hitab_studio.views.numbers import measured
 SHOWN = 8
 """Changes of state that are listed."""
 
-
-@dataclass(frozen=True)
-class Level:
-    """One automaton of the hierarchy.
-
-    Attributes:
-        label: as in the path of active states, such as ``GoTo(ball)``.
-        state: its active state; "" if it is not active.
-    """
-
-    name: str
-    label: str
-    depth: int
-    state: str
-    shown: bool
+DEEPEST = 6
 
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     levels = _levels(session)
-    shown = next((level for level in levels if level.shown), None)
-    behavior = _behavior(session, shown.name) if shown is not None else None
+    chosen = (level for level in levels if level["name"] == session.level)
+    shown = next(chosen, levels[0] if levels else {"name": "", "label": "", "state": ""})
+    behavior = _behavior(session, shown["name"])
     automaton = behavior.automaton if behavior is not None else None
-    state = (session.state or (shown.state if shown else "")) or START
+    state = session.state or shown["state"] or START
     tree = behavior.tree(state) if behavior is not None else None
-    values = _values(session, shown, behavior)
+    values = _values(session, shown["label"], behavior)
     events = _events(session)
     names = behavior.features if behavior is not None else ()
     automata = [b.name for b in session.watched.behaviors.values() if b.is_automaton]
@@ -53,7 +39,7 @@ def context(session: Session) -> dict[str, Any]:
         "taken_out": behavior is not None and is_taken_out(behavior),
         "graph": graph(automaton, automata) if automaton else None,
         "state": state,
-        "last": next((e for e in events if shown and _label(e) == shown.label), None),
+        "last": next((e for e in events if _label(e) == shown["label"]), None),
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
         "live": bool(values),
         "changes": events[:SHOWN],
@@ -69,54 +55,43 @@ def _behavior(session: Session, name: str) -> Learned | None:
     return session.watched.behaviors.get(name)
 
 
-def _levels(session: Session) -> list[Level]:
-    """Return the hierarchy below what the agent performs, active or not, outermost first."""
-    status = session.status
+def _levels(session: Session) -> list[dict[str, Any]]:
+    """Return the hierarchy below what the agent performs, active or not, outermost first.
+
+    Each automaton has the label of the path of active states, such as ``GoTo(ball)``.
+    """
+    status, training = session.status, session.watched.training
     if status is None:
         return []
-    top = status.behavior
-    if not top and session.watched.training is not None:
-        top = session.watched.training.name
-    if not top and session.behavior:
-        top = session.behavior
-    if not top:
-        return []
+    top = status.behavior or (training.name if training is not None else session.behavior)
     path = list(status.active_path)
-    found: list[tuple[str, str, int, str]] = []
+    found: dict[str, dict[str, Any]] = {}
 
-    def visit(label: str, depth: int, active: int | None) -> None:
+    def visit(label: str, depth: int, *, active: bool) -> None:
         name = Use.parse(label).name
         behavior = _behavior(session, name)
-        if behavior is None or not behavior.is_automaton or depth > 6:
+        if name in found or behavior is None or not behavior.is_automaton or depth > DEEPEST:
             return
-        state = path[active] if active is not None and active < len(path) else ""
-        if any(name == other for other, _, _, _ in found):
-            return
-        found.append((name, label, depth, state))
+        state = path[depth] if active and depth < len(path) else ""
+        found[name] = {"name": name, "label": label, "depth": depth, "state": state}
         for inner in behavior.states or ():
-            if Use.parse(inner).name in FLAGS:
-                continue
-            inner_active = active + 1 if active is not None and inner == state else None
-            visit(inner, depth + 1, inner_active)
+            if Use.parse(inner).name not in FLAGS:
+                visit(inner, depth + 1, active=active and inner == state)
 
-    visit(top, 0, 0)
-    chosen = session.level if any(n == session.level for n, *_ in found) else ""
-    return [
-        Level(name, label, depth, state, name == chosen if chosen else i == 0)
-        for i, (name, label, depth, state) in enumerate(found)
-    ]
+    if top:
+        visit(top, 0, active=True)
+    return list(found.values())
 
 
-def _values(session: Session, level: Level | None, behavior: Learned | None) -> list[float]:
+def _values(session: Session, label: str, behavior: Learned | None) -> list[float]:
     """Return the values that the automaton's features have now, if it is active."""
-    if level is None or behavior is None or session.player is not None:
+    if behavior is None or session.player is not None:
         return []
-    there = [
-        (feature, values[-1])
-        for (automaton, feature), values in list(session.watched.readings.items())
-        if automaton == level.label and values
+    values = [
+        values[-1]
+        for (automaton, _), values in list(session.watched.readings.items())
+        if automaton == label and values
     ]
-    values = [value for _, value in there]
     if len(values) != len(behavior.features) or any(math.isnan(v) for v in values):
         return []
     return values

@@ -11,7 +11,6 @@ from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.launching import Startable, unknown
-from hitab_studio.learned import is_taken_out
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
@@ -19,7 +18,7 @@ from hitab_studio.views.swarm import choices
 
 MODE_WORDS = {
     "idle": ("Idle", "no behavior runs"),
-    "performing": ("Performing", "a saved automaton decides"),
+    "performing": ("Performing", ""),
     "training": ("Training", "you decide: each command teaches"),
     "testing": ("Testing", "what was learned decides"),
 }
@@ -54,7 +53,7 @@ def context(session: Session) -> dict[str, Any]:
         "agent": session.agent,
         "status": status,
         "mode": mode,
-        "mode_words": (MODE_WORDS.get(mode, ("", ""))[0], _decides(session, mode)),
+        "mode_words": MODE_WORDS.get(mode, ("", "")),
         "path": list(status.active_path) if status is not None else [],
         "lock": None if holder is None or holder.session == session.id else holder.name,
         "buttons": _buttons(session),
@@ -75,20 +74,6 @@ def context(session: Session) -> dict[str, Any]:
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
-
-
-def _decides(session: Session, mode: str) -> str:
-    """Say who decides what the agent does."""
-    words = MODE_WORDS.get(mode, ("", ""))[1]
-    if mode != "performing" or not session.status.behavior:
-        return words
-    name = Use.parse(session.status.behavior).name
-    behavior = session.watched.behaviors.get(name)
-    if name in session.watched.vocabulary.trained or behavior is None:
-        return words if name in session.watched.vocabulary.trained else ""
-    if is_taken_out(behavior):
-        return "it was taken out: nothing decides"
-    return "a hand-written automaton decides" if behavior.is_automaton else "a basic behavior runs"
 
 
 def _lost_off(session: Session) -> str:
