@@ -73,7 +73,7 @@ def test_a_wrong_training_is_refused_in_the_reply_and_the_status(training):
             training.agents.begin(AGENT, automaton, **{"discard": True, **rest})
         assert expected in str(error.value)
         assert told(training, expected)
-        assert len(training.agents.list_examples(AGENT).examples) == 2
+        assert len(training.agents.training(AGENT).examples) == 2
 
 
 def test_commands_in_the_wrong_mode_are_refused(training):
@@ -97,13 +97,10 @@ def test_commands_in_the_wrong_mode_are_refused(training):
 
 
 def test_wrong_edits_are_refused(training):
-    for arguments, expected in (
-        (("delete", [99]), r"no example number 99 \(known: 1, 2\)"),
-        (("relabel", [1], "GoFats"), 'unknown behavior "GoFats"'),
-        (("erase", [1]), 'unknown action "erase"'),
-    ):
-        with pytest.raises(SwarmError, match=expected):
-            training.agents.edit_examples(AGENT, *arguments)
+    with pytest.raises(SwarmError, match=r"no example number 99 \(known: 1, 2\)"):
+        training.agents.delete(AGENT, [99])
+    with pytest.raises(SwarmError, match='unknown behavior "GoFats"'):
+        training.agents.relabel(AGENT, [1], "GoFats")
 
 
 def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
@@ -160,7 +157,7 @@ def test_a_world_keeps_a_bounded_number_of_snapshots(training):
 
 
 def test_nothing_was_lost_by_all_that(training):
-    assert len(training.agents.list_examples(AGENT).examples) == 2
+    assert len(training.agents.training(AGENT).examples) == 2
     assert training.agents.command(AGENT, "Stop").examples == 4
 
 

@@ -59,7 +59,7 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert [statuses[n].mode for n in (ONE, TWO, THREE)] == ["training", *2 * ["performing"]]
     assert statuses[TWO].behavior == statuses[THREE].behavior == "Run"
     assert len(digests(team)) == 1
-    training = team.agents.behavior(ONE)
+    training = team.agents.training(ONE)
     assert len(training.examples) == 2
     assert training.features == ("DistanceTo(ball)", "BallIsKickable"), "kept, though unused"
     status = team.world.wait()
@@ -92,7 +92,7 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
     assert saved.version == last.version + 1
     assert f"generation {first.number} restored" in saved.note
     assert digests(team) == rules
-    assert len(team.agents.behavior(ONE).examples) == 2
+    assert len(team.agents.training(ONE).examples) == 2
     assert {team.agents.statuses[n].behavior for n in (TWO, THREE)} == {"Run"}
 
     assert work.back(ONE, "Run", first.number).restored == there.restored, "it is there already"
@@ -170,7 +170,7 @@ def test_ctrl_c_leaves_everything_sound(team):
         work.next(ONE, evaluation=NONE, configuration=waiting)
     assert "is complete and keeper_1 is in training mode" in work.left
     assert team.agents.statuses[ONE].mode == "training"
-    assert len(team.agents.behavior(ONE).examples) == 2
+    assert len(team.agents.training(ONE).examples) == 2
 
 
 def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):

@@ -114,7 +114,7 @@ def teach(team: RunningSwarm) -> None:
         ("keeper_1", "keepaway_captained", "Freeze"),
         ("keeper_1", "keepaway_captained", "Regroup"),
     ):
-        taught = team.agents.list_examples(agent, behavior).examples
+        taught = team.agents.behavior(agent, behavior).examples
         there = open_library(shipped("libraries", folder)).load()[behavior].examples
         assert [seen(e.state, e.values, e.next_state) for e in taught] == [
             seen(e.state, e.features, e.next_state) for e in there

@@ -57,12 +57,12 @@ def test_examples_can_be_taken_back_deleted_and_relabeled(begun):
     put(begun, 8.0)
     begun.agents.command(ONE, "GoFast")
     begun.agents.command(ONE, "Stop")
-    begun.agents.edit_examples(ONE, "undo")
-    assert [e.next_state for e in begun.agents.list_examples(ONE).examples] == ["GoFast"] * 2
-    begun.agents.edit_examples(ONE, "relabel", [1], "GoSlow")
-    assert begun.agents.list_examples(ONE).examples[0].next_state == "GoSlow"
-    begun.agents.edit_examples(ONE, "delete", [2])
-    assert [e.number for e in begun.agents.list_examples(ONE).examples] == [1]
+    begun.agents.undo(ONE)
+    assert [e.next_state for e in begun.agents.training(ONE).examples] == ["GoFast"] * 2
+    begun.agents.relabel(ONE, [1], "GoSlow")
+    assert begun.agents.training(ONE).examples[0].next_state == "GoSlow"
+    begun.agents.delete(ONE, [2])
+    assert [e.number for e in begun.agents.training(ONE).examples] == [1]
 
 
 def test_undo_and_redo_restore_what_the_agent_performs_as_well(begun):
@@ -74,16 +74,16 @@ def test_undo_and_redo_restore_what_the_agent_performs_as_well(begun):
     def performs(*path: str) -> bool:
         return begun.link.spin_until(lambda: list(agents.statuses[ONE].active_path) == [*path], 5)
 
-    agents.edit_examples(ONE, "undo")
+    agents.undo(ONE)
     assert performs("Start")
-    agents.edit_examples(ONE, "redo")
+    agents.redo(ONE)
     assert performs("GoFast")
-    assert [e.state for e in agents.list_examples(ONE).examples] == ["Start", "GoFast"]
-    agents.edit_examples(ONE, "undo")
+    assert [e.state for e in agents.training(ONE).examples] == ["Start", "GoFast"]
+    agents.undo(ONE)
     agents.command(ONE, "GoSlow")
-    assert [e.state for e in agents.list_examples(ONE).examples] == ["Start", "GoSlow"]
+    assert [e.state for e in agents.training(ONE).examples] == ["Start", "GoSlow"]
     with pytest.raises(SwarmError, match="nothing to redo"):
-        agents.edit_examples(ONE, "redo")
+        agents.redo(ONE)
     agents.set_mode(ONE, "testing")
 
 
@@ -94,16 +94,16 @@ def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun)
     agents.command(ONE, "GoFast")
     state = world.step(20)
     agents.command(ONE, "Stop", ago=0.5, seen=state.cycle)
-    listed = agents.list_examples(ONE)
+    listed = agents.training(ONE)
     late = {e.number: e for e in listed.examples}
     assert late[3].cycle == state.cycle - 5
     assert late[3].ago == pytest.approx(0.5)
-    agents.edit_examples(ONE, "retime", [3], ago=1.0)
-    later = agents.list_examples(ONE)
+    agents.retime(ONE, [3], 1.0)
+    later = agents.training(ONE)
     assert {e.cycle for e in later.examples if e.number in (3, 4)} == {state.cycle - 10}
     assert later.done[-1] == "example 3 due 1 s before its command"
     with pytest.raises(SwarmError, match=r"is too long ago: .*; give a number from 0 to"):
-        agents.edit_examples(ONE, "retime", [3], ago=20.0)
+        agents.retime(ONE, [3], 20.0)
     with pytest.raises(SwarmError, match="cannot have been due -1 s ago"):
         agents.command(ONE, "Stop", ago=-1.0)
 
@@ -121,7 +121,7 @@ def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
     agents.set_mode(ONE, "training")
     put(begun, 4.0)
     agents.command(ONE, "GoSlow")
-    kinds = [e.kind for e in agents.list_examples(ONE).examples]
+    kinds = [e.kind for e in agents.training(ONE).examples]
     assert kinds.count(Example.CORRECTION) == 1
 
     saved = agents.save(ONE, description="stop near the ball")
@@ -232,7 +232,7 @@ def test_contradicting_commands_end_in_a_question_that_is_answered_once(begun, h
     assert [(q["kind"], q["proposed"]) for q in told] == [("contradiction", "GoSlow")]
     number = str(told[0]["number"])
     assert hitab("questions", ONE, "--answer", number, "--choice", "Stop").returncode == 0
-    assert {e.next_state for e in agents.list_examples(ONE).examples} == {"GoFast", "Stop"}
+    assert {e.next_state for e in agents.training(ONE).examples} == {"GoFast", "Stop"}
     again = hitab("questions", ONE, "--answer", number)
     assert again.returncode == 1
     assert f"question {number} is no longer open" in again.stderr
@@ -242,11 +242,11 @@ def test_contradicting_commands_end_in_a_question_that_is_answered_once(begun, h
 def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
     agents = begun.agents
     teach_to_stop(begun)
-    assert "BallIsKickable" in agents.list_examples(ONE).readable
-    before = agents.behavior(ONE)
+    assert "BallIsKickable" in agents.training(ONE).readable
+    before = agents.training(ONE)
     shown = hitab("examples", "features", ONE, "-f", "DirectionTo(ball)", "--show")
     assert "features: DirectionTo(ball)" in shown.stdout, shown.stderr
-    assert agents.behavior(ONE).features == before.features, "only shown"
+    assert agents.training(ONE).features == before.features, "only shown"
     assert hitab("examples", "features", ONE, "-f", "DirectionTo(ball)").returncode == 0
     under_way = json.loads(hitab("examples", ONE, "--cost", "--json", "-").stdout)["trainings"]
     assert [(t["automaton"], t["finished"]) for t in under_way][-1] == ("Near", False)

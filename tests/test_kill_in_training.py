@@ -26,8 +26,8 @@ def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
         status = agents.command(AGENT, behavior, sequence=number)
         keepers.world.step()
     assert status.examples == 7
-    agents.edit_examples(AGENT, "undo")
-    before = [told(e) for e in agents.list_examples(AGENT).examples]
+    agents.undo(AGENT)
+    before = [told(e) for e in agents.training(AGENT).examples]
     assert len(before) == 6
 
     killed = pid_of(keepers, AGENT)
@@ -37,7 +37,7 @@ def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     assert pid_of(keepers, AGENT) not in (0, killed)
     assert agents.statuses[AGENT].mode == "training"
     assert agents.statuses[AGENT].behavior == "Near"
-    assert [told(e) for e in agents.list_examples(AGENT).examples] == before
+    assert [told(e) for e in agents.training(AGENT).examples] == before
 
     # A command whose acknowledgement was lost in the crash is not obeyed twice.
     again = agents.command(AGENT, "GoFast", sequence=FIRST)

@@ -126,13 +126,13 @@ def test_an_agent_undoes_once_what_it_is_asked_twice_to_undo(keepers):
     keepers.agents.begin("keeper_1", "Twice", features=["Done"], discard=True)
     for behavior in ("GoFast", "GoSlow", "Stop"):
         keepers.agents.command("keeper_1", behavior)
-    before = len(keepers.agents.list_examples("keeper_1").examples)
+    before = len(keepers.agents.training("keeper_1").examples)
     answers = sent_twice(
         keepers.link, EditExamples, "/keeper_1/edit_examples", action=EditExamples.Request.UNDO
     )
     assert answers[0].success
     assert answers[0] == answers[1]
-    undone = before - len(keepers.agents.list_examples("keeper_1").examples)
+    undone = before - len(keepers.agents.training("keeper_1").examples)
     assert undone == 2  # one command: its example and the default one
 
 

@@ -49,13 +49,13 @@ def test_a_person_trains_approach_ball_by_clicking_alone_and_the_keepers_play_it
     person.click("tab-examples")
     number = next(
         e.number
-        for e in swarm.agents.list_examples(ONE).examples
+        for e in swarm.agents.training(ONE).examples
         if e.next_state == "GoMedium" and e.kind != "default"
     )
     person.click(f"example-{number}")
     person.page.select_option('[data-test="relabel"]', "GoSlow")
     person.sees("effect", "GoSlow")
-    relabeled = {e.number: e for e in swarm.agents.list_examples(ONE).examples}[number]
+    relabeled = {e.number: e for e in swarm.agents.training(ONE).examples}[number]
     assert relabeled.next_state == "GoSlow"
 
     person.click("save")
@@ -174,7 +174,7 @@ def test_a_double_click_commands_once_and_steps_twice(swarm, person):
     person.page.dblclick('[data-do="step"]')
     person.waits_until(lambda: entity(swarm, ONE) and swarm.world.state.cycle == cycle + 2, "two")
     # What a page asks for is done in order: by now, all that the first double click has asked.
-    assert [e.kind for e in swarm.agents.list_examples(ONE).examples] == [
+    assert [e.kind for e in swarm.agents.training(ONE).examples] == [
         "demonstrated",
         "default",
     ]
@@ -243,10 +243,10 @@ def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_chan
     person.click("delete-3")
     person.does_not_see("example-3")
     assert "always: GoSlow" in person.text("effect")
-    assert 3 not in [e.number for e in swarm.agents.list_examples(ONE).examples]
+    assert 3 not in [e.number for e in swarm.agents.training(ONE).examples]
     person.click("undo")
     person.sees("example-3")
-    assert 3 in [e.number for e in swarm.agents.list_examples(ONE).examples]
+    assert 3 in [e.number for e in swarm.agents.training(ONE).examples]
 
 
 @needs_browser

@@ -47,7 +47,7 @@ def test_generations_of_a_team_are_made_listed_and_undone(swarm, person):
     person.sees("made")
     person.page.keyboard.press("Escape")
     person.sees("counts", "2 examples")
-    assert len(swarm.agents.list_examples(ONE).examples) == 2
+    assert len(swarm.agents.training(ONE).examples) == 2
 
 
 @needs_browser

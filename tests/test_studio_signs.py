@@ -98,7 +98,7 @@ def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, traini
     training.click("send-again")
     training.does_not_see("lost")
     training.sees("counts", "4 examples")
-    listed = swarm.agents.list_examples(ONE).examples
+    listed = swarm.agents.training(ONE).examples
     assert [e.next_state for e in listed if e.kind != "default"] == ["GoFast", "Stop"]
 
 

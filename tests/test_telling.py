@@ -41,13 +41,14 @@ def test_the_training_under_way_is_told_and_how_it_would_be_saved(begun):
     begun.agents.command(ONE, "GoFast")
     place(begun, 2.0)
     begun.agents.command(ONE, "Stop")
-    training = told(begun)
-    assert (training.origin, training.name) == (GetBehavior.Response.TRAINING, "Told")
+    assert told(begun).origin == GetBehavior.Response.TRAINING
+    training = told(begun).automaton
+    assert training.name == "Told"
     assert list(training.states) == ["GoFast", "Stop"]
     assert [f.kind for f in training.features] == ["continuous", "boolean", "boolean"]
     assert len(training.examples) == 4
     preview = told(begun, trim=True)
-    assert [f.name for f in preview.features] == ["DistanceTo(ball)"]
+    assert [f.name for f in preview.automaton.features] == ["DistanceTo(ball)"]
     assert len(preview.trimmed) == 2
     assert begun.agents.await_agent(ONE).mode == "training"
 
@@ -63,4 +64,4 @@ def test_versions_and_what_has_changed_between_them_are_told(begun):
     assert (latest.version, list(latest.versions)) == (2, [1, 2])
     assert "examples:" in latest.difference
     first = told(begun, name="Versioned", version=1)
-    assert len(first.examples) < len(latest.examples)
+    assert len(first.automaton.examples) < len(latest.automaton.examples)

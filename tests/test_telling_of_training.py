@@ -8,15 +8,12 @@ def test_the_history_of_a_training_is_told(keepers):
     agents.begin(ONE, "Told", features=["DistanceTo(ball)"], discard=True)
     agents.command(ONE, "GoFast")
     agents.command(ONE, "Stop")
-    agents.edit_examples(ONE, "delete", [4])
-    agents.edit_examples(ONE, "undo")
-    agents.edit_examples(ONE, "undo")
-    listed = agents.list_examples(ONE)
+    agents.delete(ONE, [4])
+    agents.undo(ONE)
+    agents.undo(ONE)
+    listed = agents.training(ONE)
     assert list(listed.done) == ["Start → GoFast, 2 examples"]
     assert list(listed.undone) == [
         "GoFast → Stop, 2 examples; superseded example 2",
         "deleted example 4",
     ]
-    saved = agents.save(ONE)
-    assert saved.success
-    assert not agents.list_examples(ONE, "Told").done, "what is saved has no history"

@@ -54,7 +54,7 @@ def train(swarm: RunningSwarm, look: Any) -> None:
     world.step(5)
     agents.command(ONE, "Stop")
     agents.command(ONE, "Pass")
-    agents.edit_examples(ONE, "undo")
+    agents.undo(ONE)
     agents.set_mode(ONE, "testing", restart=True)
     put(swarm, 6.1)
     world.step(8)
@@ -62,9 +62,9 @@ def train(swarm: RunningSwarm, look: Any) -> None:
     agents.command(ONE, "GoMedium")
     world.step(3)
     agents.command(ONE, "GoMedium")
-    agents.edit_examples(ONE, "relabel", [4], "GoMedium")
-    agents.edit_examples(ONE, "retime", [1], ago=0.0)
-    for question in agents.questions(ONE).questions[:1]:
+    agents.relabel(ONE, [4], "GoMedium")
+    agents.retime(ONE, [1], 0.0)
+    for question in agents.training(ONE, searched=True).questions[:1]:
         agents.answer(ONE, question.number)
     agents.set_mode(ONE, "testing")
     world.step(10)

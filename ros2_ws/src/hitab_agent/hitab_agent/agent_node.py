@@ -23,6 +23,7 @@ from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
+from hitab_agent.training_topic import TrainingTopic
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core import (
@@ -102,6 +103,7 @@ class AgentNode(GuardedNode):
             self.transition_log,
             self._prepare_status,
         )
+        self.training = TrainingTopic(self, self.agent, self.ticker)
         self._sensed = False
         self._unsettled = True
         self._link: Any = None
@@ -161,6 +163,7 @@ class AgentNode(GuardedNode):
         if self.shared.host is None:
             self._session_log = SessionLog(self, self.agent, self.ticker)
             commands.obeying = self._session_log.commanded
+        self.training.searched = self._searched
         self._distributor = Distributor(
             self,
             self.agent,
@@ -187,6 +190,7 @@ class AgentNode(GuardedNode):
             )
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if self.agent.session is not None:
+            self.training.offer()
             training = self.agent.session
             self.status.began(
                 note=f'resumed the interrupted training of "{training.curriculum.name}" '
@@ -248,7 +252,8 @@ class AgentNode(GuardedNode):
         return super().create_service(srv_type, srv_name, callback, *args, **options)
 
     def _offer_services(self) -> None:
-        AgentServices(self, self.agent, self.shared.library, self._answered)
+        self.training.offer()
+        AgentServices(self, self.agent, self.shared.library, self._answered, self.training)
         InspectionServices(self, self.agent)
         self._distributor.offer()
         if self.shared.host is None:
@@ -402,8 +407,16 @@ class AgentNode(GuardedNode):
         """Return what else is wrong, for a kind of agent that has more than one body."""
         return []
 
+    def _searched(self) -> None:
+        """Publish how many questions there are, once they have been looked for."""
+        if self._session_log is not None:
+            self._session_log.searched()
+        self.status.publish_soon()
+
     def _prepare_status(self) -> None:
         self.remember()
+        self.status.message.training = self.agent.training
+        self.status.message.training_revision = self.training.notice()
         self._tick.clear_if_past()
         if self.actions is not None:
             self.actions.clear_if_past()

@@ -9,8 +9,7 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.question_services import QuestionServices
-from hitab_agent.slices import Slices
+from hitab_agent.training_topic import TrainingTopic
 from hitab_core import (
     FLAGS,
     OWN_FEATURES,
@@ -31,7 +30,7 @@ from hitab_core.library import SUFFIX
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
-from hitab_ros.conversions import cost_message, example_message, feature_message, use_of
+from hitab_ros.conversions import cost_message, feature_message, use_of
 
 
 class AgentServices:
@@ -43,6 +42,7 @@ class AgentServices:
         agent: Agent,
         library: Callable[[Path, Domain], BehaviorLibrary],
         answered: Callable[[str], None],
+        training: TrainingTopic,
     ) -> None:
         """Offer the services.
 
@@ -52,14 +52,16 @@ class AgentServices:
             library: returns the library in a folder, for a domain.
             answered: called before the reply to a request that may have changed the agent, with
                 the reason for a refusal, or "".
+            training: has a new revision when they have changed something.
         """
         self._agent = agent
         self._library = library
+        self._topic = training
         offered: list[tuple[Any, str, Serve]] = [
             (srv.BeginTraining, names.BEGIN, self._begin),
             (srv.SetMode, names.SET_MODE, self._set_mode),
             (srv.EditExamples, names.EDIT_EXAMPLES, self._edit_examples),
-            (srv.ListExamples, names.LIST_EXAMPLES, self._list_examples),
+            (srv.AnswerQuestion, names.ANSWER_QUESTION, self._answer_question),
             (srv.SaveBehavior, names.SAVE, self._save),
             (srv.Perform, names.PERFORM, self._perform),
             (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
@@ -67,9 +69,19 @@ class AgentServices:
             (srv.SetCaution, names.SET_CAUTION, self._set_caution),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, answering(serve, answered))
+            node.create_service(kind, name, answering(self._telling(serve), answered))
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
-        QuestionServices(node, agent, answered, Slices(node))
+
+    def _telling(self, serve: Serve) -> Serve:
+        """Return what serves a request, and replies with the training's revision afterwards."""
+
+        def served(request: Any, response: Any) -> str:
+            message = serve(request, response)
+            if hasattr(response, "revision"):
+                response.revision = self._topic.notice()
+            return message
+
+        return served
 
     def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:
         curriculum = Curriculum.parse(
@@ -177,16 +189,16 @@ class AgentServices:
             case edits.FEATURES:
                 session.choose_features(list(map(Use.parse, request.features)))
             case action:
-                known = (
-                    edits.UNDO,
-                    edits.REDO,
-                    edits.DELETE,
-                    edits.RELABEL,
-                    edits.RETIME,
-                    edits.FEATURES,
-                )
-                raise TrainingError(unknown("action", action, known))
+                raise TrainingError(f"there is no action {action}; see EditExamples.srv")
         return f'"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
+
+    def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
+        session = self._training()
+        question = session.answer(request.number, request.choice, dismiss=request.dismiss)
+        if request.dismiss:
+            return f"question {question.number} is not asked again"
+        done = session.log.history.done[-1] if session.log.history.done else "nothing"
+        return f"question {question.number}: {done}"
 
     def _training(self) -> TrainingSession:
         session = self._agent.session
@@ -198,28 +210,6 @@ class AgentServices:
         caution = Caution.parse(request.when_unsure, request.support, request.distance)
         self._agent.be_cautious(caution)
         return f"{self._agent.name}: {caution}"
-
-    def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:
-        session = self._agent.session
-        if request.automaton:
-            automata, name = self._agent.repertoire.automata, request.automaton
-            if name not in automata:
-                raise TrainingError(f'no trained behavior "{name}" {has(automata, name)}')
-            features, examples = automata[name].features, automata[name].examples
-            readable = automata[name].readable
-        elif session is not None:
-            name, features = session.curriculum.name, session.curriculum.features
-            examples, readable = session.examples, session.readable
-            response.done, response.undone = session.log.history.done, session.log.history.undone
-        else:
-            raise TrainingError(
-                _no_training(self._agent, "name a trained behavior: `hitab examples list {} NAME`")
-            )
-        response.automaton = name
-        response.features = [str(feature) for feature in features]
-        response.readable = [str(use) for use in readable]
-        response.examples = [example_message(example) for example in examples]
-        return quantity(len(examples), "example")
 
     def _get_report(self, request: srv.GetReport.Request, response: Any) -> str:
         agent = self._agent
@@ -245,13 +235,7 @@ class AgentServices:
         return quantity(len(costs), "training")
 
     def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:
-        if len(request.bind_from) != len(request.bind_to):
-            raise TrainingError(
-                f"bind_from has {quantity(len(request.bind_from), 'name')}, "
-                f"bind_to {len(request.bind_to)}"
-            )
-        bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
-        agent = self._agent
+        bindings, agent = bindings_of(request), self._agent
         performed = agent.behavior if agent.mode is Mode.PERFORMING else ""
         open_ones = _open_questions(agent)
         automaton, path, trimmed, replaced = self._agent.save(
@@ -331,6 +315,20 @@ class AgentServices:
         response.features = [feature_message(str(use), feature) for use, feature in words]
         response.targets = sorted(domain.targets)
         return response
+
+
+def bindings_of(request: Any) -> dict[str, str]:
+    """Return the new names of targets and parameters that a request asks for.
+
+    Raises:
+        TrainingError: if there are not as many new names as old ones.
+    """
+    if len(request.bind_from) != len(request.bind_to):
+        raise TrainingError(
+            f"bind_from has {quantity(len(request.bind_from), 'name')}, "
+            f"bind_to {len(request.bind_to)}"
+        )
+    return dict(zip(request.bind_from, request.bind_to, strict=True))
 
 
 def _open_questions(agent: Agent) -> str:

@@ -141,7 +141,7 @@ class OfflineAgent:
 
     def ask(self, service: str, request: Any) -> Any:
         """Return the answer to a request."""
-        if service == names.LIST_QUESTIONS:
+        if service == session_topics.SEARCHED:
             # The node looks for them in slices between its cycles; they get the same numbers.
             if self.agent.session is not None:
                 self.agent.session.questions()

@@ -59,6 +59,12 @@ class SessionLog:
         if self._listeners:
             self._publishers[session_topics.COMMANDED].publish(command)
 
+    def searched(self) -> None:
+        """Publish that questions have just been looked for, which gives them their numbers."""
+        if self._listeners:
+            text = session_topics.request_text(session_topics.SEARCHED, None)
+            self._publishers[session_topics.REQUESTED].publish(String(data=text))
+
     def look(self) -> None:
         """Begin, or end, with the subscribers."""
         if not self._publishers:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hitab_msgs.msg import AgentStatus, Command
+from hitab_msgs.msg import Training as TrainingMessage
 from hitab_msgs.srv import (
     AnswerQuestion,
     BeginTraining,
@@ -16,8 +17,6 @@ from hitab_msgs.srv import (
     GetBehavior,
     GetReport,
     GetVocabulary,
-    ListExamples,
-    ListQuestions,
     LoadLibrary,
     Perform,
     SaveBehavior,
@@ -32,14 +31,20 @@ from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import said_of
 from hitab_ros import names, qos
-from hitab_ros.conversions import costs_of
+from hitab_ros.conversions import cost_of
 
 if TYPE_CHECKING:
-    from hitab_client.learned import Learned
+    from hitab_client.learned import Learned, Training
     from hitab_core.training import TrainingCost
 
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
+DRAIN_SECONDS = 0.02
+"""For what has come while the link was not spun, such as of what another program has changed."""
+
+PUBLISHED_SECONDS = 15.0
+"""How long an agent may take to publish what it is being trained; it looks for questions first."""
+
 AT_ONCE = 50
 """Agents of a host create a service when a client appears; for so many at the same time."""
 
@@ -59,6 +64,9 @@ class SwarmClient(AgentPresence):
         demonstrator: name of the demonstrator; by default, the user.
         identity: of the swarm in question; empty: any.
         processes: of the swarm; they show why an agent does not answer.
+
+    Attributes:
+        trainings: what the watched agents are being trained, as they have published it.
     """
 
     def __init__(
@@ -76,6 +84,8 @@ class SwarmClient(AgentPresence):
         self._publishers: dict[str, Any] = {}
         self._sequence = 0
         self._acknowledgements = Acknowledgements(link, prefix)
+        self.trainings: dict[str, Training] = {}
+        self._followed: dict[str, Any] = {}
 
     # -- commanding -------------------------------------------------------------------------
 
@@ -174,7 +184,74 @@ class SwarmClient(AgentPresence):
         )
         if not getattr(answer, "success", True):
             raise SwarmError(said_of(agent, answer.message))
+        if (revision := getattr(answer, "revision", None)) is not None:
+            # The status was sent before the answer, on another way.
+            self.link.spin_until(lambda: self._shows(agent, revision), RESEND_SECONDS, 0.01)
         return answer
+
+    def _shows(self, agent: str, revision: int) -> bool:
+        """Whether the status of an agent is at least of this revision of its training."""
+        status = self.statuses.get(agent)
+        if status is None or not revision:
+            return status is None or not status.training
+        return bool(status.training_revision >= revision)
+
+    # -- training ---------------------------------------------------------------------------
+
+    def training(self, agent: str, *, searched: bool = False) -> Training:
+        """Return what an agent is being trained, as it is after all that was asked of it here.
+
+        Args:
+            agent: that is trained.
+            searched: whether to wait until the agent has looked for questions.
+
+        Raises:
+            SwarmError: if it is not training anything, or does not publish it.
+        """
+        self.await_agent(agent)
+        self.link.spin_until(lambda: False, DRAIN_SECONDS, DRAIN_SECONDS)
+
+        def has_come() -> bool:
+            self.watch_training(agent)
+            wanted, there = self.statuses[agent].training_revision, self.trainings.get(agent)
+            if not wanted or there is None:
+                return not wanted
+            return there.revision >= wanted and (there.searched or not searched)
+
+        if not self.link.spin_until(
+            has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
+        ):
+            raise SwarmError(
+                self.processes.reason(agent)
+                or f"{agent} does not publish what it is being trained; see `hitab logs {agent}`"
+            )
+        if not self.statuses[agent].training_revision:
+            raise SwarmError(
+                f"{agent} is not training anything; begin one with `hitab train {agent} NAME`"
+            )
+        return self.trainings[agent]
+
+    def watch_training(self, agent: str) -> None:
+        """Keep what an agent is being trained in `trainings` from now on."""
+        if agent not in self._followed:
+            topic = names.of_agent(agent, names.TRAINING, self.prefix)
+            self._followed[agent] = self.link.subscribe(
+                TrainingMessage, topic, self._take_training, qos.LATCHED, temporary=True
+            )
+
+    def forget_training(self, agent: str) -> None:
+        """Have the agent not publish for this client any more what it is being trained."""
+        if (subscription := self._followed.pop(agent, None)) is not None:
+            self.link.node.destroy_subscription(subscription)
+            self.trainings.pop(agent, None)
+
+    def _take_training(self, message: TrainingMessage) -> None:
+        from hitab_client.learned import training_of  # here because it loads what learns
+
+        if message.automaton.name:
+            self.trainings[message.agent] = training_of(message)
+        else:
+            self.trainings.pop(message.agent, None)
 
     def begin(self, agent: str, automaton: str, **fields: Any) -> Any:
         """Begin to train an automaton; see BeginTraining.srv."""
@@ -188,34 +265,39 @@ class SwarmClient(AgentPresence):
         """Give up an agent's training with its unsaved examples; the agent is idle afterwards."""
         return self.ask(agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True)
 
-    def edit_examples(
-        self,
-        agent: str,
-        action: str,
-        numbers: Sequence[int] = (),
-        next_state: str = "",
-        **fields: Any,
-    ) -> Any:
-        """Undo, redo, delete, relabel, retime or exchange features; see EditExamples.srv."""
-        return self.ask(
-            agent,
-            EditExamples,
-            names.EDIT_EXAMPLES,
-            action=action,
-            numbers=list(numbers),
-            next_state=next_state,
-            **fields,
-        )
+    def undo(self, agent: str) -> Any:
+        """Take back the last command or edit."""
+        return self._edit(agent, EditExamples.Request.UNDO)
+
+    def redo(self, agent: str) -> Any:
+        """Do again what was taken back last."""
+        return self._edit(agent, EditExamples.Request.REDO)
+
+    def delete(self, agent: str, numbers: Sequence[int]) -> Any:
+        """Remove examples."""
+        return self._edit(agent, EditExamples.Request.DELETE, numbers=list(numbers))
+
+    def relabel(self, agent: str, numbers: Sequence[int], state: str) -> Any:
+        """Change the next state of examples."""
+        edit = EditExamples.Request.RELABEL
+        return self._edit(agent, edit, numbers=list(numbers), next_state=state)
+
+    def retime(self, agent: str, numbers: Sequence[int], ago: float) -> Any:
+        """Have the commands of examples be due so many seconds before they were given."""
+        return self._edit(agent, EditExamples.Request.RETIME, numbers=list(numbers), ago=ago)
+
+    def choose_features(self, agent: str, features: Sequence[str]) -> Any:
+        """Learn from other features of the same examples."""
+        return self._edit(agent, EditExamples.Request.FEATURES, features=list(features))
+
+    def _edit(self, agent: str, action: int, **fields: Any) -> Any:
+        return self.ask(agent, EditExamples, names.EDIT_EXAMPLES, action=action, **fields)
 
     def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
-        """Return a behavior as it was learned, or the training under way; see GetBehavior.srv."""
+        """Return a behavior as it was learned, or would be; see GetBehavior.srv."""
         from hitab_client.learned import learned_of  # here because it loads what learns
 
         return learned_of(self.ask(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields))
-
-    def questions(self, agent: str) -> Any:
-        """Return what the agent asks about its training; see ListQuestions.srv."""
-        return self.ask(agent, ListQuestions, names.LIST_QUESTIONS)
 
     def answer(self, agent: str, number: int, choice: str = "", *, dismiss: bool = False) -> Any:
         """Answer a question of the agent; see AnswerQuestion.srv."""
@@ -243,11 +325,8 @@ class SwarmClient(AgentPresence):
 
     def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:
         """Return what trainings cost the person, oldest first; see GetReport.srv."""
-        return costs_of(self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton))
-
-    def list_examples(self, agent: str, automaton: str = "") -> Any:
-        """Return the examples of the current training, or of a trained behavior."""
-        return self.ask(agent, ListExamples, names.LIST_EXAMPLES, automaton=automaton)
+        report = self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton)
+        return list(map(cost_of, report.costs))
 
     def save(self, agent: str, **fields: Any) -> Any:
         """Save what was trained; see SaveBehavior.srv."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from typing import Any
@@ -19,12 +20,12 @@ def example_message(example: Example) -> msg.Example:
         number=example.number,
         state=example.state,
         next_state=example.next_state,
-        values=list(example.features),
+        values=array("d", example.features),
         kind=example.kind.value,
         command=example.command,
         cycle=example.cycle,
         ago=example.ago,
-        readings=list(example.readings),
+        readings=array("d", example.readings),
     )
 
 
@@ -128,7 +129,6 @@ def cost_message(cost: TrainingCost) -> msg.TrainingCost:
     return msg.TrainingCost(**asdict(cost))
 
 
-def costs_of(report: Any) -> list[TrainingCost]:
-    """Return the costs in an answer of GetReport.srv, oldest first."""
-    names = [field.name for field in fields(TrainingCost)]
-    return [TrainingCost(*(getattr(cost, name) for name in names)) for cost in report.costs]
+def cost_of(message: Any) -> TrainingCost:
+    """Return what a training cost from a message."""
+    return TrainingCost(*(getattr(message, field.name) for field in fields(TrainingCost)))

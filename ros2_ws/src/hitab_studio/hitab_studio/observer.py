@@ -1,4 +1,4 @@
-"""Observes the connected swarm; in the link's thread."""
+"""Observes the connected swarm."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any
 
 from hitab_msgs.msg import CommanderStatus
 
@@ -16,7 +16,6 @@ from hitab_client.identity import BY_HAND, is_own
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_studio.agent_watch import AgentWatch
-from hitab_studio.jobs import Connected
 from hitab_studio.known import Known
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
@@ -25,6 +24,7 @@ from hitab_studio.robots.robot_watch import RobotWatch
 from hitab_studio.robots.state import Robots
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import scene_of
+from hitab_studio.shared_link import Connected
 from hitab_studio.swarm_finder import Choice
 from hitab_studio.viewing import CAMERA, MAP, Viewing
 
@@ -35,15 +35,6 @@ SOON = 1.0
 """s; a world that is there is heard by then."""
 
 
-class Complain(Protocol):
-    """Shows an error: on a page, on those that view an agent, or on all."""
-
-    def __call__(
-        self, agent: str, text: str, error: Exception | None = None, session: str = ""
-    ) -> None:
-        """Show an error."""
-
-
 class Observer:
     """What is known of one swarm, from its connection to its end.
 
@@ -51,11 +42,12 @@ class Observer:
         swarm: the swarm to observe.
         known: what is known at first.
         viewing: what pages show at present; kept up to date by the caller.
-        complain: called with errors.
+        complain: called with a text and its `agent`, `session` and `error`, if there are any.
         options: what a person has chosen of the robots' topics.
 
     Attributes:
         known: what is known now.
+        watches: of the viewed agents, by name.
         colors: of states, in the markers for other viewers.
     """
 
@@ -64,7 +56,7 @@ class Observer:
         swarm: Connected,
         known: Known,
         viewing: Viewing,
-        complain: Complain,
+        complain: Callable[..., None],
         options: Options | None = None,
     ) -> None:
         self.known = known
@@ -85,13 +77,12 @@ class Observer:
         )
         self._processes = Processes(target.folder if target else "")
         self._remembered = RememberedScenes()
-        self._watches: dict[str, AgentWatch] = {}
+        self.watches: dict[str, AgentWatch] = {}
         self._group_topics: set[str] = set()
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(swarm.link)
-        refuse = partial(complain, "")
-        self._robots = RobotWatch(swarm.link, options or Options(), refuse)
+        self._robots = RobotWatch(swarm.link, options or Options(), complain)
         self._shown: object = None
 
     def _know(self, **changes: Any) -> None:
@@ -130,21 +121,19 @@ class Observer:
             self._know(statuses=MappingProxyType(dict(statuses)), joined=joined)
         self._listen()
         wanted = {agent for agents in self._viewing.focus.values() for agent in agents}
-        for agent in wanted & statuses.keys() - self._watches.keys():
-            self._watches[agent] = AgentWatch(
-                swarm.link,
+        for agent in wanted & statuses.keys() - self.watches.keys():
+            self.watches[agent] = AgentWatch(
+                swarm.agents,
                 agent,
-                partial(statuses.get, agent),
                 partial(self._learns, agent),
-                partial(self._complain, agent),
-                swarm.agents.prefix,
+                partial(self._complain, agent=agent),
             )
-        for agent in self._watches.keys() - wanted:
-            self._watches.pop(agent).close()
-        for agent, watch in self._watches.items():
+        for agent in self.watches.keys() - wanted:
+            self.watches.pop(agent).close()
+        for agent, watch in self.watches.items():
             watch.look()
             self._keep_scenes(agent, watch)
-        watched = {name: watch.known for name, watch in self._watches.items()}
+        watched = {name: watch.known for name, watch in self.watches.items()}
         if watched.keys() != known.watched.keys():
             self._know(watched=MappingProxyType(watched))
         elif any(known.watched[name] is not it for name, it in watched.items()):
@@ -171,8 +160,8 @@ class Observer:
 
     def _learns(self, agent: str) -> None:
         # At once: in a paused world the next placement is a moment of the same cycle.
-        self.with_watch(agent, partial(self._keep_scenes, agent))
-        watched = {name: watch.known for name, watch in self._watches.items()}
+        self._keep_scenes(agent, self.watches[agent])
+        watched = {name: watch.known for name, watch in self.watches.items()}
         self._know(watched=MappingProxyType(watched))
 
     def _keep_scenes(self, agent: str, watch: AgentWatch) -> None:
@@ -183,11 +172,6 @@ class Observer:
             )
             if self._remembered.kept is not self.known.moments:
                 self._know(moments=self._remembered.kept)
-
-    def with_watch(self, agent: str, do: Callable[[AgentWatch], None]) -> None:
-        """Do something with the watcher of an agent, if there is one."""
-        if (watch := self._watches.get(agent)) is not None:
-            do(watch)
 
     def may_show(self, choices: tuple[Choice, ...]) -> None:
         """Know which swarms a person may choose."""
@@ -219,7 +203,7 @@ class Observer:
             self._recorder.look()
             self._know(recorded=self._recorder.count)
             if self._recorder.problem:
-                self._complain("", self._recorder.problem, session=self._recording_page)
+                self._complain(self._recorder.problem, session=self._recording_page)
                 self.stop_recording()
 
     def _find_robots(self) -> None:
@@ -257,14 +241,14 @@ class Observer:
         return self._stops.names()
 
     def arm(self, agent: str) -> None:
-        """Let an agent's robot act again.
+        """Let an agent's robot act again; to be called as a job.
 
         Raises:
             SwarmError: if it may not.
         """
         self._stops.arm(f"{self._swarm.agents.prefix}/{agent}".strip("/"), ARM_S)
 
-    # -- recording; to be called as jobs ----------------------------------------------------
+    # -- recording --------------------------------------------------------------------------
 
     def start_recording(self, path: str, session: str = "") -> None:
         """Record all messages from now on.
@@ -274,7 +258,8 @@ class Observer:
         """
         if self._recorder is not None:
             raise SwarmError(f"already recording to {self._recorder.path}")
-        self._recorder = Recorder(self._swarm.link, path)
+        with self._swarm.link.monitor:
+            self._recorder = Recorder(self._swarm.link, path)
         self._recording_page = session
         self._know(recording=path, recorded=0)
 
@@ -288,5 +273,6 @@ class Observer:
         if recorder is None:
             return ""
         self._know(recording="")
-        recorder.close()
+        with self._swarm.link.monitor:
+            recorder.close()
         return str(recorder.path)

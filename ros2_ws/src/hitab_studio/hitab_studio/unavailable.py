@@ -45,9 +45,8 @@ def agent(session: Session) -> str:
         return CHOOSE_FIRST
     if absent := absence(known, name):
         return f"{name} {absent}."
-    holder = session.shared.locks.holder(name)
-    if holder is not None and holder.session != session.id:
-        return f"{holder.name} holds {name}: take it over first."
+    if session.locked:
+        return f"{session.shared.held[name].name} holds {name}: take it over first."
     return session.shared.generations.why_busy
 
 
@@ -67,9 +66,8 @@ def raising(session: Session) -> str:
 
 def undoing(session: Session) -> str:
     """Return why nothing can be undone."""
-    watched = session.watched
-    known = watched.training is not None or not _examples(session)
-    if known and not watched.history.done:
+    training = session.watched.training
+    if not training.done if training is not None else not _examples(session):
         return _without_training(session) or (
             "There is nothing to undo: no command and no edit was made yet."
         )
@@ -78,7 +76,8 @@ def undoing(session: Session) -> str:
 
 def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
-    if not session.watched.history.undone:
+    training = session.watched.training
+    if training is None or not training.undone:
         return _without_training(session) or (
             "There is nothing to redo: nothing was undone, or something else was done since."
         )

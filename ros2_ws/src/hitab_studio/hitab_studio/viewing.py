@@ -1,4 +1,4 @@
-"""What pages show at present, as the link's thread knows it."""
+"""What pages show at present."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LEASE_SECONDS = 3.0
 
 
 class Viewing:
-    """What pages show; belongs to the link's thread.
+    """What pages show.
 
     Attributes:
         focus: the agents that each session views.

@@ -28,7 +28,7 @@ class Page:
         self.studio = studio
         self.session: Session = studio.open()
         self.session.look_at(ROBOT)
-        studio.link.connect(self.session.id, on=True)
+        studio.link.viewing.connect(self.session.id, on=True)
 
     @property
     def known(self) -> Any:
@@ -38,7 +38,7 @@ class Page:
         deadline = time.monotonic() + SECONDS
         while not true():
             for what in leases:
-                self.studio.link.lease(what, ROBOT if what == CAMERA else "")
+                self.studio.link.viewing.lease(what, ROBOT if what == CAMERA else "")
             assert time.monotonic() < deadline, "it did not happen in time"
             await asyncio.sleep(0.01)
 
@@ -144,7 +144,7 @@ def test_nothing_is_listened_to_that_no_page_shows(robot):
         assert robot.listeners("map") == 0
         await page.until(lambda: page.known.robots.map.grid, (MAP,))
         await page.until(lambda: not robot.listeners("picture") + robot.listeners("map"))
-        page.studio.link.connect(page.session.id, on=False)
+        page.studio.link.viewing.connect(page.session.id, on=False)
         await page.until(lambda: robot.listeners("odometry") == 1)
         assert own
 

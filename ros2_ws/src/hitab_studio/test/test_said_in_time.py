@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client import Learned
+from hitab_client import Learned, Training
 from hitab_core import Example
 from hitab_core.example import ExampleKind
 from hitab_studio.actions import perform
@@ -73,7 +73,7 @@ def test_a_command_that_was_given_while_the_world_stood_still_was_never_late():
         Example("Start", (), "Stop", ExampleKind.DEMONSTRATED, n, n, cycle)
         for n, cycle in ((1, 5), (2, 9))
     )
-    training = replace(SAVED, name="Chase", examples=given)
+    training = Training("Chase", "training", "", "tree", (), (), (), (), (), (), given)
     status = AgentStatus(agent=ONE, mode="testing", behavior="Chase", examples=2)
     known = replace(keeper(status, training=training), moments=scenes.kept)
 

@@ -10,18 +10,22 @@ from hitab_msgs.msg import AgentStatus
 from hitab_studio.agent_watch import AgentWatch
 
 
-class Node:
-    """Stands for a node whose services note that they were called, and refuse."""
+class Agents:
+    """Stands for a swarm's client whose services note that they were called, and refuse."""
+
+    prefix = ""
 
     def __init__(self) -> None:
         self.asked: list[str] = []
+        self.link = self.node = self
+        self.statuses = {"ann": AgentStatus(mode=AgentStatus.IDLE, library_digest="one")}
+        self.trainings: dict[str, Any] = {}
+
+    def watch_training(self, agent: str) -> None:
+        pass
 
     def subscribe(self, *arguments: Any, temporary: bool) -> None:
-        return None
-
-    @property
-    def node(self) -> Any:
-        return self
+        pass
 
     def create_client(self, kind: Any, name: str) -> Any:
         def call(request: Any) -> Any:
@@ -37,15 +41,9 @@ class Seen:
     """An agent as the studio sees it: its status, and what it is asked because of it."""
 
     def __init__(self) -> None:
-        self.status = AgentStatus(mode=AgentStatus.IDLE, library_digest="one")
-        self.node = Node()
-        self.watch = AgentWatch(
-            self.node,  # type: ignore[arg-type]
-            "keeper_1",
-            lambda: self.status,
-            lambda: None,
-            lambda *_: None,
-        )
+        self.agents = Agents()
+        agents: Any = self.agents
+        self.watch = AgentWatch(agents, "ann", lambda: None, lambda *_, **__: None)
         known = self.watch.known
         self.watch.known = replace(known, vocabulary=replace(known.vocabulary, domain="keepaway"))
         self.look()
@@ -53,10 +51,10 @@ class Seen:
     def look(self, **changes: Any) -> bool:
         """Change the status; return whether the agent is then asked what it has learned."""
         for name, value in changes.items():
-            setattr(self.status, name, value)
-        self.node.asked.clear()
+            setattr(self.agents.statuses["ann"], name, value)
+        self.agents.asked.clear()
         self.watch.look()
-        return "get_vocabulary" in self.node.asked
+        return "get_vocabulary" in self.agents.asked
 
 
 @pytest.fixture
@@ -77,7 +75,6 @@ def test_what_was_learned_is_asked_for_when_the_digest_changes_or_something_was_
 
 def test_a_behavior_that_is_saved_again_as_it_was_is_asked_for(seen):
     # Its digest is the same, but its version and description may not be.
-    assert not seen.look(mode=AgentStatus.TRAINING)
-    assert not seen.look(examples=4)
+    assert not seen.look(mode=AgentStatus.TRAINING, training="Chase")
     assert not seen.look(mode=AgentStatus.PERFORMING)
-    assert seen.look(examples=0)
+    assert seen.look(training="")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import asdict
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,7 +14,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
+from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
 
 if TYPE_CHECKING:
     from hitab_core.training import TrainingCost
@@ -84,46 +83,47 @@ def examples_list(
         if cost:
             _show_costs(swarm_up.agents.report(agent, automaton), json)
             return
-        answer = swarm_up.agents.list_examples(agent, automaton)
-        words = swarm_up.agents.vocabulary(agent)
-        units = _of_features(words, "unit", answer.features)
-        kinds = _of_features(words, "kind", answer.features)
+        agents = swarm_up.agents
+        found = agents.behavior(agent, automaton) if automaton else agents.training(agent)
+    if not found.is_automaton:
+        raise HitabError(f"{automaton} is a basic behavior: it was not learned from examples")
+    units, kinds = found.units, [scale.kind for scale in found.scales]
     if json != "-":
-        late = any(e.ago for e in answer.examples)
+        late = any(e.ago for e in found.examples)
         shown = (
             f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
-            for f, unit in zip(answer.features, units, strict=True)
+            for f, unit in zip(found.features, units, strict=True)
         )
         columns = ("number", "in", *shown, "go to", "kind", "command", "cycle")
         rows = [
             (
                 str(e.number),
                 e.state,
-                *map(_shown, e.values, units, kinds),
+                *map(_shown, e.features, units, kinds),
                 e.next_state,
                 e.kind,
                 str(e.command),
                 str(e.cycle),
                 *([f"{e.ago:.2g}" if e.ago else ""] if late else []),
             )
-            for e in answer.examples
+            for e in found.examples
         ]
         columns = (*columns, "s ago") if late else columns
-        title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
-        superseded = sum(e.kind == ExampleKind.SUPERSEDED for e in answer.examples)
+        title = f"{found.name}: {quantity(len(found.examples), 'example')}"
+        superseded = sum(e.kind == ExampleKind.SUPERSEDED for e in found.examples)
         if superseded:
             title += f", {superseded} of them superseded and not learned from"
         console.out().print(console.table(columns, rows, title))
     console.write_json(
         json,
         {
-            "automaton": answer.automaton,
-            "features": list(answer.features),
+            "automaton": found.name,
+            "features": list(found.features),
             "examples": [
                 {
                     "number": e.number,
                     "state": e.state,
-                    "values": list(e.values),
+                    "values": list(e.features),
                     "next_state": e.next_state,
                     "kind": e.kind,
                     "command": e.command,
@@ -131,10 +131,10 @@ def examples_list(
                     "ago": e.ago,
                     "readings": {
                         name: None if math.isnan(value) else value
-                        for name, value in zip(answer.readable, e.readings, strict=False)
+                        for name, value in zip(found.readable, e.readings, strict=False)
                     },
                 }
-                for e in answer.examples
+                for e in found.examples
             ],
         },
     )
@@ -162,12 +162,6 @@ def _duration(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.1f} min"
 
 
-def _of_features(words: Any, what: str, features: Sequence[str]) -> list[str]:
-    """Return what the vocabulary of the agent says of features in use, such as their units."""
-    known = {Use.parse(f.name).name: getattr(f, what) for f in words.features}
-    return [known.get(Use.parse(feature).name, "") for feature in features]
-
-
 def _shown(value: float, unit: str, kind: str) -> str:
     """Return a value for people: angles in degrees, as the rules that are learned from them."""
     value = shown_value(as_direction(value, unit, kind), unit)
@@ -186,7 +180,7 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
       hitab examples delete keeper_1 3 4
     """
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
+        answer = swarm_up.agents.delete(agent, numbers)
     console.say(answer.message)
 
 
@@ -204,7 +198,7 @@ def examples_relabel(
       hitab examples relabel keeper_1 5 --to GoSlow
     """
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
+        answer = swarm_up.agents.relabel(agent, numbers, to)
     console.say(answer.message)
 
 
@@ -225,7 +219,7 @@ def examples_retime(
       hitab examples retime keeper_1 5 --ago 0.4
     """
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "retime", numbers, ago=ago)
+        answer = swarm_up.agents.retime(agent, numbers, ago)
     console.say(answer.message)
 
 
@@ -248,5 +242,5 @@ def examples_features(
         if show:
             console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))
             return
-        answer = swarm_up.agents.edit_examples(agent, "features", features=feature)
+        answer = swarm_up.agents.choose_features(agent, feature)
     console.say(answer.message)

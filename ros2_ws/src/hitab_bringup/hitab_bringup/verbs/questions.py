@@ -56,15 +56,15 @@ def questions(
             done = swarm_up.agents.answer(agent, number, choice, dismiss=dismissed)
             console.say(done.message)
             return
-        found = swarm_up.agents.questions(agent)
+        found = swarm_up.agents.training(agent, searched=True)
     if json != "-":
         if not found.questions:
             console.say(f"{agent} has no question")
         for question in found.questions:
             console.say(f"{question.number}. {question.text}")
-            for index, choice in enumerate(question.choices):
-                proposed = " (proposed)" if index == question.proposed else ""
-                console.say(f"   {choice}: {question.effects[index]}{proposed}")
+            for index, offered in enumerate(question.choices):
+                proposed = "" if index else " (proposed)"
+                console.say(f"   {offered.name}: {offered.effect}{proposed}")
         if found.questions:
             number = found.questions[0].number
             console.say(
@@ -81,14 +81,13 @@ def questions(
 
 
 def _record(question: Any) -> dict[str, Any]:
-    situation = zip(question.features, question.situation, strict=True)
     return {
         "number": question.number,
         "kind": question.kind,
         "text": question.text,
         "state": question.state,
         "examples": list(question.examples),
-        "choices": dict(zip(question.choices, question.effects, strict=True)),
-        "proposed": question.choices[question.proposed],
-        "situation": {name: v for name, v in situation if not math.isnan(v)},
+        "choices": {choice.name: choice.effect for choice in question.choices},
+        "proposed": question.choices[0].name,
+        "situation": {r.feature: r.value for r in question.situation if not math.isnan(r.value)},
     }

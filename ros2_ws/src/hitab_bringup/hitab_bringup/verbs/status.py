@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
@@ -50,7 +49,7 @@ def status(
             _watch(swarm_up)
             return
         silent = _silent(swarm_up)
-        data = _status_data(swarm_up, silent, KeptTrainings(swarm_up.agents))
+        data = _status_data(swarm_up, silent)
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
             raise _nobody(swarm_up)
         if json != "-":
@@ -91,7 +90,6 @@ def _watch(swarm_up: Connection) -> None:
     signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
 
     last: dict[str, Any] = {}
-    trainings = KeptTrainings(swarm_up.agents)
 
     def shown() -> Group:
         nonlocal last
@@ -99,7 +97,7 @@ def _watch(swarm_up: Connection) -> None:
         signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
         last = now
         silent = _silent(swarm_up, signs)
-        return _rendered(_status_data(swarm_up, silent, trainings), silent)
+        return _rendered(_status_data(swarm_up, silent), silent)
 
     with console.live(shown()) as update:
         while True:
@@ -115,14 +113,12 @@ def _identities(swarm_up: Connection) -> set[str]:
     return found | ({world.swarm} if world is not None else set())
 
 
-def _status_data(
-    swarm_up: Connection, silent: Mapping[str, Silence | None], trainings: KeptTrainings
-) -> dict[str, Any]:
+def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
     """Return all that is known about a swarm, as plain data."""
     agents = [
         {
             "agent": name,
-            "training": trainings.name(s),
+            "training": s.training,
             "domain": s.domain,
             "mode": s.mode,
             "behavior": s.behavior,

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
@@ -197,7 +196,7 @@ def undo(agent: AgentName, swarm: SwarmName = None) -> None:
       hitab undo keeper_1
     """
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "undo")
+        answer = swarm_up.agents.undo(agent)
     console.say(answer.message)
 
 
@@ -209,7 +208,7 @@ def redo(agent: AgentName, swarm: SwarmName = None) -> None:
       hitab redo keeper_1
     """
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "redo")
+        answer = swarm_up.agents.redo(agent)
     console.say(answer.message)
 
 
@@ -282,7 +281,7 @@ def discard(
     with connection(swarm) as swarm_up:
         if not yes and _is_terminal():
             status = swarm_up.agents.await_agent(agent)
-            _ask_to_discard(status, KeptTrainings(swarm_up.agents).name(status))
+            _ask_to_discard(status)
         answer = swarm_up.agents.discard(agent)
     console.say(answer.message)
 
@@ -291,7 +290,7 @@ def _is_terminal() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
-def _ask_to_discard(status: AgentStatus, training: str) -> None:
+def _ask_to_discard(status: AgentStatus) -> None:
     """Ask whether to discard a training that took more than a few commands.
 
     Raises:
@@ -300,7 +299,7 @@ def _ask_to_discard(status: AgentStatus, training: str) -> None:
     if status.examples - status.default_examples > UNASKED_MAX:
         examples = quantity(status.examples, "unsaved example")
         typer.confirm(
-            f'Discard the training of "{training}" with its {examples}?',
+            f'Discard the training of "{status.training}" with its {examples}?',
             abort=True,
             err=True,
         )

@@ -20,14 +20,13 @@ def training_of(swarm: SwarmClient, agent: str) -> Learned:
     Raises:
         SwarmError: if nothing is, or nothing could be performed of it.
     """
-    swarm.await_agent(agent)
-    if not _is_training(swarm, agent):
+    if not swarm.await_agent(agent).training:
         raise SwarmError(
             f"{agent} is not training anything, so there is no next generation; begin with "
             f"`hitab train {agent} NAME -f FEATURE`, or train a saved behavior further with "
             f"`hitab train {agent} NAME --resume`"
         )
-    training = swarm.behavior(agent)
+    training = swarm.training(agent)
     if not any(example.state == START for example in training.examples):
         raise SwarmError(
             f'no example of "{training.name}" leaves Start, so that {agent} and its team '
@@ -37,20 +36,11 @@ def training_of(swarm: SwarmClient, agent: str) -> Learned:
     return training
 
 
-def _is_training(swarm: SwarmClient, agent: str) -> bool:
-    """Whether there is a training under way, whatever the agent does at present."""
-    try:
-        swarm.list_examples(agent)
-    except SwarmError:
-        return False
-    return True
-
-
 def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
     """Raise if a training has examples that no saved behavior has."""
-    if not _is_training(swarm, agent):
+    if not swarm.await_agent(agent).training:
         return
-    training = swarm.behavior(agent)
+    training = swarm.training(agent)
     try:
         saved = _marks(swarm.behavior(agent, training.name))
     except SwarmError:

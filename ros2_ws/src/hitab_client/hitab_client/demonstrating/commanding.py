@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from hitab_msgs.msg import AgentStatus
-from hitab_msgs.srv import EditExamples
 
 from hitab_client.demonstrating.timing import due, earlier
 from hitab_client.errors import SwarmError
@@ -23,8 +22,10 @@ def command(
     sequence: int = 0,
     seconds: float = ACKNOWLEDGE_SECONDS,
     demonstrator: str = "",
-) -> AgentStatus:
-    """Command a behavior; if the agent is testing what it has learned, take over first.
+) -> str:
+    """Command a behavior, or in no training have it performed; return what came of it.
+
+    If the agent is testing what it has learned, take over first.
 
     Args:
         agents: of the swarm.
@@ -40,10 +41,15 @@ def command(
     Raises:
         SwarmError: if the agent is missing, refuses, or does not acknowledge.
     """
-    if agents.await_agent(agent).mode == AgentStatus.TESTING:
+    status = agents.await_agent(agent)
+    if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
+        agents.perform(agent, behavior)
+        kept = f': t continues that of "{status.training}"' if status.training else ""
+        return f"{agent} performs {behavior}; it learns from commands only in training{kept}"
+    if status.mode == AgentStatus.TESTING:
         agents.set_mode(agent, AgentStatus.TRAINING)
     when = due(world, reaction, seen)
-    return agents.command(
+    status = agents.command(
         agent,
         behavior,
         ago=when.ago,
@@ -52,6 +58,7 @@ def command(
         seconds=seconds,
         demonstrator=demonstrator,
     )
+    return outcome(agent, behavior, status)
 
 
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
@@ -71,13 +78,13 @@ def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
     Raises:
         SwarmError: if there is none, or that time is not kept.
     """
-    examples = agents.list_examples(agent).examples
+    examples = agents.training(agent).examples
     last = max(examples, key=lambda e: (e.command, -e.number), default=None)
     if last is None:
         raise SwarmError("There is no command yet that could have been due earlier.")
     ago = round(last.ago + earlier(world), 3)
-    agents.edit_examples(agent, EditExamples.Request.RETIME, [last.number], ago=ago)
-    now = {e.number: e for e in agents.list_examples(agent).examples}[last.number]
+    agents.retime(agent, [last.number], ago)
+    now = {e.number: e for e in agents.training(agent).examples}[last.number]
     return f"{now.state} → {now.next_state}: {now.ago:.2f} s ago, instead of {last.ago:.2f} s ago"
 
 

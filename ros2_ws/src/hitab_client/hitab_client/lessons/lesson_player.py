@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus
-from hitab_msgs.srv import Control, EditExamples
+from hitab_msgs.srv import Control
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
@@ -40,7 +40,7 @@ from hitab_client.lessons.lesson import (
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
-from hitab_core import HitabError, quantity, some
+from hitab_core import ExampleKind, HitabError, quantity, some
 
 BACK_SECONDS = 15.0
 """How long to wait for an agent that the world goes on without."""
@@ -253,7 +253,7 @@ class LessonPlayer:
         self.swarm.set_mode(step.agent, AgentStatus.TRAINING)
 
     def _undo(self, step: Undo) -> None:
-        self.swarm.edit_examples(step.agent, EditExamples.Request.UNDO)
+        self.swarm.undo(step.agent)
 
     def _save(self, step: Save) -> None:
         with not_interrupted():
@@ -267,9 +267,9 @@ class LessonPlayer:
             )
             self.begun.pop(step.agent, None)
         name = step.name or self.lesson.name
-        examples = self.swarm.list_examples(step.agent, name).examples
+        examples = self.swarm.behavior(step.agent, name).examples
         self.report.examples = len(examples)
-        self.report.default_examples = sum(e.kind == e.DEFAULT for e in examples)
+        self.report.default_examples = sum(e.kind is ExampleKind.DEFAULT for e in examples)
         self.report.digest = answer.digest
         self.report.path = answer.path
         self.report.note = answer.message.partition("; ")[2]

@@ -110,6 +110,20 @@ class TransitionTree:
         self.all_around = all_around
         self.feature_names = feature_names
 
+    @classmethod
+    def of(cls, root: Node, labels: Sequence[str], scales: Sequence[Scale]) -> Self:
+        """Return a tree that was learned elsewhere.
+
+        Args:
+            root: see `hitab_core.learning.tree_nodes`.
+            labels: of the next states, sorted.
+            scales: how the values of each feature compare.
+        """
+        tree = cls(scales)
+        tree.classes_, tree.n_features_in_ = np.array(labels), len(scales)
+        tree.scales_, tree.root_ = tuple(scales), root
+        return tree
+
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Return the parameters by name; ``deep`` is for scikit-learn and has no effect."""
         return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}

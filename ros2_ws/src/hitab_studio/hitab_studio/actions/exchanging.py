@@ -65,8 +65,6 @@ async def features_preview(session: Session, data: Data) -> None:
 async def features_accept(session: Session, data: Data) -> None:
     """Learn from other features from now on."""
     chosen = _chosen(session, data["values"].get("features", []))
-    await session.ask_agent(
-        lambda swarm, agent: swarm.agents.edit_examples(agent, "features", features=list(chosen))
-    )
+    await session.ask_agent(lambda swarm, agent: swarm.agents.choose_features(agent, chosen))
     session.close_dialog()
     session.tell(f"learned from {', '.join(chosen)} now; Undo brings the former features back")

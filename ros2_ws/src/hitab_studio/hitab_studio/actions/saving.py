@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_msgs.srv import GetBehavior
-
-from hitab_client import DistributionReport, SwarmError, learned_of
+from hitab_client import DistributionReport, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.jobs import Connected
 from hitab_studio.session import Session, nothing_in_training
+from hitab_studio.shared_link import Connected
 
 
 def _bindings(values: Any) -> dict[str, str]:
@@ -48,11 +46,9 @@ async def _preview(session: Session, values: Any) -> None:
     bound = _bindings(values)
     session.dialog["values"] = dict(values)
     try:
-        answer = await session.ask_agent(
-            lambda swarm, agent: swarm.agents.ask(
+        preview = await session.ask_agent(
+            lambda swarm, agent: swarm.agents.behavior(
                 agent,
-                GetBehavior,
-                "get_behavior",
                 trim=True,
                 bind_from=list(bound),
                 bind_to=list(bound.values()),
@@ -62,7 +58,7 @@ async def _preview(session: Session, values: Any) -> None:
     except SwarmError as error:
         session.dialog |= {"preview": None, "problem": str(error)}
     else:
-        session.dialog |= {"preview": learned_of(answer), "problem": ""}
+        session.dialog |= {"preview": preview, "problem": ""}
 
 
 @action("save")
@@ -105,17 +101,10 @@ async def versions(session: Session, data: Data) -> None:
     name, agent = session.behavior, session.agent
     newer = int(data.get("newer") or data["values"]["newer"])
     older = int(data.get("older") or data["values"]["older"])
-    answer = await session.ask(
-        lambda swarm: swarm.agents.ask(
-            agent,
-            GetBehavior,
-            "get_behavior",
-            name=name,
-            version=newer,
-            compare_with=older,
-        )
+    compared = await session.ask(
+        lambda swarm: swarm.agents.behavior(agent, name, version=newer, compare_with=older)
     )
-    session.compare = (f"{name}: version {older} → {newer}", learned_of(answer))
+    session.compare = (f"{name}: version {older} → {newer}", compared)
 
 
 @action("distribute-dialog")

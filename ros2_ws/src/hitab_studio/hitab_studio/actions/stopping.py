@@ -21,7 +21,7 @@ async def stop_robots(session: Session) -> None:
     """
     link, who = session.shared.link, session.demonstrator
     try:
-        there = await link.do(lambda _: link.stop_robots(True, who, BUTTON))
+        there = link.observer.stop_robots(True, who, BUTTON)
     except SwarmError as error:
         raise SwarmError(
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
@@ -44,7 +44,7 @@ async def release_dialog(session: Session, data: Data) -> None:
 async def release_robots(session: Session, data: Data) -> None:
     """Let the robots move again."""
     link, who = session.shared.link, session.demonstrator
-    await link.do(lambda _: link.stop_robots(False, who))
+    link.observer.stop_robots(False, who, "")
     session.close_dialog()
     session.tell("released: simulated worlds go on, and each robot waits to be re-armed")
 
@@ -53,5 +53,5 @@ async def release_robots(session: Session, data: Data) -> None:
 async def arm(session: Session, data: Data) -> None:
     """Let the robot of the agent act again."""
     link, agent = session.shared.link, session.agent
-    await link.do(lambda _: link.arm(agent), needs=agent)
+    await link.do(lambda _: link.observer.arm(agent), needs=agent)
     session.tell(f"{agent} may act")

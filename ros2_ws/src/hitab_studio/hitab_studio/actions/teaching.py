@@ -10,7 +10,6 @@ from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError, demonstrating, is_answ
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
 from hitab_studio.session import (
     CHOOSE_FIRST,
@@ -19,6 +18,7 @@ from hitab_studio.session import (
     nothing_in_training,
     parameters_of,
 )
+from hitab_studio.shared_link import Connected
 
 
 @action("command")
@@ -26,7 +26,6 @@ async def command(session: Session, data: Data) -> None:
     """Command a behavior; if it has parameters, ask for their targets first."""
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = parameters_of(behavior)
-    status = session.status
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
     training = session.watched.training
     if training is not None:
@@ -34,23 +33,7 @@ async def command(session: Session, data: Data) -> None:
     if open_:
         session.asked = TargetsAsked(Use.parse(behavior).name, tuple(parameters), seen)
         return
-    if status is not None and status.mode in ("idle", "performing"):
-        await _performed(session, behavior)
-    else:
-        await _commanded(session, behavior, seen)
-
-
-async def _performed(session: Session, behavior: str) -> None:
-    session.lost = None
-    agent = session.agent
-    try:
-        await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, behavior))
-    except SwarmError:
-        if session.shared.store.known.answers(agent) or session.locked:
-            raise
-        session.lost = Lost(agent, behavior, 0)
-    else:
-        session.tell(f"{agent} performs {behavior}")
+    await _commanded(session, behavior, seen)
 
 
 async def _commanded(session: Session, behavior: str, seen: int, sequence: int = 0) -> None:
@@ -64,6 +47,7 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     """
     session.lost = None
     agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
+    learns = session.is_training
     # An agent that was restarted meanwhile has to be discovered first.
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
     demonstrator = session.demonstrator
@@ -88,10 +72,16 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     try:
         await session.ask_agent(job)
     except SwarmError:
-        status = session.shared.store.known.statuses.get(agent)
+        known = session.shared.store.known
+        status = known.statuses.get(agent)
         if not sent or status is None or is_answered(status, number):
             raise
-        session.lost = Lost(agent, behavior, number)
+        if not learns and known.answers(agent):
+            raise
+        session.lost = Lost(agent, behavior, number if learns else 0)
+    else:
+        if not learns:
+            session.tell(f"{agent} performs {behavior}")
 
 
 @action("send-again")
@@ -102,11 +92,7 @@ async def send_again(session: Session, data: Data) -> None:
         return
     if lost.agent != session.agent:
         session.look_at(lost.agent)
-    if lost.sequence:
-        seen = int(data.get("seen") or 0)
-        await _commanded(session, lost.behavior, seen, lost.sequence)
-    else:
-        await _performed(session, lost.behavior)
+    await _commanded(session, lost.behavior, int(data.get("seen") or 0), lost.sequence)
 
 
 @action("leave-lost")
@@ -185,9 +171,10 @@ async def perform_behavior(session: Session, data: Data) -> None:
 @action("take")
 async def take(session: Session, data: Data) -> None:
     """Take an agent from another demonstrator and notify that one."""
-    before = session.shared.locks.take(session.agent, session.holder)
-    if before is not None:
-        session.tell_other(before.session, f"{session.holder.name} has taken {session.agent}")
+    before = session.shared.held.get(session.agent, session)
+    session.shared.held[session.agent] = session
+    if before is not session:
+        before.tell(f"{session.name} has taken {session.agent}", "bad")
     session.tell(f"{session.agent} is yours")
     session.shared.store.touch()
 
@@ -195,7 +182,8 @@ async def take(session: Session, data: Data) -> None:
 @action("release")
 async def release(session: Session, data: Data) -> None:
     """Release an agent."""
-    session.shared.locks.release(session.agent, session.id)
+    if not session.locked:
+        session.shared.held.pop(session.agent, None)
     session.shared.store.touch()
 
 

@@ -8,11 +8,10 @@ from typing import Any
 from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.jobs import Connected
 from hitab_studio.session import Session
+from hitab_studio.shared_link import Connected
 from hitab_studio.unavailable import last_standing_still, standing_still
 
-RETIME = "retime"
 LONGEST_NAME = 60
 """Characters of a demonstrator's name."""
 
@@ -98,7 +97,7 @@ async def due_earlier(session: Session, data: Data) -> None:
     session.tell(await session.ask_agent(job))
 
 
-@action(RETIME, repeats=True)
+@action("retime", repeats=True)
 async def retime(session: Session, data: Data) -> None:
     """Have a command be due at another time before it was given."""
     number, text = int(data["number"]), str(data["value"]).strip()
@@ -113,8 +112,8 @@ async def retime(session: Session, data: Data) -> None:
         raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
 
     def job(swarm: Connected, agent: str) -> float:
-        swarm.agents.edit_examples(agent, RETIME, [number], ago=ago)
-        examples = swarm.agents.list_examples(agent).examples
+        swarm.agents.retime(agent, [number], ago)
+        examples = swarm.agents.training(agent).examples
         return next((e.ago for e in examples if e.number == number), ago)  # that of a cycle
 
     session.tell(f"example {number}: {await session.ask_agent(job):.2f} s ago")

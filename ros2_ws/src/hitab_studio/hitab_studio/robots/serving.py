@@ -41,7 +41,7 @@ def add_routes(app: FastAPI, studio: Studio) -> None:
     async def camera(agent: str, after: int = 0) -> Response:
         robots = _robots(studio)
         if agent in robots.robots:
-            studio.link.lease(CAMERA, agent)
+            studio.link.viewing.lease(CAMERA, agent)
         state = robots.of(agent).camera
         if state.picture is None or state.number == after:
             return Response(status_code=NOTHING_NEW)
@@ -49,7 +49,7 @@ def add_routes(app: FastAPI, studio: Studio) -> None:
 
     @app.get("/robots/map")
     async def grid_map(after: int = 0) -> Response:
-        studio.link.lease(MAP)
+        studio.link.viewing.lease(MAP)
         state = _robots(studio).map
         if state.grid is None or state.number == after:
             return Response(status_code=NOTHING_NEW)

@@ -89,7 +89,7 @@ def _title(branch: Branch, depth: int, fold: str) -> Row:
 def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, below: int) -> Row:
     store = session.shared.store
     status = statuses.get(name)
-    holder = session.shared.locks.holder(name) if session.player is None else None
+    holder = session.shared.held.get(name) if session.player is None else None
     state = state_shown(status.active_path) if status is not None else ""
     index = store.palette.index(state)
     group = store.known.groups.get(name)
@@ -104,7 +104,7 @@ def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, belo
         color="" if index == NO_COLOR else STATE_COLORS[index],
         chosen=name == session.agent,
         absence=absent.word if absent is not None else "",
-        lock="" if holder is None else ("you" if holder.session == session.id else holder.name),
+        lock="" if holder is None else ("you" if holder is session else holder.name),
         order=group.order if group is not None else "",
         faults="\n".join(status.faults) if status is not None else "",
     )

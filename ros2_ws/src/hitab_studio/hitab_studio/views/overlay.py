@@ -41,13 +41,12 @@ class Button:
 def context(session: Session) -> dict[str, Any]:
     """Return what the overlay shows."""
     status = session.status
-    holder = session.shared.locks.holder(session.agent) if session.agent else None
     live = session.player is None
     mode = status.mode if status is not None else ""
     empty = _empty(session)
     known, launch = session.shared.store.known, session.shared.launcher.launch
     world_absent = absence(known, WORLD) if live else None
-    history = session.watched.history
+    training = session.watched.training
     return {
         "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
@@ -63,7 +62,7 @@ def context(session: Session) -> dict[str, Any]:
         "switch_off": unavailable.switching(session),
         "command_off": unavailable.commanding(session),
         "raise_off": unavailable.raising(session),
-        "last_done": history.done[-1] if history.done else "",
+        "last_done": training.done[-1] if training is not None and training.done else "",
         "stuck": _stuck(session),
         "note": status.note if status is not None else "",
         "agent": session.agent,
@@ -71,7 +70,7 @@ def context(session: Session) -> dict[str, Any]:
         "mode": mode,
         "mode_words": (MODE_WORDS.get(mode, ("", ""))[0], _decides(session, mode)),
         "path": list(status.active_path) if status is not None else [],
-        "lock": None if holder is None or holder.session == session.id else holder.name,
+        "lock": session.shared.held[session.agent].name if session.locked else None,
         "buttons": _buttons(session),
         "asked": session.asked,
         "targets": _targets(session),

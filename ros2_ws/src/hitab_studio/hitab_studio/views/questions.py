@@ -43,6 +43,7 @@ class ShownQuestion:
 
 def questions(session: Session) -> list[ShownQuestion]:
     """Return the open questions of the agent."""
+    training = session.watched.training
     return [
         ShownQuestion(
             question.number,
@@ -50,20 +51,18 @@ def questions(session: Session) -> list[ShownQuestion]:
             question.text,
             _answers(question),
             tuple(
-                (feature, measured(session, feature, value))
-                for feature, value in zip(question.features, question.situation, strict=True)
-                if not math.isnan(value)
+                (read.feature, measured(session, read.feature, read.value))
+                for read in question.situation
+                if not math.isnan(read.value)
             ),
         )
-        for question in session.watched.questions
+        for question in (training.questions if training is not None else ())
     ]
 
 
 def _answers(question: Question) -> tuple[tuple[str, str, bool], ...]:
     """Return the answers to choose from, the proposed one first."""
-    there = enumerate(zip(question.choices, question.effects, strict=True))
-    found = [(choice, effect, i == question.proposed) for i, (choice, effect) in there]
-    return tuple(sorted(found, key=lambda answer: not answer[2]))
+    return tuple((choice.name, choice.effect, i == 0) for i, choice in enumerate(question.choices))
 
 
 def when_unsure(session: Session) -> str:

@@ -45,8 +45,8 @@ def context(session: Session) -> dict[str, Any]:
         "readings": readings(session),
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
-        "last_edits": [(text, False) for text in watched.history.done[-SHOWN:]]
-        + [(text, True) for text in watched.history.undone[:SHOWN]],
+        "last_edits": [(text, False) for text in (training.done if training else ())[-SHOWN:]]
+        + [(text, True) for text in (training.undone if training else ())[:SHOWN]],
         "undo_off": unavailable.undoing(session),
         "redo_off": unavailable.redoing(session),
         "earlier_off": unavailable.retiming(session),
@@ -54,7 +54,7 @@ def context(session: Session) -> dict[str, Any]:
         "superseded": superseding(examples),
         "given_up": _given_up(session),
         "reaction": _reaction(session),
-        "cost": watched.cost,
+        "cost": training.cost if training else None,
         "questions": questions(session),
         "when_unsure": when_unsure(session),
         "sensors": sensors.rows(session),
@@ -64,10 +64,10 @@ def context(session: Session) -> dict[str, Any]:
 
 def _given_up(session: Session) -> int:
     """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
-    cost, training = session.watched.cost, session.watched.training
-    if cost is None or training is None:
+    training = session.watched.training
+    if training is None or training.cost is None:
         return 0
-    return max(0, cost.wasted - sum(not e.is_learned for e in training.examples))
+    return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
 
 
 def _reaction(session: Session) -> str:
