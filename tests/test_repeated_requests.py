@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 import rclpy
-from hitab_msgs.srv import EditExamples, ListExamples
+from hitab_msgs.srv import EditExamples, GetBehavior
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -80,8 +80,8 @@ def test_an_answer_that_is_lost_is_asked_for_again_and_nothing_is_done_twice(dom
 
 
 def test_what_changes_nothing_is_just_asked_again(domain):
-    with server(domain, ListExamples, lost=1) as there, RosLink(domain) as link:
-        assert call(link, ListExamples).message == "done 2"
+    with server(domain, GetBehavior, lost=1) as there, RosLink(domain) as link:
+        assert call(link, GetBehavior).message == "done 2"
         assert there.asked == 2
 
 
