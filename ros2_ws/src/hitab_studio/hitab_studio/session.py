@@ -300,6 +300,12 @@ class Session:
         self.hold(agent)
         return await self.ask(lambda swarm: job(swarm, agent), agent)
 
+    async def request(self, verb: Callable[..., T], *given: Any, **fields: Any) -> T:
+        """Have a verb of the swarm's client done with the agent; see `ask_agent`."""
+        return await self.ask_agent(
+            lambda swarm, agent: verb(swarm.agents, agent, *given, **fields)
+        )
+
     def hold(self, agent: str) -> None:
         """Hold an agent, or keep holding it.
 

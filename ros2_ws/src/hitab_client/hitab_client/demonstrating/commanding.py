@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from hitab_msgs.msg import AgentStatus
+from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 
-from hitab_client.demonstrating.timing import due, earlier
+from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS, SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import FLAGS, quantity
+
+EARLIER_SECONDS = 0.2
+"""By how much a person has a command be due earlier with one key, in seconds of their own."""
 
 
 def command(
@@ -48,17 +51,42 @@ def command(
         return f"{agent} performs {behavior}; it learns from commands only in training{kept}"
     if status.mode == AgentStatus.TESTING:
         agents.set_mode(agent, AgentStatus.TRAINING)
-    when = due(world, reaction, seen)
+    ago, seen = due(world, reaction, seen)
     status = agents.command(
         agent,
         behavior,
-        ago=when.ago,
-        seen=when.seen,
+        ago=ago,
+        seen=seen,
         sequence=sequence,
         seconds=seconds,
         demonstrator=demonstrator,
     )
     return outcome(agent, behavior, status)
+
+
+def due(world: WorldClient, reaction: float, seen: int) -> tuple[float, int]:
+    """Return how long before which of the world's cycles a command counts, in simulated seconds.
+
+    Args:
+        world: that the person sees.
+        reaction: the person's reaction time, s.
+        seen: the cycle that the person saw; 0: the last one.
+    """
+    status = world.status
+    if status is not None and status.mode == WorldState.PAUSED:
+        return 0.0, 0  # the situation has waited for the person
+    return reaction_time.simulated(reaction, status, world.speed), seen
+
+
+def earlier(world: WorldClient) -> float:
+    """Return the simulated time by which one key has a command be due earlier, s.
+
+    A person may pause the world to correct: what counts is its pace when it runs.
+    """
+    status = world.status
+    if status is not None:
+        status = WorldStatus(mode=WorldState.RUNNING, pace=status.pace, factor=status.factor)
+    return reaction_time.simulated(EARLIER_SECONDS, status, world.speed) or EARLIER_SECONDS
 
 
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:

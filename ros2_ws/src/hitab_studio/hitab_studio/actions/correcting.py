@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hitab_client import SwarmError
+from hitab_client import SwarmClient, SwarmError
 from hitab_core import numbered
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action
@@ -12,14 +12,14 @@ from hitab_studio.session import Session
 @action("undo", repeats=True)
 async def undo(session: Session, data: Data) -> None:
     """Undo the last command or edit."""
-    await session.ask_agent(lambda swarm, agent: swarm.agents.undo(agent))
+    await session.request(SwarmClient.undo)
     session.tell("undone")
 
 
 @action("redo", repeats=True)
 async def redo(session: Session, data: Data) -> None:
     """Redo what was undone last."""
-    await session.ask_agent(lambda swarm, agent: swarm.agents.redo(agent))
+    await session.request(SwarmClient.redo)
     session.tell("redone")
 
 
@@ -79,7 +79,7 @@ def _numbers(session: Session, data: Data) -> list[int]:
 async def delete(session: Session, data: Data) -> None:
     """Delete examples."""
     numbers = _numbers(session, data)
-    await session.ask_agent(lambda swarm, agent: swarm.agents.delete(agent, numbers))
+    await session.request(SwarmClient.delete, numbers)
     session.table.marked.clear()
     session.tell(f"deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
 
@@ -90,7 +90,7 @@ async def relabel(session: Session, data: Data) -> None:
     numbers, state = _numbers(session, data), str(data["value"])
     if not state:
         return
-    await session.ask_agent(lambda swarm, agent: swarm.agents.relabel(agent, numbers, state))
+    await session.request(SwarmClient.relabel, numbers, state)
     session.table.marked.clear()
     verb = "leads" if len(numbers) == 1 else "lead"
     session.tell(f"{numbered('example', numbers)} now {verb} to {state}")

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_client import DistributionReport, SwarmError
+from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session, nothing_in_training
-from hitab_studio.shared_link import Connected
 
 
 def _bindings(values: Any) -> dict[str, str]:
@@ -46,14 +45,12 @@ async def _preview(session: Session, values: Any) -> None:
     bound = _bindings(values)
     session.dialog["values"] = dict(values)
     try:
-        preview = await session.ask_agent(
-            lambda swarm, agent: swarm.agents.behavior(
-                agent,
-                trim=True,
-                bind_from=list(bound),
-                bind_to=list(bound.values()),
-                keep_unused=values.get("keep") == "on",
-            )
+        preview = await session.request(
+            SwarmClient.behavior,
+            trim=True,
+            bind_from=list(bound),
+            bind_to=list(bound.values()),
+            keep_unused=values.get("keep") == "on",
         )
     except SwarmError as error:
         session.dialog |= {"preview": None, "problem": str(error)}
@@ -69,15 +66,13 @@ async def save(session: Session, data: Data) -> None:
     training = session.dialog.get("training")
     # Without a name it is saved under the one that training began with.
     name = str(values.get("name", "")).strip() or (training.name if training else "")
-    answer = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.save(
-            agent,
-            name=name,
-            bind_from=list(bound),
-            bind_to=list(bound.values()),
-            description=str(values.get("description", "")).strip(),
-            keep_unused=values.get("keep") == "on",
-        )
+    answer = await session.request(
+        SwarmClient.save,
+        name=name,
+        bind_from=list(bound),
+        bind_to=list(bound.values()),
+        description=str(values.get("description", "")).strip(),
+        keep_unused=values.get("keep") == "on",
     )
     left_out = "; what nothing uses was left out" if answer.trimmed else ""
     session.dialog = {}
@@ -119,12 +114,6 @@ async def distribute_dialog(session: Session, data: Data) -> None:
     }
 
 
-def _distributed(
-    swarm: Connected, agent: str, behavior: str, receivers: list[str], start: bool
-) -> DistributionReport:
-    return swarm.agents.distribute(agent, behavior, receivers=receivers, start=start)
-
-
 @action("distribute")
 async def distribute(session: Session, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
@@ -134,8 +123,8 @@ async def distribute(session: Session, data: Data) -> None:
     if not receivers:
         raise SwarmError("Choose at least one receiver.")
     start = values.get("start") == "on"
-    report = await session.ask_agent(
-        lambda swarm, agent: _distributed(swarm, agent, behavior, receivers, start)
+    report = await session.request(
+        SwarmClient.distribute, behavior, receivers=receivers, start=start
     )
     session.dialog["report"] = report
     session.tell(

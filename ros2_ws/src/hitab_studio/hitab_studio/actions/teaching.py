@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError, demonstrating, is_answered
+from hitab_client import ACKNOWLEDGE_SECONDS, SwarmClient, SwarmError, demonstrating, is_answered
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
@@ -141,7 +141,7 @@ async def toggle(session: Session, data: Data) -> None:
     ):
         raise SwarmError(nothing_in_training(session))
     mode = demonstrating.other_mode(status)
-    answer = await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
+    answer = await session.request(SwarmClient.set_mode, mode)
     if mode == "testing" and status.questions:
         session.tell(answer.message, "note")
 
@@ -149,22 +149,20 @@ async def toggle(session: Session, data: Data) -> None:
 @action("restart")
 async def restart(session: Session, data: Data) -> None:
     """Test from Start."""
-    await session.ask_agent(
-        lambda swarm, agent: swarm.agents.set_mode(agent, "testing", restart=True)
-    )
+    await session.request(SwarmClient.set_mode, "testing", restart=True)
 
 
 @action("idle")
 async def idle(session: Session, data: Data) -> None:
     """Have the agent perform nothing; a training is kept."""
-    await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, ""))
+    await session.request(SwarmClient.perform, "")
 
 
 @action("perform")
 async def perform_behavior(session: Session, data: Data) -> None:
     """Perform a behavior of the library from its beginning."""
     behavior = str(data["behavior"])
-    await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, behavior))
+    await session.request(SwarmClient.perform, behavior)
     session.tell(f"{session.agent} performs {behavior}")
 
 
@@ -223,7 +221,7 @@ async def discard(session: Session, data: Data) -> None:
 @action("discard-now")
 async def discard_now(session: Session, data: Data) -> None:
     """Give up the training and its examples."""
-    answer = await session.ask_agent(lambda swarm, agent: swarm.agents.discard(agent))
+    answer = await session.request(SwarmClient.discard)
     session.dialog = {}
     session.lost = session.asked = None
     session.tell(answer.message)
@@ -272,7 +270,7 @@ async def begin(session: Session, data: Data) -> None:
         shown, session.dialog["typed"] = session.dialog.get("typed"), name
         if shown != name:  # who is fast has not seen it yet
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
-    await session.ask_agent(lambda swarm, agent: swarm.agents.begin(agent, name, **fields))
+    await session.request(SwarmClient.begin, name, **fields)
     if values.get("pause") == "on" and await session.ask_world(paused):
         session.tell("the world is paused; Space lets it run")
     session.close_dialog()
