@@ -116,7 +116,7 @@ def teach(team: RunningSwarm) -> None:
     ):
         taught = team.agents.behavior(agent, behavior).examples
         there = open_library(shipped("libraries", folder)).load()[behavior].examples
-        assert [seen(e.state, e.values, e.next_state) for e in taught] == [
+        assert [seen(e.state, e.features, e.next_state) for e in taught] == [
             seen(e.state, e.features, e.next_state) for e in there
         ]
 
