@@ -19,6 +19,7 @@ from hitab_msgs.srv import (
     GetVocabulary,
     LoadLibrary,
     Perform,
+    ReadFeatures,
     SaveBehavior,
     SetCaution,
     SetMode,
@@ -358,6 +359,10 @@ class SwarmClient(AgentPresence):
     def vocabulary(self, agent: str) -> Any:
         """Return what can be commanded, perceived and targeted."""
         return self.ask(agent, GetVocabulary, names.GET_VOCABULARY)
+
+    def read_features(self, agent: str, also: Sequence[str] = ()) -> Any:
+        """Return what the agent perceives at the moment; see ReadFeatures.srv."""
+        return self.ask(agent, ReadFeatures, names.READ_FEATURES, also=list(also))
 
     # -- distributing -----------------------------------------------------------------------
 

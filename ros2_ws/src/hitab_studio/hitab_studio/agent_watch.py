@@ -6,16 +6,17 @@ of it, `Watched`, is replaced as a whole and never changed.
 
 from __future__ import annotations
 
+import asyncio
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
 from hitab_msgs.msg import TransitionEvent
-from hitab_msgs.srv import GetBehavior, GetVocabulary, ReadFeatures
 
-from hitab_client import Learned, SwarmClient, Training, learned_of
+from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Use
 from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
@@ -40,7 +41,8 @@ SHELF_MAX = 40
 """Trained behaviors that are asked for before anybody looks at them."""
 
 READ_SECONDS = 0.15
-PATIENCE_SECONDS = 5.0
+AGAIN_SECONDS = 1.0
+"""After a refusal until the same is asked again."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,7 @@ class AgentWatch:
     Args:
         agents: of the swarm.
         agent: its name.
+        do: does something with the swarm in a thread; see `SwarmLink.do`.
         changed: called when something new is known.
         failed: called with what is wrong with an answer, and its `error`.
 
@@ -83,24 +86,24 @@ class AgentWatch:
         self,
         agents: SwarmClient,
         agent: str,
+        do: Callable[..., Awaitable[Any]],
         changed: Callable[[], None],
         failed: Callable[..., None],
     ) -> None:
         self.known = Watched()
         self._agents = agents
-        self._link = agents.link
         self._agent = agent
+        self._do = do
         self._changed = changed
         self._failed = failed
-        self._clients: dict[str, Any] = {}
-        self._pending: dict[str, tuple[float, Any, Any]] = {}
+        self._asking: dict[str, asyncio.Task[None]] = {}
         self._next_read = 0.0
         self._library_key: tuple[Any, ...] = ()
         self._trained = ""
         self._wanted: set[str] = set()
         self._probing = False
         agents.watch_training(agent)
-        self._transitions = self._link.subscribe(
+        self._transitions = agents.link.subscribe(
             TransitionEvent,
             names.of_agent(agent, names.TRANSITIONS, agents.prefix),
             self._take_event,
@@ -111,10 +114,7 @@ class AgentWatch:
     def close(self) -> None:
         """Stop watching."""
         self._agents.forget_training(self._agent)
-        node = self._link.node
-        node.destroy_subscription(self._transitions)
-        for client in self._clients.values():
-            node.destroy_client(client)
+        self._agents.link.node.destroy_subscription(self._transitions)
 
     def want(self, name: str) -> None:
         """Ask for a behavior of the library, to be known from now on."""
@@ -130,8 +130,6 @@ class AgentWatch:
         status = self._agents.statuses.get(self._agent)
         if status is None:
             return
-        now = time.monotonic()
-        self._forget_unanswered(now)
         # What is saved again may have learned the same, under another version and description.
         ended = bool(self._trained) and not status.training
         self._trained = status.training
@@ -139,18 +137,18 @@ class AgentWatch:
         if library_key != self._library_key or ended or not self.known.vocabulary.domain:
             self._library_key = library_key
             self._know(behaviors=NOTHING)
-            self._ask("vocabulary", GetVocabulary, names.GET_VOCABULARY, {}, self._take_vocabulary)
+            self._ask("vocabulary", SwarmClient.vocabulary, self._take_vocabulary)
         self._take_training(self._agents.trainings.get(self._agent) if status.training else None)
         for name in self._needed(status) - self.known.behaviors.keys():
-            self._ask(name, GetBehavior, names.GET_BEHAVIOR, {"name": name}, self._take_behavior)
-        if now >= self._next_read:
+            self._ask(name, SwarmClient.behavior, partial(self._take_behavior, name), name)
+        if (now := time.monotonic()) >= self._next_read:
             self._next_read = now + READ_SECONDS
             words = self.known.vocabulary
             also = (
                 [str(u) for _, u in uses(words.features, words.targets)] if self._probing else []
             )
-            fields = {"also": also[:PROBED_MAX]}
-            self._ask("features", ReadFeatures, names.READ_FEATURES, fields, self._take_features)
+            read = SwarmClient.read_features
+            self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
     def _needed(self, status: Any) -> set[str]:
         """Return what it has learned, and what is active or what that is made of."""
@@ -175,41 +173,28 @@ class AgentWatch:
     # -- asking -----------------------------------------------------------------------------
 
     def _ask(
-        self, key: str, kind: Any, service: str, fields: dict[str, Any], take: Callable[..., None]
-    ) -> bool:
-        """Call a service, unless an answer is awaited; return whether it was called."""
-        if key in self._pending:
-            return False
-        client = self._clients.get(service)
-        if client is None:
-            name = names.of_agent(self._agent, service, self._agents.prefix)
-            client = self._clients[service] = self._link.node.create_client(kind, name)
-        if not client.service_is_ready():
-            return False
-        future = client.call_async(kind.Request(**fields))
-        self._pending[key] = (time.monotonic(), client, future)
+        self, key: str, verb: Callable[..., Any], take: Callable[[Any], None], *given: Any
+    ) -> None:
+        """Have a verb of the client done with the agent, unless that is under way."""
+        if key not in self._asking:
+            asking = self._answer(key, verb, take, given)
+            self._asking[key] = asyncio.get_running_loop().create_task(asking)
 
-        def answered(done: Any) -> None:
-            if self._pending.get(key, (0, 0, None))[2] is not done:
-                return
-            del self._pending[key]
-            try:
-                take(done.result(), **({"asked": key} if take == self._take_behavior else {}))
-            except Exception as error:  # it is not the page that has to know how to read this
-                self._failed(
-                    f"The answer of {self._agent} to {service} cannot be read: "
-                    f"{what_went_wrong(error)}",
-                    error=error,
-                )
-
-        future.add_done_callback(answered)
-        return True
-
-    def _forget_unanswered(self, now: float) -> None:
-        old = [k for k, (when, _, _) in self._pending.items() if now > when + PATIENCE_SECONDS]
-        for key in old:
-            _, client, future = self._pending.pop(key)
-            client.remove_pending_request(future)
+    async def _answer(
+        self, key: str, verb: Callable[..., Any], take: Callable[[Any], None], given: Any
+    ) -> None:
+        agent = self._agent
+        try:
+            take(await self._do(lambda swarm: verb(swarm.agents, agent, *given), needs=agent))
+        except SwarmError:
+            await asyncio.sleep(AGAIN_SECONDS)
+        except Exception as error:  # it is not the page that has to know how to read this
+            self._failed(
+                f"The answer of {agent} about {key} cannot be read: {what_went_wrong(error)}",
+                error=error,
+            )
+        finally:
+            del self._asking[key]
 
     # -- answers ----------------------------------------------------------------------------
 
@@ -234,15 +219,11 @@ class AgentWatch:
         self._know(training=after, change=change)
         self._changed()
 
-    def _take_behavior(self, answer: Any, asked: str) -> None:
-        if answer.success:
-            behaviors = {**self.known.behaviors, asked: learned_of(answer)}
-            self._know(behaviors=MappingProxyType(behaviors))
-            self._changed()
+    def _take_behavior(self, name: str, answer: Learned) -> None:
+        self._know(behaviors=MappingProxyType({**self.known.behaviors, name: answer}))
+        self._changed()
 
     def _take_features(self, answer: Any) -> None:
-        if not answer.success:
-            return
         before = self.known.readings
         readings, probed = {}, {}
         for read in answer.readings:

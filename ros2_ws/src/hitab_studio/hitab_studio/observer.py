@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
@@ -43,6 +43,7 @@ class Observer:
         known: what is known at first.
         viewing: what pages show at present; kept up to date by the caller.
         complain: called with a text and its `agent`, `session` and `error`, if there are any.
+        do: does something with the swarm in a thread; see `SwarmLink.do`.
         options: what a person has chosen of the robots' topics.
 
     Attributes:
@@ -57,6 +58,7 @@ class Observer:
         known: Known,
         viewing: Viewing,
         complain: Callable[..., None],
+        do: Callable[..., Awaitable[Any]],
         options: Options | None = None,
     ) -> None:
         self.known = known
@@ -64,6 +66,7 @@ class Observer:
         self._swarm = swarm
         self._viewing = viewing
         self._complain = complain
+        self._do = do
         target = known.target
         # It hands on what it hears, as long as it is there: those who stop all may end at once.
         self._switch = EmergencySwitch(swarm.link.node, hands_on=True)
@@ -125,6 +128,7 @@ class Observer:
             self.watches[agent] = AgentWatch(
                 swarm.agents,
                 agent,
+                self._do,
                 partial(self._learns, agent),
                 partial(self._complain, agent=agent),
             )

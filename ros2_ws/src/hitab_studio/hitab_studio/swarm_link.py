@@ -203,7 +203,7 @@ class SwarmLink:
                 WorldClient(link, prefix=space, identity=identity, started_by_it=target.world),
             )
             self._observer = Observer(
-                swarm, self._known, self.viewing, self._trouble, self._options
+                swarm, self._known, self.viewing, self._trouble, self.do, self._options
             )
             self._connected = swarm
             await self._serve(target, swarm, self._observer)

@@ -163,7 +163,7 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
         await until(lambda: looks.messages.shown, "it was not told")
         assert (
-            "The answer of keeper_2 to get_vocabulary cannot be read"
+            "The answer of keeper_2 about vocabulary cannot be read"
             in looks.messages.shown[0].text
         )
         assert not other.messages.shown

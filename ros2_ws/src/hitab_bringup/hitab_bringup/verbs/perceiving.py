@@ -126,11 +126,7 @@ def _read(
     swarm_up: Connection, agent: str, chosen: Sequence[str], words: _Words
 ) -> tuple[list[_Reading], list[str]]:
     """Return the features, and the agent's faults."""
-    from hitab_msgs.srv import ReadFeatures
-
-    from hitab_ros import names
-
-    told = swarm_up.agents.ask(agent, ReadFeatures, names.READ_FEATURES, also=list(chosen))
+    told = swarm_up.agents.read_features(agent, list(chosen))
     own = {use.name for use in OWN_FEATURES}
     found = []
     for read in told.readings:
