@@ -67,6 +67,7 @@ class SwarmClient(AgentPresence):
         processes: of the swarm; they show why an agent does not answer.
 
     Attributes:
+        acknowledgements: of distributions.
         trainings: what the watched agents are being trained, as they have published it.
     """
 
@@ -84,7 +85,7 @@ class SwarmClient(AgentPresence):
         self.demonstrator = demonstrator or getpass.getuser()
         self._publishers: dict[str, Any] = {}
         self._sequence = 0
-        self._acknowledgements = Acknowledgements(link, prefix)
+        self.acknowledgements = Acknowledgements(link, prefix)
         self.trainings: dict[str, Training] = {}
         self._followed: dict[str, Any] = {}
 
@@ -401,7 +402,7 @@ class SwarmClient(AgentPresence):
         meant = [name for name in receivers or self.mates_of(source) if name != source]
         if not meant:
             raise SwarmError(f"there is no other agent of the domain of {source} to send it to")
-        self._acknowledgements.await_hearing(meant)
+        self.acknowledgements.await_hearing(meant)
         answer = self.ask(
             source,
             Distribute,
@@ -411,6 +412,6 @@ class SwarmClient(AgentPresence):
             receivers=meant,
             start=start,
         )
-        return self._acknowledgements.gather(
+        return self.acknowledgements.gather(
             answer.sequence, answer.digest, meant, seconds, progress
         )

@@ -25,9 +25,8 @@ from hitab_client.bootstrapping import (
 )
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.shared_link import Connected
 from hitab_studio.swarm_finder import Target
-from hitab_studio.swarm_link import SwarmLink
+from hitab_studio.swarm_link import Connected, SwarmLink
 
 Step = Callable[[Bootstrapping], Generation]
 

@@ -26,9 +26,8 @@ from hitab_studio.present import EMPTY, Present
 from hitab_studio.reactions import Reactions
 from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
-from hitab_studio.shared_link import Connected
 from hitab_studio.store import Store
-from hitab_studio.swarm_link import SwarmLink
+from hitab_studio.swarm_link import Connected, SwarmLink
 
 T = TypeVar("T")
 

@@ -187,8 +187,7 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
     async def use(studio: Studio) -> None:
         page, other = studio.open(), studio.open()
         path = str(tmp_path / "run.mcap")
-        studio.link.observer.start_recording(path, page.id)
-        await until(lambda: studio.store.known.recording, "it is told")
+        await page.ask(lambda _: studio.link.observer.start_recording(path, page.id))
         assert studio.store.known.recording == path
         await until(lambda: page.messages.shown, "it was not told")
         assert "run.mcap ends here: No space left" in page.messages.shown[0].text

@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from hitab_msgs.msg import BehaviorFile, Distribution
 from hitab_msgs.srv import Distribute
 
-from hitab_client.acknowledgements import Acknowledgements
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
 from hitab_core.library import bundle_digest
@@ -37,7 +36,6 @@ class KeptCopies:
         self._swarm = swarm
         self._link = swarm.link
         self._heard: dict[int, dict[str, str]] = {}
-        self._acknowledgements = Acknowledgements(self._link, swarm.prefix)
         topic = names.of_swarm(names.DISTRIBUTION, swarm.prefix)
         self._link.subscribe(Distribution, topic, self._take, qos.EVENTS)
         self._publisher = self._link.node.create_publisher(Distribution, topic, qos.EVENTS)
@@ -90,14 +88,14 @@ class KeptCopies:
             digest=bundle_digest(made),
             files=[BehaviorFile(name=name, text=text) for name, text in made],
         )
-        self._acknowledgements.await_hearing([agent])
+        self._swarm.acknowledgements.await_hearing([agent])
         self._link.spin_until(
             lambda: self._publisher.get_subscription_count() > 0, HEAR_SECONDS, 0.01
         )
         for _ in range(TRIES):
             # The agent may not have been discovered yet. To take the same in twice is harmless.
             self._publisher.publish(message)
-            report = self._acknowledgements.gather(
+            report = self._swarm.acknowledgements.gather(
                 sequence, message.digest, [agent], SEND_SECONDS, None
             )
             if report.refused:

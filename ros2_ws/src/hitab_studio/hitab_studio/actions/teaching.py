@@ -18,7 +18,7 @@ from hitab_studio.session import (
     nothing_in_training,
     parameters_of,
 )
-from hitab_studio.shared_link import Connected
+from hitab_studio.swarm_link import Connected
 
 
 @action("command")

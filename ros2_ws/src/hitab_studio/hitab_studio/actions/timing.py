@@ -9,7 +9,7 @@ from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session
-from hitab_studio.shared_link import Connected
+from hitab_studio.swarm_link import Connected
 from hitab_studio.unavailable import last_standing_still, standing_still
 
 LONGEST_NAME = 60
