@@ -39,7 +39,7 @@ T = TypeVar("T")
 
 NODE = "hitab_studio"
 JOBS_MAX = 64
-SPIN_SECONDS = 0.005
+SPIN_SECONDS = 0.01
 LOOK_SECONDS = 0.05
 FIND_SECONDS = 1.0
 LEAVE_SECONDS = 10.0
@@ -212,10 +212,12 @@ class SwarmLink:
             return await running
         finally:
             self._jobs.discard(running)
-            if self._observer is not None and swarm is self._connected:
-                with swarm.link.monitor:
+            if self._observer is not None and swarm.link.monitor.acquire(blocking=False):
+                try:  # whoever asked knows by now what there is to be known
                     self._try(self._observer.look)
-                self._deliver()  # whoever asked knows by now what there is to be known
+                finally:
+                    swarm.link.monitor.release()
+                self._deliver()
 
     def choose(self, folder: str) -> None:
         """Show the swarm in this run folder from now on, for all pages."""
