@@ -65,3 +65,19 @@ def test_versions_and_what_has_changed_between_them_are_told(begun):
     assert "examples:" in latest.difference
     first = told(begun, name="Versioned", version=1)
     assert len(first.automaton.examples) < len(latest.automaton.examples)
+
+
+def test_the_history_of_a_training_is_told(keepers):
+    agents = keepers.agents
+    agents.begin(ONE, "Told", features=["DistanceTo(ball)"], discard=True)
+    agents.command(ONE, "GoFast")
+    agents.command(ONE, "Stop")
+    agents.delete(ONE, [4])
+    agents.undo(ONE)
+    agents.undo(ONE)
+    listed = agents.training(ONE)
+    assert list(listed.done) == ["Start → GoFast, 2 examples"]
+    assert list(listed.undone) == [
+        "GoFast → Stop, 2 examples; superseded example 2",
+        "deleted example 4",
+    ]
