@@ -134,6 +134,7 @@ class StatusPublisher:
 
     def publish(self) -> None:
         """Publish what the agent does now."""
+        self._transitions.look()  # who subscribes gets the next change
         self._prepare()
         agent, status = self._agent, self.message
         session = agent.session
@@ -180,5 +181,4 @@ class StatusPublisher:
 
     def _due(self) -> None:
         self._is_due = False
-        self._transitions.look()
         self.publish()
