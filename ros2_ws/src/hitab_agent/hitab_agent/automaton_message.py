@@ -10,11 +10,12 @@ from hitab_msgs import msg
 from hitab_core import Automaton, Domain, HitabError, TransitionTree, Use
 from hitab_core.learning import (
     TREE,
-    ArcNode,
-    CategoryNode,
+    Arc,
+    Categories,
     ClassifierSpec,
+    Leaf,
     Node,
-    ThresholdNode,
+    Threshold,
     learn_transitions,
     nodes,
 )
@@ -114,15 +115,15 @@ def _tree_message(state: str, tree: TransitionTree) -> msg.TransitionTree:
 
 def _node_message(node: Node) -> msg.TreeNode:
     kinds, message = msg.TreeNode, msg.TreeNode(counts=array("d", node.counts))
-    match node:
-        case ThresholdNode():
-            message.kind, message.numbers = kinds.THRESHOLD, array("d", [node.threshold])
-        case ArcNode():
-            message.kind = kinds.ARC
-            message.numbers = array("d", [node.period, node.start, node.end])
-        case CategoryNode():
-            message.kind, message.numbers = kinds.CATEGORY, array("d", node.categories)
-        case _:
-            return message
+    if isinstance(node, Leaf):
+        return message
     message.feature = node.feature
+    match node.test:
+        case Threshold(threshold):
+            message.kind, numbers = kinds.THRESHOLD, [threshold]
+        case Arc(start, end, period):
+            message.kind, numbers = kinds.ARC, [period, start, end]
+        case Categories(categories):
+            message.kind, numbers = kinds.CATEGORY, list(map(float, categories))
+    message.numbers = array("d", numbers)
     return message

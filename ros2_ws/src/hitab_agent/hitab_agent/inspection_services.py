@@ -18,6 +18,7 @@ from hitab_core import (
     to_be_saved,
 )
 from hitab_core.library import difference
+from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
 
 Origin: Any = srv.GetBehavior.Response
@@ -36,7 +37,8 @@ class InspectionServices:
     def _read_features(
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
     ) -> srv.ReadFeatures.Response:
-        readings = self._agent.live_features([Use.parse(text) for text in request.also])
+        agent, also = self._agent, [Use.parse(text) for text in request.also]
+        readings = live_features(agent.running, agent.context, also)
         answer.readings = [
             msg.Reading(automaton=automaton, feature=feature, value=value)
             for automaton, feature, value in readings
@@ -109,7 +111,7 @@ class InspectionServices:
         answer.automaton = automaton_message(file.automaton, domain, classifier=file.classifier)
         if request.compare_with:
             before = library.version(name, request.compare_with)
-            answer.difference = str(difference(before, file))
+            answer.difference = difference(before, file)
 
 
 def _origin(provenance: Any) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 from hitab_msgs.msg import Question
 
 from hitab_core import START, Automaton, Example, FeatureKind, Scale, TransitionTree, Use
-from hitab_core.learning import ArcNode, CategoryNode, Leaf, Node, ThresholdNode
+from hitab_core.learning import Arc, Categories, Fork, Leaf, Node, Test, Threshold
 from hitab_core.training import TrainingCost
 from hitab_ros.conversions import cost_of, example_of
 
@@ -170,18 +170,18 @@ def _tree(message: Any, scales: tuple[Scale, ...]) -> TransitionTree:
     for node in reversed(message.nodes):
         counts = tuple(int(count) if count.is_integer() else count for count in node.counts)
         numbers = tuple(node.numbers)
+        if node.kind == node.LEAF:
+            made.append(Leaf(counts))
+            continue
+        test: Test
         match node.kind:
             case node.THRESHOLD:
-                low, high = made.pop(), made.pop()
-                made.append(ThresholdNode(node.feature, numbers[0], counts, low, high))
+                test = Threshold(numbers[0])
             case node.ARC:
-                period, start, end = numbers
-                inside, outside = made.pop(), made.pop()
-                made.append(ArcNode(node.feature, period, start, end, counts, inside, outside))
-            case node.CATEGORY:
-                branches = tuple(made.pop() for _ in numbers)
-                categories = tuple(map(int, numbers))
-                made.append(CategoryNode(node.feature, categories, counts, branches))
+                test = Arc(start=numbers[1], end=numbers[2], period=numbers[0])
             case _:
-                made.append(Leaf(counts))
+                test = Categories(tuple(map(int, numbers)))
+        several = len(numbers) if node.kind == node.CATEGORY else 2
+        branches = tuple(made.pop() for _ in range(several))
+        made.append(Fork(node.feature, test, counts, branches))
     return TransitionTree.of(made.pop(), message.labels, scales)

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 from hitab_msgs.msg import Question
 
 from hitab_studio.session import Session
-from hitab_studio.views.numbers import measured
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides all the same"),
@@ -24,45 +20,9 @@ TITLES = {
 }
 
 
-@dataclass(frozen=True)
-class ShownQuestion:
-    """A question.
-
-    Attributes:
-        title: what kind of question it is.
-        answers: each with its effect, and whether it is proposed; the proposed one first.
-        situation: names of the features where it is to be decided, and their values for people.
-    """
-
-    number: int
-    title: str
-    text: str
-    answers: tuple[tuple[str, str, bool], ...]
-    situation: tuple[tuple[str, str], ...]
-
-
-def questions(session: Session) -> list[ShownQuestion]:
-    """Return the open questions of the agent."""
-    training = session.watched.training
-    return [
-        ShownQuestion(
-            question.number,
-            TITLES.get(question.kind, "A question"),
-            question.text,
-            _answers(question),
-            tuple(
-                (read.feature, measured(session, read.feature, read.value))
-                for read in question.situation
-                if not math.isnan(read.value)
-            ),
-        )
-        for question in (training.questions if training is not None else ())
-    ]
-
-
-def _answers(question: Question) -> tuple[tuple[str, str, bool], ...]:
-    """Return the answers to choose from, the proposed one first."""
-    return tuple((choice.name, choice.effect, i == 0) for i, choice in enumerate(question.choices))
+def answers(question: Question) -> list[tuple[str, str, bool]]:
+    """Return the answers to choose from, with their effects; the proposed one first."""
+    return [(choice.name, choice.effect, i == 0) for i, choice in enumerate(question.choices)]
 
 
 def when_unsure(session: Session) -> str:
