@@ -30,8 +30,8 @@ from hitab_core.running.running_automaton import RunContext
 from hitab_core.running.senses import Senses
 from hitab_core.use import Use
 from hitab_world.inprocess import cycle, perform
+from keepaway_research.features_of_all import DOMAIN
 from keepaway_world.body import KeeperBody
-from keepaway_world.domain import DOMAIN
 from keepaway_world.world import KeepawayWorld
 
 KEEPAWAY = Use("Keepaway")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from foraging_world import percept
 from foraging_world.body import ForagerBody
 from foraging_world.percept import LARGE
@@ -40,9 +38,29 @@ def holds(body: ForagerBody, place: int) -> float:
     return float(body.held > 0.0 and body.held == body.values[place + 2])
 
 
-def percept_value(index: int) -> Callable[[ForagerBody], float]:
-    """Return a feature's reading of one value of the percept."""
-    return lambda body: body.values[index]
+def holds_a_box(body: ForagerBody) -> float:
+    """Whether the forager holds any box."""
+    return float(body.held > 0.0)
+
+
+def holds_a_large_box(body: ForagerBody) -> float:
+    """Whether the forager holds a large box."""
+    return float(body.values[percept.HELD_SIZE] == LARGE)
+
+
+def hands(body: ForagerBody) -> float:
+    """Return how many foragers hold the box that this one holds; 0 if it holds none."""
+    return body.values[percept.HANDS]
+
+
+def waited(body: ForagerBody) -> float:
+    """Return how long the held box has not moved, s."""
+    return body.values[percept.WAITED]
+
+
+def rested(body: ForagerBody) -> float:
+    """Return how long ago a box was given up, s; 1000 if never."""
+    return body.values[percept.RESTED]
 
 
 FEATURES = (
@@ -64,59 +82,35 @@ FEATURES = (
         description="box X is in reach, none is held",
     ),
     Feature("Holds", holds, FeatureKind.BOOLEAN, ("X",), description="box X is held"),
+    Feature("HoldsABox", holds_a_box, FeatureKind.BOOLEAN, description="some box is held"),
     Feature(
-        "HoldsABox",
-        lambda body: float(body.held > 0.0),
-        FeatureKind.BOOLEAN,
-        description="some box is held",
+        "HoldsALargeBox", holds_a_large_box, FeatureKind.BOOLEAN, description="a large box is held"
     ),
-    Feature(
-        "HoldsALargeBox",
-        lambda body: float(body.values[percept.HELD_SIZE] == LARGE),
-        FeatureKind.BOOLEAN,
-        description="a large box is held",
-    ),
-    Feature(
-        "Hands",
-        percept_value(percept.HANDS),
-        description="how many foragers hold the box that is held",
-    ),
-    Feature(
-        "Waited",
-        percept_value(percept.WAITED),
-        unit="s",
-        description="how long the box held has not moved",
-    ),
-    Feature(
-        "Rested",
-        percept_value(percept.RESTED),
-        unit="s",
-        description="how long ago a box was given up",
-    ),
+    Feature("Hands", hands, description="how many foragers hold the box that is held"),
+    Feature("Waited", waited, unit="s", description="how long the box held has not moved"),
+    Feature("Rested", rested, unit="s", description="how long ago a box was given up"),
 )
 
-
-def _target(name: str, place: int, description: str) -> Target:
-    """Return a target that is always the same place of the percept."""
-    return Target(name, lambda body: place, description)
-
-
 TARGETS = (
-    _target("home", percept.HOME, "the middle of home"),
-    _target("closest_box", percept.BOX, "the closest box in sight"),
-    _target("closest_small_box", percept.SMALL_BOX, "the closest small box in sight"),
-    _target("closest_large_box", percept.LARGE_BOX, "the closest large box in sight"),
-    _target(
-        "closest_attached_box", percept.ATTACHED_BOX, "the closest box in sight that others hold"
+    Target("home", lambda body: percept.HOME, "the middle of home"),
+    Target("closest_box", lambda body: percept.BOX, "the closest box in sight"),
+    Target("closest_small_box", lambda body: percept.SMALL_BOX, "the closest small box in sight"),
+    Target("closest_large_box", lambda body: percept.LARGE_BOX, "the closest large box in sight"),
+    Target(
+        "closest_attached_box",
+        lambda body: percept.ATTACHED_BOX,
+        "the closest box in sight that others hold",
     ),
-    _target(
-        "squad_box", percept.SQUAD_BOX, "the box that most of the own squad hold, known by radio"
+    Target(
+        "squad_box",
+        lambda body: percept.SQUAD_BOX,
+        "the box that most of the own squad hold, known by radio",
     ),
-    _target(
+    Target(
         "company_box",
-        percept.COMPANY_BOX,
+        lambda body: percept.COMPANY_BOX,
         "the large box that most of the own company hold, known by radio",
     ),
-    _target("squad_centre", percept.SQUAD_CENTRE, "the middle of the own squad"),
-    _target("closest_obstacle", percept.OBSTACLE, "the closest obstacle or wall"),
+    Target("squad_centre", lambda body: percept.SQUAD_CENTRE, "the middle of the own squad"),
+    Target("closest_obstacle", lambda body: percept.OBSTACLE, "the closest obstacle or wall"),
 )

@@ -6,7 +6,6 @@ import math
 from functools import partial
 
 from hitab_core import Feature, FeatureKind, Target
-from keepaway_world import features_of_all as of_all
 from keepaway_world.body import CORNERS, NOBODY, YELL, KeeperBody
 from keepaway_world.percept import BALL
 
@@ -60,7 +59,6 @@ FEATURES = (
         parameters=("X",),
         unit="m",
         description="distance to X",
-        read_all=of_all.distance_to_all,
     ),
     Feature(
         "DirectionTo",
@@ -69,42 +67,31 @@ FEATURES = (
         parameters=("X",),
         unit="rad",
         description="direction to X relative to the body, counter-clockwise",
-        read_all=of_all.direction_to_all,
     ),
     Feature(
         "IWasYelledAt",
         i_was_yelled_at,
         FeatureKind.BOOLEAN,
         description="a passer has just yelled to this keeper",
-        read_all=of_all.all_yelled_at,
     ),
     Feature(
         "BallIsKickable",
         ball_is_kickable,
         FeatureKind.BOOLEAN,
         description="the ball is within kicking range",
-        read_all=of_all.ball_is_kickable_for_all,
     ),
     Feature(
         "ATeammateIsCloserToBall",
         a_teammate_is_closer_to_ball,
         FeatureKind.BOOLEAN,
         description="another keeper is closer to the ball",
-        read_all=of_all.teammates_closer_to_ball_of_all,
     ),
 )
 
 TARGETS = (
-    Target("ball", lambda body: BALL, "the ball", of_all.ball_of_all),
-    Target(
-        "closest_keeper",
-        KeeperBody.closest_keeper,
-        "the closest other keeper",
-        of_all.closest_keeper_of_all,
-    ),
-    Target(
-        "closest_taker", KeeperBody.closest_taker, "the closest taker", of_all.closest_taker_of_all
-    ),
+    Target("ball", lambda body: BALL, "the ball"),
+    Target("closest_keeper", KeeperBody.closest_keeper, "the closest other keeper"),
+    Target("closest_taker", KeeperBody.closest_taker, "the closest taker"),
     *(
         Target(f"{name}_corner", partial(_corner, place), f"the box's {name} corner")
         for name, place in zip(

@@ -8,9 +8,8 @@ import pytest
 from hitab_core.domain import BatchPercepts
 from hitab_core.running.senses import resolved
 from hitab_core.use import Use
+from keepaway_research.features_of_all import DOMAIN, teammates_closer_to_ball_of_all
 from keepaway_world.body import KeeperBody
-from keepaway_world.domain import DOMAIN
-from keepaway_world.features_of_all import teammates_closer_to_ball_of_all
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.world import KeepawayWorld
 

@@ -1,4 +1,4 @@
-"""The features of many keepers at once, with exactly the values that `features` reads.
+"""The features of many keepers at once, with exactly the values that each reads alone.
 
 All percepts must come from games with the same numbers of players. Rows are keepers.
 """
@@ -6,13 +6,16 @@ All percepts must come from games with the same numbers of players. Rows are kee
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from hitab_core import BatchPercepts
+from hitab_core import BatchPercepts, Domain
 from hitab_core.arrays import Floats, Integers
 from keepaway_world import percept
 from keepaway_world.body import NOBODY, YELL
+from keepaway_world.domain import DOMAIN as KEEPAWAY
 from keepaway_world.parameters import PAPER
 from keepaway_world.percept import BALL, OTHERS
 
@@ -87,3 +90,28 @@ def teammates_closer_to_ball_of_all(percepts: BatchPercepts) -> Floats:
         exact = 2.0 * float(own[row, 0]) * math.cos(directions[row, other] - bearing[row, 0])
         closer[row, other] = away[row, other] < exact
     return np.asarray(closer.any(axis=1), np.float64)
+
+
+_READ: dict[str, Callable[..., Floats]] = {
+    "DistanceTo": distance_to_all,
+    "DirectionTo": direction_to_all,
+    "IWasYelledAt": all_yelled_at,
+    "BallIsKickable": ball_is_kickable_for_all,
+    "ATeammateIsCloserToBall": teammates_closer_to_ball_of_all,
+}
+_RESOLVED = {
+    "ball": ball_of_all,
+    "closest_keeper": closest_keeper_of_all,
+    "closest_taker": closest_taker_of_all,
+}
+
+DOMAIN = Domain.of(
+    KEEPAWAY.name,
+    KEEPAWAY.version,
+    KEEPAWAY.body,
+    behaviors=KEEPAWAY.behaviors.values(),
+    features=[replace(f, read_all=_READ[f.name]) for f in KEEPAWAY.features.values()],
+    targets=[replace(t, resolve_all=_RESOLVED.get(t.name)) for t in KEEPAWAY.targets.values()],
+    automata=KEEPAWAY.automata.values(),
+)
+"""The domain keepaway with features that are read for all at once."""
