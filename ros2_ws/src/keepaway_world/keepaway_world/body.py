@@ -38,18 +38,6 @@ class KeeperBody:
         heard: the messages heard in this cycle.
     """
 
-    __slots__ = (
-        "_action",
-        "_first_taker",
-        "_keepers",
-        "_length",
-        "_say",
-        "heard",
-        "name",
-        "parameters",
-        "values",
-    )
-
     def __init__(self, name: str, parameters: KeepawayParameters = PAPER) -> None:
         self.name = name
         self.parameters = parameters

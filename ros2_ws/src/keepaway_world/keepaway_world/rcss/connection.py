@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
+from hitab_world import WorldError
 from keepaway_world.rcss.messages import (
     Init,
     Message,
@@ -44,7 +45,7 @@ REASONS = {
 }
 
 
-class ServerError(Exception):
+class ServerError(WorldError):
     """The server cannot be used; the text gives the reason and the way out in one sentence."""
 
 
