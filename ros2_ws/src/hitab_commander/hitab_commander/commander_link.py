@@ -12,8 +12,8 @@ from hitab_agent import RoundGate, Shared
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
-from hitab_commander.lockstep import Lockstep, Round
 from hitab_commander.order_memory import OrderMemory, Remembered
+from hitab_commander.rounds import Lockstep, Round
 from hitab_core import Agent, HitabError, Mode, Use
 from hitab_core.commanding import Number, Order, Report
 from hitab_ros import GuardedNode, names, qos
@@ -32,7 +32,7 @@ class CommanderLink:
 
     In real time it decides at once when a subordinate's activity changes, when all have reported
     again, and when its own commander or a person has it perform something. In lockstep it decides
-    in its turn; see `hitab_commander.lockstep`.
+    in its turn; see `hitab_commander.rounds`.
     """
 
     def __init__(
