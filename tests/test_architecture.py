@@ -26,7 +26,7 @@ CORE_FLOORS = (
     ("running",),
     ("drawing", "library"),
     ("training",),
-    ("caution", "repertoire_change", "saving"),
+    ("caution", "saving"),
     ("agent",),
     ("commanding", "learning_agent", "plain"),
 )

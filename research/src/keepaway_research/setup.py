@@ -28,7 +28,7 @@ setup(
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
         *[entry for folder in DATA for entry in shipped(folder)],
     ],
-    install_requires=["setuptools", "numpy"],
+    install_requires=["setuptools"],
     zip_safe=True,
     entry_points={
         "hitab.shipped": ["keepaway_research = keepaway_research"],
