@@ -1,6 +1,7 @@
 """Swarms with commanders in one process do as they do over topics."""
 
 import math
+from dataclasses import replace
 
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
@@ -8,6 +9,7 @@ from hitab_commander.kind_reader import described_kind
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -76,7 +78,8 @@ def test_a_commander_whose_feature_has_no_value_does_nothing_until_it_has_one(tm
     made = hierarchy(tmp_path, {"MeanX": {"mean": "X"}}, "Wait")
     chief = made.agents["chief"]
     rests = HandWritten(lambda x: "Rest", (0,))
-    chief.repertoire.add(Automaton("Plan", (Use("Rest"),), (Use("MeanX"),), {START: rests}))
+    plan = Automaton("Plan", (Use("Rest"),), (Use("MeanX"),), {START: rests})
+    chief.context = replace(chief.context, repertoire=Repertoire(chief.domain, {"Plan": plan}))
     chief.perform(Use("Plan"))
     play(made, [math.nan] * 10)
     assert chief.active_path == ["Start"]

@@ -209,7 +209,7 @@ def diff(
     old = there.version(name, before if before is not None else versions[-2])
     new = there.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
-    console.say(str(difference(old, new)))
+    console.say(difference(old, new))
 
 
 for changes in (

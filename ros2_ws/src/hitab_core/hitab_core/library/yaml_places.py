@@ -111,11 +111,6 @@ def read_text(path: Path, *, error: type[HitabError] = LibraryError) -> str:
             raise error(f"{path}: is a pipe, not a file; remove it")
         with path.open("rb") as file:
             data = file.read(4 * LARGEST + 1)
-    return text_in(data, path, error=error)
-
-
-def text_in(data: bytes, path: Path, *, error: type[HitabError] = LibraryError) -> str:
-    """Return the text of a file, given its first bytes; see `read_text`."""
     if len(data) > 4 * LARGEST:
         raise error(f"{path}: has more than {4 * LARGEST} bytes; check that it is the right file")
     try:
