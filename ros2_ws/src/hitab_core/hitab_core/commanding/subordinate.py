@@ -71,7 +71,9 @@ class Subordinate:
         if not order.sequence:
             return True  # a commander that has ordered nothing yet: continue
         behavior = order.behavior_for(self.agent.name, self.role)
-        self.agent.lower_flags()
+        running = self.agent.running
+        if running is not None:
+            running.raised.clear()
         if behavior is None:
             self.waits, self.refusal = False, ""
         else:
