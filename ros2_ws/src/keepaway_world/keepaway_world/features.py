@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from hitab_core import Feature, FeatureKind, Target
-from keepaway_world.body import NOBODY, YELL, KeeperBody
+from keepaway_world.body import CORNERS, NOBODY, YELL, KeeperBody
 from keepaway_world.percept import BALL
 
 NAN = float("nan")
@@ -13,12 +14,16 @@ NAN = float("nan")
 
 def distance_to(body: KeeperBody, place: int) -> float:
     """Return the distance between the centers, m; NaN if there is no such player."""
-    return NAN if place == NOBODY else body.values[place]
+    if place >= 0:
+        return body.values[place]
+    return NAN if place == NOBODY else body.corner(place)[0]
 
 
 def direction_to(body: KeeperBody, place: int) -> float:
     """Return the direction relative to the body, rad on [-pi, pi], counter-clockwise."""
-    return NAN if place == NOBODY else body.values[place + 1]
+    if place >= 0:
+        return body.values[place + 1]
+    return NAN if place == NOBODY else body.corner(place)[1]
 
 
 def i_was_yelled_at(body: KeeperBody) -> float:
@@ -41,6 +46,10 @@ def a_teammate_is_closer_to_ball(body: KeeperBody) -> float:
         if away < 2.0 * own * math.cos(values[place + 1] - bearing):
             return 1.0
     return 0.0
+
+
+def _corner(place: int, body: KeeperBody) -> int:
+    return place
 
 
 FEATURES = (
@@ -83,4 +92,10 @@ TARGETS = (
     Target("ball", lambda body: BALL, "the ball"),
     Target("closest_keeper", KeeperBody.closest_keeper, "the closest other keeper"),
     Target("closest_taker", KeeperBody.closest_taker, "the closest taker"),
+    *(
+        Target(f"{name}_corner", partial(_corner, place), f"the box's {name} corner")
+        for name, place in zip(
+            ("top_left", "top_right", "bottom_right", "bottom_left"), CORNERS, strict=True
+        )
+    ),
 )

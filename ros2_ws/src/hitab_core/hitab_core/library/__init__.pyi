@@ -21,5 +21,4 @@ from .edition import Editions as Editions
 from .reissuing import content_of as content_of
 from .reissuing import reissued as reissued
 from .reissuing import same_behavior as same_behavior
-from .yaml_fields import Fields as Fields
-from .yaml_fields import kind_of as kind_of
+from .yaml_places import kind_of as kind_of

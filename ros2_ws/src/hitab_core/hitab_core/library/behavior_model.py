@@ -14,8 +14,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 from hitab_core.domain import FeatureKind
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_file import FLAG
-from hitab_core.library.yaml_fields import kind_of
 from hitab_core.library.yaml_models import Record, among
+from hitab_core.library.yaml_places import kind_of
 from hitab_core.use import NAME_RULE
 
 

@@ -180,6 +180,21 @@ def means_itself(text: str) -> bool:
     return resolved_scalar(text) == text and bool(tag == "tag:yaml.org,2002:str")
 
 
+def kind_of(value: Any) -> str:
+    """Return a value in words, for complaints."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return "a list"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, str):
+        return f'the text "{value if len(value) <= 40 else value[:37] + "..."}"'
+    return str(value)
+
+
 class _Reader:
     """Builds a document from the parser's events, never deeper than `DEEPEST`."""
 
