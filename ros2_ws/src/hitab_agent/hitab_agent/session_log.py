@@ -92,6 +92,6 @@ class SessionLog:
         texts = self._agent.edition.texts
         return msg.Distribution(
             source=self._agent.name,
-            digest=self._agent.library_digest,
+            digest=self._agent.edition.digest,
             files=[msg.BehaviorFile(name=name, text=texts[name]) for name in sorted(texts)],
         )

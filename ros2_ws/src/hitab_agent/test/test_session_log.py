@@ -75,7 +75,7 @@ def test_one_who_records_first_gets_what_the_agent_knows_and_perceived_last(
         )
     process.until(lambda: len(told) == 2)
     said = dict(told)
-    assert said[session_topics.KNOWN].digest == agent.agent.library_digest
+    assert said[session_topics.KNOWN].digest == agent.agent.edition.digest
     assert said[session_topics.PERCEIVED].cycle == 2
 
     told.clear()
