@@ -16,7 +16,7 @@ from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.distribution import Distributor
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
-from hitab_agent.performance_memory import PerformanceMemory
+from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.robot_link import OwnStop, RobotStop, link_class
 from hitab_agent.session_log import SessionLog
 from hitab_agent.settings import AgentSettings
@@ -110,24 +110,22 @@ class AgentNode(GuardedNode):
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
         self._start_error = ""
-        self._memory = PerformanceMemory(state, settings.swarm)
+        self.memory = RestartMemory(state, settings.swarm)
+        if self.memory.damage:
+            self.get_logger().warning(self.memory.damage)
         if self.agent.session is None:
-            self._begin(self._first_behavior())
-
-    def _first_behavior(self) -> str:
-        """Return what to perform at startup; empty: nothing."""
-        if self._memory.damage:
-            self.get_logger().warning(self._memory.damage)
-        return self._memory.first(self.settings.behavior)
+            performed = self.memory.performed
+            self._begin(settings.behavior if performed is None else performed)
 
     def remember(self) -> None:
-        """Save what is performed, if that has changed, so that a restart can resume it."""
+        """Note what a restart resumes, if that has changed."""
+        self.guard.run("noting what a restart resumes", self.memory.keep, self.resumed())
+
+    def resumed(self) -> dict[str, Any]:
+        """Return what a restart resumes."""
         agent = self.agent
-        performed = str(agent.top) if agent.mode is Mode.PERFORMING else str(agent.awaited or "")
-        try:
-            self._memory.keep(performed)
-        except OSError as error:
-            self.guard.log(f"a restart would forget what is performed: {error}")
+        performed = agent.top if agent.mode is Mode.PERFORMING else agent.awaited
+        return {"behavior": str(performed or "")}
 
     def _begin(self, behavior: str) -> None:
         """Perform a behavior at startup; stay idle if there is none or it cannot be performed.
@@ -195,7 +193,9 @@ class AgentNode(GuardedNode):
         elif self._start_error:
             self.status.began(fault=self._start_error)
         else:
-            self.status.began(note=self._memory.restarted())
+            performed = self.memory.performed
+            again = f'performs "{performed}" again, as before' if performed else "is idle again"
+            self.status.began(note="" if performed is None else f"was restarted; it {again}")
 
     def _join_link(self) -> None:
         """Connect to the world, or to the robot of its own."""
@@ -224,8 +224,9 @@ class AgentNode(GuardedNode):
         settings = self.settings
         if action_behaviors(self.agent.domain):
             limits = actions.Limits(settings.action_timeout, settings.action_patience)
-            memory = Path(settings.state_dir).expanduser() / self.agent_name / "goals.json"
-            self.actions = actions.ActionClients(self, self.agent, self.ticker, limits, memory)
+            self.actions = actions.ActionClients(
+                self, self.agent, self.ticker, limits, self.memory
+            )
         if settings.offer_actions:
             self._offered = actions.OfferedAction(
                 self, self.agent, self.status.report_error, self._obey_or_rest

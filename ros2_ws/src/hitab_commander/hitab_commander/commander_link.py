@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent import RoundGate, Shared
+from hitab_agent import AgentNode, RoundGate, Shared
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.lockstep import Lockstep, Round
-from hitab_commander.order_memory import OrderMemory, Remembered
-from hitab_core import Agent, HitabError, Mode, Use
-from hitab_core.commanding import Number, Order, Report
-from hitab_ros import GuardedNode, names, qos
+from hitab_core import Agent
+from hitab_core.commanding import Order, Report
+from hitab_ros import names, qos
 from hitab_ros.conversions import order_message
 from hitab_ros.stamps import time_of
 
@@ -37,11 +37,10 @@ class CommanderLink:
 
     def __init__(
         self,
-        node: GuardedNode,
+        node: AgentNode,
         agent: Agent,
         shared: Shared,
         settings: GroupSettings,
-        memory: OrderMemory,
         group: GroupStatus,
         *,
         take_in: Callable[[msg.Percept], Any],
@@ -56,7 +55,6 @@ class CommanderLink:
             agent: the commander, whose body is the group.
             shared: what the agents of its process share.
             settings: the members of the group.
-            memory: what was in force in the previous process.
             group: publishes how the orders are carried out.
             take_in: has the commander perceive.
             answer: has it act on what it perceived.
@@ -76,43 +74,34 @@ class CommanderLink:
         self.group = group
         self._lockstep = Lockstep(self.body)
         self._gate = RoundGate(shared.orders)
-        self._memory = memory
-        self._kept: tuple[str, Number] = ("", (-1, -1))
         self.seconds = 0.0
         self._episode: Episode | None = None
         self._episodes: list[Episode] = []
         self._percept = msg.Percept()
         self._decided = False
         self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
-        if memory.damage:
-            node.get_logger().warning(memory.damage)
-        remembered = memory.remembered
+        noted = node.memory.values
+        epoch = noted.get("epoch")
         self.body.enlist(
             settings.roles,
-            memory.next_epoch(),
+            # Later than that of any earlier process, even if the clock went back.
+            max(time.time_ns(), epoch + 1 if isinstance(epoch, int) else 0),
             self._ticker.seconds(),
             asks_position=settings.asks_position,
         )
         self.body.on_order = self._on_order
-        self._take_up(remembered)
+        self._take_up(str(noted.get("order", "")) if node.memory.performed is not None else "")
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
         self._ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates continue to follow their orders."""
 
-    def _take_up(self, remembered: Remembered) -> None:
-        """Resume what was in force in the previous process, or publish that there is no order."""
-        agent = self._agent
-        if remembered.epoch and agent.mode in (Mode.IDLE, Mode.PERFORMING):
-            behavior = remembered.behavior
-            try:
-                agent.perform(Use.parse(behavior) if behavior else None)
-            except HitabError as error:
-                self._node.get_logger().warning(f"cannot resume what was performed: {error}")
-        if remembered.label and not self.body.give_again(remembered.label):
+    def _take_up(self, order: str) -> None:
+        """Resume the order of the previous process, or publish that there is none."""
+        if order and not self.body.give_again(order):
             self._node.get_logger().warning(
-                f'the order in force, "{remembered.label}", no longer exists; '
+                f'the order in force, "{order}", no longer exists; '
                 "subordinates continue with it until another order is given"
             )
         if not self.body.order.sequence:
@@ -194,7 +183,7 @@ class CommanderLink:
         self._percept.restart = self._percept.look = self._percept.lockstep = False
         order = replace(self.body.order, round=present.number)
         self._orders.publish(order_message(self._agent.name, order))
-        self.remember()
+        self._node.remember()
 
     # -- deciding in real time --------------------------------------------------------------
 
@@ -212,7 +201,7 @@ class CommanderLink:
         """
         if self._lockstep.active:
             self._lockstep.expect()
-            self.remember()
+            self._node.remember()
             return
         percept = self._percept
         percept.restart |= restart
@@ -226,24 +215,13 @@ class CommanderLink:
             else:
                 self._agent.sense((), (), percept.cycle, self.seconds)
                 self._tell()
-        self.remember()
+        self._node.remember()
 
     # -- ordering ---------------------------------------------------------------------------
 
     def _on_order(self, order: Order) -> None:
         # First, so that a process killed in between does not return to the previous order.
-        self.remember()
+        self._node.remember()
         if not self._percept.lockstep:  # otherwise it is published at the end of the round
             self._orders.publish(order_message(self._agent.name, order))
         self.group.changed = True
-
-    def remember(self) -> None:
-        """Save what is performed and ordered, if that has changed."""
-        body, agent = self.body, self._agent
-        performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
-        if (performed, body.order.number) != self._kept:
-            self._kept = (performed, body.order.number)
-            order = body.order
-            # The order is obeyed even if it cannot be saved.
-            kept = Remembered(order.epoch, performed, order.name)
-            self._node.guard.run("remembering the order for a restart", self._memory.keep, kept)

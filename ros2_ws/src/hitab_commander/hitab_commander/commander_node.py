@@ -13,7 +13,6 @@ from hitab_commander.commander_link import CommanderLink
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.kind_reader import read_kind
-from hitab_commander.order_memory import OrderMemory
 from hitab_core import Domain, HitabError, Mode, some
 from hitab_ros.diagnostics import Level
 
@@ -33,12 +32,12 @@ class CommanderNode(AgentNode):
     def __init__(self, node_name: str = "commander", **options: Any) -> None:
         super().__init__(node_name, **options)
 
-    def _first_behavior(self) -> str:
-        """Return what to perform at the first start; the link resumes later performances."""
-        return self.settings.behavior
-
-    def remember(self) -> None:
-        """Do nothing: the link saves what is performed together with the order."""
+    def resumed(self) -> dict[str, Any]:
+        """Return what a restart resumes: what is performed, and the order in force."""
+        order = self.agent.body.order
+        # Before the link has taken up the order of the previous process, there is none.
+        there = {"epoch": order.epoch, "order": order.name} if order.epoch else {}
+        return super().resumed() | there
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain of the kind of commander in the file ``name``."""
@@ -86,7 +85,7 @@ class CommanderNode(AgentNode):
         if self.agent.mode in (Mode.PERFORMING, Mode.TESTING):
             self._link.decide()
         else:
-            self._link.remember()
+            self.remember()
 
 
 def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
@@ -100,7 +99,6 @@ def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
         agent,
         node.shared,
         GroupSettings.declare(node),
-        OrderMemory(Path(settings.state_dir).expanduser() / node.agent_name),
         GroupStatus(node, agent, settings, lambda: node.status.faults),
         take_in=node.take_in,
         answer=node.answer,
