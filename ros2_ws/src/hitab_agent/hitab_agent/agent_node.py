@@ -10,10 +10,10 @@ from hitab_msgs import msg
 from rclpy.parameter_service import ParameterService
 
 from hitab_agent import actions
+from hitab_agent.agent_base import AgentBase
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.diagnosis import diagnosis_of_agent
-from hitab_agent.distribution import Distributor
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.restart_memory import RestartMemory
@@ -37,13 +37,13 @@ from hitab_core import (
     uses_actions,
 )
 from hitab_core.commanding import Subordinate
-from hitab_ros import GuardedNode, names
+from hitab_ros import names
 from hitab_ros.conversions import use_of
-from hitab_ros.diagnostics import Diagnosis, Level
+from hitab_ros.diagnostics import Diagnosis
 from hitab_ros.stamps import seconds_of
 
 
-class AgentNode(GuardedNode):
+class AgentNode(AgentBase):
     """One agent of the swarm, in the namespace of its name.
 
     Attributes:
@@ -75,9 +75,8 @@ class AgentNode(GuardedNode):
         super().__init__(node_name, **{"enable_rosout": shared is None, **options})
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
-        self.shared = shared or Shared.on(self)
+        self.shared = shared or Shared(self)
         self.ticker = self.shared.ticker
-        self.outbox = self.shared.outbox
         domain = self.load_domain(settings.domain)
         if uses_actions(domain):
             actions.check_actions(domain)
@@ -152,72 +151,49 @@ class AgentNode(GuardedNode):
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""
+        settings, shared = self.settings, self.shared
         self._joined = True
-        self.shared.members.append(self.status.publish_soon)
-        self.shared.diagnosed.append(self.diagnose)
-        commands = CommandReceiver(self, self.agent, self.status, self.settle)
-        if self.shared.host is None:
+        shared.nodes.append(self)
+        CommandReceiver(self)
+        if shared.host is None:
             self._session_log = SessionLog(self, self.agent, self.ticker)
-            commands.obeying = self._session_log.commanded
-        self._distributor = Distributor(
-            self,
-            self.agent,
-            self.shared.distributions,
-            answered=self.status.report_error,
-            taken_in=self._taken_in,
-        )
-        if self.settings.services_on_demand:
-            self.shared.offer_on_demand(self, 1)
-        if self.shared.on_demand is None:
+        if settings.services_on_demand:
+            shared.offer_on_demand(self)
+        if shared.on_demand is None:
             self._offer_services()
         else:
-            self.shared.on_demand.add(self, self._offer_services)
+            shared.on_demand.add(self, self._offer_services)
         self._join_actions()
         self._join_link()
-        if self.settings.commander:
-            self.superior = self.status.superior = SuperiorLink(
-                self,
-                Subordinate(self.agent, self.settings.role),
-                self.settings.commander,
-                self.outbox,
-                self.shared.orders,
-                self.ordered,
-            )
+        if settings.commander:
+            subordinate = Subordinate(self.agent, settings.role)
+            self.superior = self.status.superior = SuperiorLink(self, subordinate)
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
-        if self.agent.session is not None:
-            training = self.agent.session
+        training, performed = self.agent.session, self.memory.performed
+        if training is not None:
             self.status.began(
                 note=f'resumed the interrupted training of "{training.curriculum.name}" '
                 f"with {quantity(len(training.log), 'example')}"
             )
-        elif self._start_error:
+        elif self._start_error or performed is None:
             self.status.began(fault=self._start_error)
         else:
-            performed = self.memory.performed
             again = f'performs "{performed}" again, as before' if performed else "is idle again"
-            self.status.began(note="" if performed is None else f"was restarted; it {again}")
+            self.status.began(note=f"was restarted; it {again}")
 
     def _join_link(self) -> None:
         """Connect to the world, or to the robot of its own."""
         settings = self.settings
-        shared = None if self.agent.domain.link else self.shared.link(settings.world)
-        if shared is not None:
-            shared.add(self)
-        elif self.agent.domain.link:
+        if self.agent.domain.link:
             link = link_class(self.agent.domain)
             self._link = link(self, settings.world, self._on_percept)
             if self.stop is None and self.has_robot:
                 self.stop = OwnStop(self, rearms=settings.auto_rearm)
             self.stop_changed()
+        elif self.shared.host is not None:
+            self.shared.link(self.shared.host, settings.world).add(self)
         else:
-            self._link = WorldLink(
-                self,
-                settings.world,
-                self.shared.orders,
-                take_in=self.take_in,
-                answer=self.answer,
-                awaited_orders=self.awaited_orders,
-            )
+            self._link = WorldLink(self, settings.world)
 
     def _join_actions(self) -> None:
         """Become a client of the actions that are behaviors, and offer the behaviors as one."""
@@ -249,9 +225,9 @@ class AgentNode(GuardedNode):
         return super().create_service(srv_type, srv_name, callback, *args, **options)
 
     def _offer_services(self) -> None:
-        AgentServices(self, self.agent, self.shared.library, self._answered)
+        AgentServices(self, self.agent, self.shared.library, self.answered)
         InspectionServices(self, self.agent)
-        self._distributor.offer()
+        self.shared.distributions.offer(self)
         if self.shared.host is None:
             ParameterService(self)
 
@@ -270,7 +246,12 @@ class AgentNode(GuardedNode):
             self._link = None
         super().destroy_node()
 
-    # -- percepts ---------------------------------------------------------------------------
+    # -- percepts and commands ----------------------------------------------------------------
+
+    def commanded(self, command: msg.Command) -> None:
+        """Tell those who record of a command that is about to be obeyed or refused."""
+        if self._session_log is not None:
+            self._session_log.commanded(command)
 
     def _on_percept(self, percept: msg.Percept) -> Action:
         self.take_in(percept)
@@ -375,12 +356,12 @@ class AgentNode(GuardedNode):
 
     # -- status -----------------------------------------------------------------------------
 
-    def _answered(self, error: str) -> None:
+    def answered(self, error: str) -> None:
         """Settle after a request, and show in the status what went wrong."""
         self.settle()
         self.status.report_error(error)
 
-    def _taken_in(self, sequence: int, digest: str, error: str) -> None:
+    def taken_in(self, sequence: int, digest: str, error: str) -> None:
         """Publish that a distribution was accepted or, without a digest, refused."""
         if digest:
             self.settle()
@@ -395,13 +376,7 @@ class AgentNode(GuardedNode):
 
     def diagnose(self) -> Diagnosis:
         """Return what is wrong with it."""
-        return diagnosis_of_agent(
-            self.agent, self.guard, self.status, self.get_namespace(), self.troubles()
-        )
-
-    def troubles(self) -> list[tuple[Level, str]]:
-        """Return what else is wrong, for a kind of agent that has more than one body."""
-        return []
+        return diagnosis_of_agent(self)
 
     def _prepare_status(self) -> None:
         self.remember()

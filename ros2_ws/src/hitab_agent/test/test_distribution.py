@@ -29,7 +29,7 @@ DOMAIN = Domain.of(
 
 def test_distributions_are_told_apart_while_simulated_time_stands_still(process, tmp_path):
     desk = process.node
-    shared = Shared.on(desk)
+    shared = Shared(desk)
     shared.domains["idlers"] = DOMAIN
     settings = {"domain": "idlers", "state_dir": str(tmp_path), "use_sim_time": True}
     node = AgentNode(

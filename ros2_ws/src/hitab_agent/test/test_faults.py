@@ -153,19 +153,21 @@ def test_a_callback_that_fails_is_a_fault_until_it_succeeds(one):
     one.process.until(lambda: not one.status.faults)
 
 
-def test_a_command_before_the_first_percept_waits_for_it_and_is_obeyed_once(one):
+def test_a_command_before_the_first_percept_is_obeyed_once_it_is_sent_again(one):
     """An agent restarted in a paused world was commanded before it was shown the world again."""
     one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
-    for _ in range(3):
-        one._commands.publish(msg.Command(sequence=7, behavior="Go", demonstrator="me"))
-    one._commands.publish(msg.Command(sequence=8, behavior="Wait", demonstrator="me"))
-    asked = one.ask(srv.ReadFeatures, names.READ_FEATURES, also=["X"])
-    assert asked.success
-    assert one.status.examples == one.status.last_refused_sequence == 0
+    command = msg.Command(sequence=7, behavior="Go", demonstrator="me")
+    for _ in range(2):
+        one._commands.publish(command)
+    assert one.ask(srv.ReadFeatures, names.READ_FEATURES, also=["X"]).success
+    assert one.status.last_command_sequence == one.status.last_refused_sequence == 0
     one.perceive(1.0)
-    one.process.until(lambda: one.status.last_command_sequence == 8)
-    assert one.status.examples == 4
-    assert one.status.last_refused_sequence == 0
+    for _ in range(2):
+        one._commands.publish(command)
+    one.process.until(lambda: one.status.last_command_sequence == 7)
+    assert one.ask(srv.ReadFeatures, names.READ_FEATURES, also=["X"]).success
+    assert one.node.agent.session.examples[-1].next_state == "Go"
+    assert len(one.node.agent.session.examples) == 2
 
 
 def test_who_never_perceives_anything_refuses_a_command_in_the_end(one, monkeypatch):
@@ -173,15 +175,3 @@ def test_who_never_perceives_anything_refuses_a_command_in_the_end(one, monkeypa
     monkeypatch.setattr(command_receiver, "time", SimpleNamespace(monotonic=lambda: math.inf))
     one.command("Go")
     assert "nothing perceived yet" in one.status.last_error
-
-
-def test_a_command_that_waits_is_obeyed_before_one_that_comes_with_the_first_percept(one):
-    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
-    one._commands.publish(msg.Command(sequence=7, behavior="Go", demonstrator="me"))
-    assert one.ask(srv.ReadFeatures, names.READ_FEATURES).success
-    one._percepts.publish(msg.Percept(cycle=1, values=(1.0,)))
-    one.process.until(lambda: one.node.agent.cycle == 1)
-    one._commands.publish(msg.Command(sequence=8, behavior="Wait", demonstrator="me"))
-    one.process.until(lambda: one.status.examples == 4)
-    done = one.node.agent.session.examples
-    assert [e.next_state for e in done if not e.is_default] == ["Go", "Wait"]

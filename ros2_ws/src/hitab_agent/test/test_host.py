@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host.agent_batches import WORTH_IT
-from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.shared import Shared
 from hitab_core.agent import Agent
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
@@ -69,7 +69,7 @@ class Swarm:
     def __init__(self, process: Any, folder: Path, domain: Domain | None = None) -> None:
         self._process = process
         self.desk = desk = process.node
-        shared = shared_on_host(desk, SIZE)
+        shared = Shared(desk, SIZE)
         shared.domains["bodies"] = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):

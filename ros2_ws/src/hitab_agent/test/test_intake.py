@@ -13,7 +13,7 @@ from rclpy.parameter import Parameter
 
 from hitab_agent import intake
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.shared import Shared
 from hitab_agent.slices import Slices
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
@@ -75,7 +75,7 @@ class Host:
 
     def __post_init__(self) -> None:
         self.desk = self.process.node
-        self.shared = shared_on_host(self.desk, self.size)
+        self.shared = Shared(self.desk, self.size)
         self.shared.domains["pupils"] = DOMAIN
         self.nodes = [self._node(number) for number in range(self.size)]
         self.agents = [node.agent for node in self.nodes]
@@ -210,7 +210,7 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
             statuses.append((s.agent, s.distribution, s.library_digest)),
             publish(s),
         )
-    acknowledge = host.shared.distributions.acknowledge
+    acknowledge = host.shared.distributions._acknowledgements
     real = acknowledge.publish
     wrong = []
 
@@ -405,7 +405,7 @@ def test_a_job_that_fails_does_not_keep_others_from_being_done(process):
 def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process, tmp_path):
     host = Host(process, tmp_path, True, size=3)
     first = host.nodes[0]
-    first._distributor._taken_in = lambda *_: 1 / 0
+    first.taken_in = lambda *_: 1 / 0
     host.send(taught(tmp_path / "teacher", "Low", "Left"))
     process.until(lambda: {"pupil_1", "pupil_2"} <= {ack.agent for ack in host.heard})
     assert "distribution failed: ZeroDivisionError" in first.guard.faults.texts()[0]

@@ -10,7 +10,7 @@ from hitab_msgs import msg, srv
 from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.performance_memory import PerformanceMemory
+from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.shared import Shared
 from hitab_core import Automaton, BehaviorLibrary, VocabularyError
 from hitab_core.domain import BasicBehavior, Domain, Feature
@@ -48,7 +48,7 @@ class Walkers:
     def __init__(self, process: Any, folder: Path) -> None:
         self.process = process
         self.folder = folder
-        self.shared = Shared.on(process.node)
+        self.shared = Shared(process.node)
         self.shared.domains[DOMAIN.name] = DOMAIN
         self.statuses: dict[str, msg.AgentStatus] = {}
 
@@ -138,8 +138,7 @@ def test_a_restart_while_it_waits_does_not_make_it_forget_what_it_performed(
     give(walkers, "one")
     walkers.damage("one", "Walk")
     walkers.start("one", behavior="Stroll")
-    memory = PerformanceMemory(walkers.folder / "one", "s")
-    assert memory.first("") == "Stroll"
+    assert RestartMemory(walkers.folder / "one", "s").performed == "Stroll"
 
 
 def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Walkers) -> None:

@@ -16,7 +16,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_sensor_data
 
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.shared import Shared
 from hitab_core import (
     START,
     Automaton,
@@ -184,7 +184,7 @@ def test_changes_of_state_are_logged_while_somebody_listens(one):
 
 
 def test_a_host_tells_of_all_its_agents_in_one_message_and_of_none_in_rosout(process, tmp_path):
-    shared = shared_on_host(process.node, 3)
+    shared = Shared(process.node, 3)
     arrays: list[DiagnosticArray] = []
     process.node.create_subscription(DiagnosticArray, "/diagnostics", arrays.append, 10)
     nodes = [node_of(process, tmp_path, name, shared=shared) for name in ("a", "b", "c")]

@@ -115,15 +115,10 @@ def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
     process.add(other)
     process.add(another)
     offered: list[str] = []
-    services = ServicesOnDemand(node)
+    services = ServicesOnDemand(node, Ticker(node), 2)
     services.add(other, fails)
     services.add(another, lambda: offered.append("b"))
     for name in ("/a/perform", "/b/perform"):
         node.create_client(srv.Perform, name)
-
-    def look() -> bool:
-        services.look()
-        return bool(offered and other.guard.faults)
-
-    process.until(look)
+    process.until(lambda: offered and other.guard.faults)
     assert not another.guard.faults

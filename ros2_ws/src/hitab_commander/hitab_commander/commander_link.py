@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
 from dataclasses import replace
-from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent import AgentNode, RoundGate, Shared
+from hitab_agent import AgentNode, RoundGate
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.lockstep import Lockstep, Round
-from hitab_core import Agent
 from hitab_core.commanding import Order, Report
 from hitab_ros import names, qos
 from hitab_ros.conversions import order_message
@@ -35,43 +32,16 @@ class CommanderLink:
     in its turn; see `hitab_commander.lockstep`.
     """
 
-    def __init__(
-        self,
-        node: AgentNode,
-        agent: Agent,
-        shared: Shared,
-        settings: GroupSettings,
-        group: GroupStatus,
-        *,
-        take_in: Callable[[msg.Percept], Any],
-        answer: Callable[[msg.Percept], Any],
-        tell: Callable[[], None],
-        awaited_orders: Callable[[], Collection[str]],
-    ) -> None:
-        """Start to receive reports and give orders.
-
-        Args:
-            node: of the commander.
-            agent: the commander, whose body is the group.
-            shared: what the agents of its process share.
-            settings: the members of the group.
-            group: publishes how the orders are carried out.
-            take_in: has the commander perceive.
-            answer: has it act on what it perceived.
-            tell: has it report to its own commander, if it has one.
-            awaited_orders: returns the topics of the orders that it waits for in a lockstep
-                round.
-        """
+    def __init__(self, node: AgentNode) -> None:
+        """Start to receive reports and give orders."""
+        agent, shared = node.agent, node.shared
+        settings = GroupSettings.declare(node)
         self._node = node
         self._agent = agent
         self._ticker = shared.ticker
         self._outbox = shared.outbox
-        self._take_in = take_in
-        self._answer = answer
-        self._tell = tell
-        self._awaited_orders = awaited_orders
         self.body: CommanderBody = agent.body
-        self.group = group
+        self.group = GroupStatus(node)
         self._lockstep = Lockstep(self.body)
         self._gate = RoundGate(shared.orders)
         self.seconds = 0.0
@@ -168,10 +138,10 @@ class CommanderLink:
         self.seconds = present.seconds
         self._episode = present.seed, present.episode
         with self._outbox.at_once():
-            self._take_in(percept)
+            self._node.take_in(percept)
         self._gate.begin(
             present.number,
-            self._awaited_orders(),
+            self._node.awaited_orders(),
             lambda: self._decide_round(present),
             look=present.look,
         )
@@ -179,7 +149,7 @@ class CommanderLink:
     def _decide_round(self, present: Round) -> None:
         """Decide, if that is due, and give the order of the round."""
         if self._lockstep.is_due(present):
-            self._answer(self._percept)
+            self._node.answer(self._percept)
         self._percept.restart = self._percept.look = self._percept.lockstep = False
         order = replace(self.body.order, round=present.number)
         self._orders.publish(order_message(self._agent.name, order))
@@ -209,12 +179,13 @@ class CommanderLink:
         self._decided = True
         with self._outbox.held():
             if self.body.ready:
-                self._take_in(percept)
-                self._answer(percept)
+                self._node.take_in(percept)
+                self._node.answer(percept)
                 percept.restart = False
             else:
                 self._agent.sense((), (), percept.cycle, self.seconds)
-                self._tell()
+                if self._node.superior is not None:
+                    self._node.superior.tell()
         self._node.remember()
 
     # -- ordering ---------------------------------------------------------------------------

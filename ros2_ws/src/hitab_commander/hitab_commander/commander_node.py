@@ -10,8 +10,6 @@ from hitab_msgs import msg
 from hitab_agent import AgentNode
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.commander_link import CommanderLink
-from hitab_commander.group_settings import GroupSettings
-from hitab_commander.group_status import GroupStatus
 from hitab_commander.kind_reader import read_kind
 from hitab_core import Domain, HitabError, Mode, some
 from hitab_ros.diagnostics import Level
@@ -74,11 +72,6 @@ class CommanderNode(AgentNode):
         level = Level.STALE if len(silent) == len(body.members) else Level.WARN
         return [(level, f"silent subordinates: {some(silent, NAMED_MAX)}")]
 
-    def tell(self) -> None:
-        """Report to its own commander, if it has one."""
-        if self.superior is not None:
-            self.superior.tell()
-
     def _decide(self) -> None:
         if self._link is None:
             return
@@ -93,15 +86,4 @@ def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
 
     It ignores worlds, and decides itself when to perceive and when to act.
     """
-    agent, settings = node.agent, node.settings
-    return CommanderLink(
-        node,
-        agent,
-        node.shared,
-        GroupSettings.declare(node),
-        GroupStatus(node, agent, settings, lambda: node.status.faults),
-        take_in=node.take_in,
-        answer=node.answer,
-        tell=node.tell,
-        awaited_orders=node.awaited_orders,
-    )
+    return CommanderLink(node)

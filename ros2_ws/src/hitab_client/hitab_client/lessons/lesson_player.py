@@ -42,9 +42,6 @@ from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
 from hitab_core import HitabError, quantity, some
 
-BACK_SECONDS = 15.0
-"""How long to wait for an agent that the world goes on without."""
-
 
 @dataclass
 class LessonReport:
@@ -215,10 +212,8 @@ class LessonPlayer:
             self.begun[step.agent] = step.automaton
 
     def _command(self, step: Command) -> None:
-        if (world := self.world) is not None and step.agent in world.missing:
-            # It would take the command for an answer to what it perceived before it was held up.
-            world.link.spin_until(lambda: step.agent not in world.missing, BACK_SECONDS)
-        self.swarm.command(step.agent, step.use.name, step.use.arguments)
+        use = step.use
+        self.swarm.command(step.agent, use.name, use.arguments, world=self.world)
         self.report.commands += 1
 
     def _told_now(self, step: Until) -> str:
