@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 from hitab_msgs.srv import Control, EditExamples
@@ -167,7 +166,7 @@ class LessonPlayer:
     def _play(self, step: Step) -> None:
         self.watch.begin()
         try:
-            _PLAYERS[type(step)](self, step)
+            getattr(self, f"_{step.kind}")(step)
         except HitabError as error:
             place = f"{self.lesson.file}:{step.line}: step `{step.kind}`: "
             raise LessonError(f"{place}{error}") from None
@@ -320,21 +319,3 @@ def _told(step: Step) -> str:
         case Distribute():
             return f"distribute {step.use}"
     return step.kind.replace("_", " ")
-
-
-_PLAYERS: dict[type[Step], Callable[[LessonPlayer, Any], None]] = {
-    Say: LessonPlayer._say,
-    Place: LessonPlayer._place,
-    Begin: LessonPlayer._begin,
-    Command: LessonPlayer._command,
-    Until: LessonPlayer._until,
-    Check: LessonPlayer._check,
-    Never: LessonPlayer._never,
-    Test: LessonPlayer._test,
-    TakeOver: LessonPlayer._take_over,
-    Undo: LessonPlayer._undo,
-    Save: LessonPlayer._save,
-    Distribute: LessonPlayer._distribute,
-    Perform: LessonPlayer._perform,
-    NewEpisode: LessonPlayer._new_episode,
-}
