@@ -26,24 +26,8 @@ from hitab_ros import names, session_topics
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 
-class _Nobody:
-    """A publisher without subscribers."""
-
-    def get_subscription_count(self) -> int:
-        return 0
-
-    def publish(self, message: Any) -> None:
-        pass
-
-
 class _Node(AgentNode):
-    """The node of an agent whose publishers reach nobody."""
-
-    def create_publisher(
-        self, msg_type: Any, topic: str, *args: Any, temporary: bool = False, **options: Any
-    ) -> Any:
-        """Return what publishes to nobody."""
-        return _Nobody()
+    """The node of an agent that has neither a world nor a robot."""
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain without its robot: percepts come as from a world."""

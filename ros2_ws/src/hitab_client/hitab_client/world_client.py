@@ -282,9 +282,13 @@ class WorldClient:
         while (seen := len(played())) < episodes:
             if progress is not None:
                 progress(seen)
-            known, cycle = len(self.episodes), self._cycle
-            ended = self.link.spin_until(lambda n=known: len(self.episodes) > n, stall_seconds)
-            if not ended and self._cycle == cycle:  # nor is it a long episode, in real time
+            cycle = self._cycle
+
+            def ended(known: int = len(self.episodes)) -> bool:
+                return len(self.episodes) > known
+
+            # Nor is it a long episode, in real time.
+            if not self.link.spin_until(ended, stall_seconds) and self._cycle == cycle:
                 raise SwarmError(
                     f"no cycle was played for {stall_seconds:g} s after {seen} of {episodes} "
                     f"episodes{self._why_stalled()}"

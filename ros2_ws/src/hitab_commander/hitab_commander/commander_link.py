@@ -11,7 +11,7 @@ from hitab_agent import AgentNode, RoundGate
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
-from hitab_commander.lockstep import Lockstep, Round
+from hitab_commander.rounds import Lockstep, Round
 from hitab_core.commanding import Order, Report
 from hitab_ros import names, qos
 from hitab_ros.conversions import order_message
@@ -29,7 +29,7 @@ class CommanderLink:
 
     In real time it decides at once when a subordinate's activity changes, when all have reported
     again, and when its own commander or a person has it perform something. In lockstep it decides
-    in its turn; see `hitab_commander.lockstep`.
+    in its turn; see `hitab_commander.rounds`.
     """
 
     def __init__(self, node: AgentNode) -> None:

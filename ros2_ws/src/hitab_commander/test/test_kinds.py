@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_commander.aggregation import mean_position, observed, spread, summed_up
+from hitab_commander.aggregation import observed, of_positions, summed_up
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind, GroupFeature, Observation, OrderMap, Over, Pick
@@ -184,8 +184,7 @@ def test_mean_minimum_and_maximum_do_not_depend_on_the_order_and_leave_out_who_h
 def test_of_nobody_a_mean_minimum_or_maximum_has_no_value():
     for over in (Over.MEAN, Over.MINIMUM, Over.MAXIMUM):
         assert math.isnan(summed_up([math.nan], over))
-    assert math.isnan(spread([()]))
-    assert mean_position([()]) is None
+    assert math.isnan(of_positions("spread", [()]))
 
 
 @given(
@@ -194,8 +193,8 @@ def test_of_nobody_a_mean_minimum_or_maximum_has_no_value():
 )
 def test_the_spread_stays_the_same_wherever_the_group_is(points, by):
     moved = [(x + by[0], y + by[1]) for x, y in points]
-    assert spread(moved) == pytest.approx(spread(points), abs=1e-3)
-    assert spread([points[0]]) == 0.0
+    assert of_positions("spread", moved) == pytest.approx(of_positions("spread", points), abs=1e-3)
+    assert of_positions("spread", [points[0]]) == 0.0
 
 
 @given(MAYBE, LIMITS, LIMITS)
