@@ -12,7 +12,7 @@ _SECONDS = FloatingPointRange(from_value=0.0, to_value=3600.0)
 _WHOLE = IntegerRange(from_value=0, to_value=2**63 - 1, step=1)
 
 
-def _parameter(default: Any, description: str) -> Any:
+def _is(default: Any, description: str) -> Any:
     return field(default=default, metadata={"description": description})
 
 
@@ -20,45 +20,25 @@ def _parameter(default: Any, description: str) -> Any:
 class AgentSettings:
     """How one agent is set up; each field is a ROS parameter."""
 
-    domain: str = _parameter("", "name of an installed domain: what the agent can do and perceive")
-    without: tuple[str, ...] = _parameter(
-        (), "hand-written automata of the domain that are taken out, such as [GotoBall]"
-    )
-    library: str = _parameter(
-        "", "folder of trained behaviors; empty: the folder library in the agent's state_dir"
-    )
-    state_dir: str = _parameter(
+    domain: str = _is("", "name of an installed domain: what the agent can do and perceive")
+    without: tuple[str, ...] = _is((), "hand-written automata to take out, such as [GotoBall]")
+    library: str = _is("", "folder of trained behaviors; empty: library in its part of state_dir")
+    state_dir: str = _is(
         "~/.local/state/hitab",
         "folder with one per agent, where an unfinished training survives a crash",
     )
-    behavior: str = _parameter(
-        "", "what to perform at startup, such as GoTo(ball); empty: nothing"
-    )
-    world: str = _parameter("world", "name of the world's node, which sends the percepts")
-    seed: int = _parameter(0, "of the agent's random numbers, until a world sets one")
-    most_probable: bool = _parameter(
-        False, "take the most probable next state instead of drawing from the distribution"
-    )
-    commander: str = _parameter(
-        "", "name of the commander whose orders it obeys; empty: it has none"
-    )
-    role: str = _parameter("", "in its commander's group, for orders that differ by role")
-    services_on_demand: bool = _parameter(
-        False, "create the services when a client asks, as a host's agents do"
-    )
-    auto_rearm: bool = _parameter(
-        False, "act again by itself when what stopped its robot is over: a risk"
-    )
-    swarm: str = _parameter("", "identity of its swarm; empty: none, and nothing to resume")
-    offer_actions: bool = _parameter(
-        False, "offer its behaviors as one ROS action, perform_until_done"
-    )
-    action_timeout: float = _parameter(
-        2.0, "s; how long to wait for the server of an action, and for its answers"
-    )
-    action_patience: float = _parameter(
-        2.0, "s without a tick after which an action's goal is canceled; 0: never"
-    )
+    behavior: str = _is("", "what to perform at startup, such as GoTo(ball); empty: nothing")
+    world: str = _is("world", "name of the world's node, which sends the percepts")
+    seed: int = _is(0, "of the agent's random numbers, until a world sets one")
+    most_probable: bool = _is(False, "take the most probable next state instead of drawing one")
+    commander: str = _is("", "name of the commander whose orders it obeys; empty: it has none")
+    role: str = _is("", "in its commander's group, for orders that differ by role")
+    services_on_demand: bool = _is(False, "create the services only when a client asks")
+    auto_rearm: bool = _is(False, "act again by itself when a stop of its robot is over: a risk")
+    swarm: str = _is("", "identity of its swarm; empty: none, and nothing to resume")
+    offer_actions: bool = _is(False, "offer its behaviors as one action, perform_until_done")
+    action_timeout: float = _is(2.0, "s; how long to wait for an action's server and its answers")
+    action_patience: float = _is(2.0, "s without a tick until goals are canceled; 0: never")
 
     @classmethod
     def declare(cls, node: Node) -> AgentSettings:
