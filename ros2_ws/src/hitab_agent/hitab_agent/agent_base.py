@@ -23,6 +23,7 @@ class AgentBase(GuardedNode):
         settings: its parameters.
         shared: what it shares with the other agents of its process, a `Shared`.
         status: its status, a `StatusPublisher`.
+        session_log: tells those who record, a `SessionLog`.
     """
 
     agent: Agent
@@ -30,6 +31,7 @@ class AgentBase(GuardedNode):
     settings: AgentSettings
     shared: Any
     status: Any
+    session_log: Any
 
     def take_in(self, percept: msg.Percept) -> bool:
         """Perceive; return whether that succeeded.
@@ -48,9 +50,6 @@ class AgentBase(GuardedNode):
 
     def ordered(self) -> None:
         """Publish the outcome of an order: obeyed, or waiting with the reason."""
-
-    def commanded(self, command: msg.Command) -> None:
-        """Tell those who record of a command that is about to be obeyed or refused."""
 
     def settle(self) -> None:
         """Retry a waiting order after a demonstrator has changed something."""

@@ -37,7 +37,7 @@ from hitab_core import (
     uses_actions,
 )
 from hitab_core.commanding import Subordinate
-from hitab_ros import names
+from hitab_ros import names, session_topics
 from hitab_ros.conversions import use_of
 from hitab_ros.diagnostics import Diagnosis
 from hitab_ros.stamps import seconds_of
@@ -70,7 +70,6 @@ class AgentNode(AgentBase):
             HitabError: if the domain, the library or the journal is unusable.
         """
         self._joined = False
-        self._session_log: SessionLog | None = None
         # In a host it would cost two endpoints and more for each of many agents.
         super().__init__(node_name, **{"enable_rosout": shared is None, **options})
         self.settings = settings = AgentSettings.declare(self)
@@ -92,6 +91,7 @@ class AgentNode(AgentBase):
             most_probable=settings.most_probable,
             observe=self.guard.wrap("publishing a transition", self.transition_log.observe),
         )
+        self.session_log = SessionLog(self)
         self._tick = GuardedTick(self.agent, self.guard)
         self.status = StatusPublisher(
             self,
@@ -155,8 +155,6 @@ class AgentNode(AgentBase):
         self._joined = True
         shared.nodes.append(self)
         CommandReceiver(self)
-        if shared.host is None:
-            self._session_log = SessionLog(self, self.agent, self.ticker)
         if settings.services_on_demand:
             shared.offer_on_demand(self)
         if shared.on_demand is None:
@@ -220,8 +218,7 @@ class AgentNode(AgentBase):
         self, srv_type: Any, srv_name: str, callback: Any, *args: Any, **options: Any
     ) -> Any:
         """Create a service whose requests belong to the recorded session."""
-        if self._session_log is not None:
-            callback = self._session_log.telling(srv_name, callback)
+        callback = self.session_log.telling(srv_name, callback)
         return super().create_service(srv_type, srv_name, callback, *args, **options)
 
     def _offer_services(self) -> None:
@@ -248,11 +245,6 @@ class AgentNode(AgentBase):
 
     # -- percepts and commands ----------------------------------------------------------------
 
-    def commanded(self, command: msg.Command) -> None:
-        """Tell those who record of a command that is about to be obeyed or refused."""
-        if self._session_log is not None:
-            self._session_log.commanded(command)
-
     def _on_percept(self, percept: msg.Percept) -> Action:
         self.take_in(percept)
         return self.answer(percept)
@@ -260,8 +252,7 @@ class AgentNode(AgentBase):
     def take_in(self, percept: msg.Percept) -> bool:
         """Perceive; return whether that succeeded."""
         log, agent = self.transition_log, self.agent
-        if self._session_log is not None:
-            self._session_log.perceived(percept)
+        self.session_log.tell(session_topics.PERCEIVED, percept)
         log.cycle = percept.cycle
         log.stamp = percept.stamp
         self._sensed = False

@@ -8,7 +8,7 @@ from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
 from hitab_core import Request
-from hitab_ros import RecentRequests, names, qos
+from hitab_ros import RecentRequests, names, qos, session_topics
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
@@ -44,7 +44,7 @@ class CommandReceiver:
         node, agent, status = self._node, self._node.agent, self._node.status.message
         if agent.awaits_percept and time.monotonic() < self._young_until:
             return
-        node.commanded(command)
+        node.session_log.tell(session_topics.COMMANDED, command)
         status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX, lines=False)
         # A command resent because its acknowledgement was late is acknowledged again.
         refusal = self._recent.came_of(status.demonstrator, command.sequence)

@@ -38,7 +38,6 @@ class CommanderLink:
         settings = GroupSettings.declare(node)
         self._node = node
         self._agent = agent
-        self._ticker = shared.ticker
         self._outbox = shared.outbox
         self.body: CommanderBody = agent.body
         self.group = GroupStatus(node)
@@ -56,13 +55,13 @@ class CommanderLink:
             settings.roles,
             # Later than that of any earlier process, even if the clock went back.
             max(time.time_ns(), epoch + 1 if isinstance(epoch, int) else 0),
-            self._ticker.seconds(),
+            time.monotonic(),
             asks_position=settings.asks_position,
         )
         self.body.on_order = self._on_order
         self._take_up(str(noted.get("order", "")) if node.memory.performed is not None else "")
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
-        self._ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
+        shared.ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates continue to follow their orders."""
@@ -81,7 +80,7 @@ class CommanderLink:
 
     def _on_reports(self, message: msg.Reports) -> None:
         body = self.body
-        now = self._ticker.seconds()
+        now = time.monotonic()
         changed = restart = False
         newest = body.number
         for report in message.reports:
@@ -158,7 +157,7 @@ class CommanderLink:
     # -- deciding in real time --------------------------------------------------------------
 
     def _on_time(self) -> None:
-        self.body.now = self._ticker.seconds()
+        self.body.now = time.monotonic()
         if not (self._decided or self._lockstep.active):
             self.decide()
         self._decided = False
