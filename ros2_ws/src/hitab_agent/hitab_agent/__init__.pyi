@@ -6,5 +6,3 @@ from .retracing import Retracer as Retracer
 from .retracing import Step as Step
 from .robot_link import OnPercept as OnPercept
 from .round_gate import RoundGate as RoundGate
-from .settings import AgentSettings as AgentSettings
-from .shared import Shared as Shared

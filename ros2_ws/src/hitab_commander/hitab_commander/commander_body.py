@@ -129,15 +129,7 @@ class CommanderBody:
         if not (self.roll.round and known is not None and report.round == known.round):
             member.report = report
         member.latest, member.heard_at = report, now
-        if before is None or was_silent:
-            return True
-        return (
-            before.sequence != report.sequence
-            or before.epoch != report.epoch
-            or before.waits != report.waits
-            or list(before.flags) != list(report.flags)
-            or list(before.path) != list(report.path)
-        )
+        return before is None or was_silent or _activity(before) != _activity(report)
 
     def _change_time(self, report: Report, member: Member) -> None:
         """Switch to lockstep or to real time if a report shows that its world has."""
@@ -298,3 +290,9 @@ class CommanderBody:
                     self.give(order, name)
                     return True
         return False
+
+
+def _activity(report: Report) -> tuple[object, ...]:
+    """Return what a report says of an order and of what is done for it."""
+    number = report.epoch, report.sequence
+    return number, report.waits, list(report.flags), list(report.path)
