@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import partial
-from typing import Any
 
 from rclpy.action import ActionClient
 
 from hitab_agent.actions.fields import FieldError, action_type, is_number, put, slot_of
-from hitab_agent.actions.goal import Goal, Limits
+from hitab_agent.actions.goal import Goal, Limits, Server
 from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.ticker import Ticker
 from hitab_core import (
@@ -59,21 +58,22 @@ class ActionClients:
         """
         self._node = node
         self._agent = agent
-        self._limits = limits
         self._memory = memory
-        self._clients: dict[tuple[str, str], Any] = {}
-        self._goals: dict[tuple[str, str], list[Goal]] = {}
+        self._servers: dict[tuple[str, str], Server] = {}
         self._failed_in: dict[str, tuple[str, ...]] = {}
         self._held = False
         for behavior in action_behaviors(agent.domain):
             key = _key(behavior)
-            if key not in self._clients:
-                kind = action_type(behavior.action_type)
-                self._clients[key] = ActionClient(node, kind, behavior.action)
-                self._goals[key] = []
-                orphaned = ActionCall(behavior, Use(behavior.name), {}, left=True)
-                for identity in self._remembered(behavior.action):
-                    self._goals[key].append(self._goal(orphaned, None, identity))
+            if key in self._servers:
+                continue
+            kind = action_type(behavior.action_type)
+            label = f"{node.resolve_service_name(behavior.action)} ({behavior.action_type})"
+            client = ActionClient(node, kind, behavior.action)
+            changed = partial(self._look_at, key)
+            server = self._servers[key] = Server(client, label, limits, node.guard, changed)
+            orphaned = ActionCall(behavior, Use(behavior.name), {}, left=True)
+            remembered = self._remembered(behavior.action)
+            server.goals += [Goal(orphaned, None, server, one) for one in remembered]
         calls_of(agent.body).carrier = self
         ticker.every(LOOK_PERIOD_S, self.look, node.guard)
 
@@ -85,19 +85,6 @@ class ActionClients:
                 name, identity = goal
                 found += [bytes.fromhex(identity)] if name == action else []
         return [identity for identity in found if len(identity) == 16]
-
-    def _goal(self, call: ActionCall, message: Any, identity: bytes = b"") -> Goal:
-        behavior, key = call.behavior, _key(call.behavior)
-        return Goal(
-            call,
-            message,
-            self._clients[key],
-            f"{self._node.resolve_service_name(behavior.action)} ({behavior.action_type})",
-            self._limits,
-            self._node.guard,
-            partial(self._look_at, key),
-            identity,
-        )
 
     # -- for the engine ---------------------------------------------------------------------
 
@@ -112,12 +99,13 @@ class ActionClients:
             call.fail(f"the field {error} in the goal of {behavior.action_type}")
             self.failed(call)
             return
-        self._goals[_key(behavior)].append(self._goal(call, message))
-        self._look_at(_key(behavior))
+        server = self._servers[_key(behavior)]
+        server.goals.append(Goal(call, message, server))
+        server.changed()
 
     def leave(self, call: ActionCall) -> None:
         """Cancel the goal of a call."""
-        for goal in self._goals[_key(call.behavior)]:
+        for goal in self._servers[_key(call.behavior)].goals:
             if goal.call is call:
                 goal.leave()
 
@@ -138,8 +126,8 @@ class ActionClients:
         if held is self._held:
             return  # only the reason has changed
         self._held = held
-        for goals in list(self._goals.values()):
-            for goal in [goal for goal in goals if held and goal.is_sent and goal.call.is_open]:
+        for goal in self._goals if held else ():
+            if goal.is_sent and goal.call.is_open:
                 goal.leave()
                 self.begin(goal.call)  # it waits
         self.look()
@@ -147,20 +135,23 @@ class ActionClients:
     @property
     def at_rest(self) -> bool:
         """Whether no server carries out a goal of this agent."""
-        return not any(goal.is_sent for goals in self._goals.values() for goal in goals)
+        return not any(goal.is_sent for goal in self._goals)
 
     # -- looking after the goals --------------------------------------------------------------
 
     def look(self) -> None:
         """Look after all goals; call this a few times a second."""
-        for key, goals in self._goals.items():
-            if goals:
+        for key, server in self._servers.items():
+            if server.goals:
                 self._look_at(key)
 
     def _look_at(self, key: tuple[str, str]) -> None:
         free, guard = not self._held, self._node.guard
         running_on: dict[str, str] = {}
-        for goal in list(self._goals.get(key, ())):
+        server = self._servers.get(key)
+        if server is None:
+            return  # closed
+        for goal in list(server.goals):
             goal.look(free=free)
             free = free and not goal.keeps_others_waiting
             self.failed(goal.call)
@@ -170,21 +161,18 @@ class ActionClients:
             guard.faults.set(f"action {name} runs on", why)
             if why:
                 guard.log(why)
-        if key in self._goals:
-            self._goals[key] = [g for g in self._goals[key] if g.runs_on or not g.is_ended]
-            self._remember()
+        server.goals = [goal for goal in server.goals if goal.runs_on or not goal.is_ended]
+        self._remember()
+
+    @property
+    def _goals(self) -> list[Goal]:
+        return [goal for server in self._servers.values() for goal in server.goals]
 
     def _remember(self) -> None:
         """Note which goals servers have, for a restart."""
-        goals = [
-            [action, goal.identity.hex()]
-            for (action, _), those in self._goals.items()
-            for goal in those
-            if goal.identity
-        ]
-        self._node.guard.run(
-            "remembering goals for a restart", self._memory.keep, {"goals": goals}
-        )
+        goals = [[g.call.behavior.action, g.identity.hex()] for g in self._goals if g.identity]
+        noted = {"goals": goals}
+        self._node.guard.run("noting goals for a restart", self._memory.keep, noted)
 
     @property
     def _doing(self) -> tuple[str, ...]:
@@ -199,13 +187,11 @@ class ActionClients:
     def close(self) -> None:
         """Cancel all goals and destroy the clients: the agent is shutting down."""
         calls_of(self._agent.body).carrier = None
-        for goals in self._goals.values():
-            for goal in goals:
-                goal.leave()
-        for client in self._clients.values():
-            client.destroy()
-        self._clients.clear()
-        self._goals.clear()
+        for goal in self._goals:
+            goal.leave()
+        for server in self._servers.values():
+            server.client.destroy()
+        self._servers.clear()
         self._remember()
 
 

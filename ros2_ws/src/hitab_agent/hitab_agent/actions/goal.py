@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
@@ -31,6 +31,27 @@ class Limits:
     pulse: float
 
 
+@dataclass(eq=False)
+class Server:
+    """The server of an action, as its client sees it.
+
+    Attributes:
+        client: of the action.
+        label: of the action, for people.
+        limits: how long to wait.
+        guard: of the agent's node.
+        changed: called after each answer of the server.
+        goals: that the server has or will get.
+    """
+
+    client: Any
+    label: str
+    limits: Limits
+    guard: Guard
+    changed: Callable[[], None]
+    goals: list[Goal] = field(default_factory=list)
+
+
 class _Stage(Enum):
     ORPHANED = "a process that is gone has sent it, and the server cannot be reached yet"
     WAITING = "for the server, or for it to end the agent's previous goal"
@@ -52,37 +73,21 @@ class Goal:
     """
 
     def __init__(
-        self,
-        call: ActionCall,
-        message: Any,
-        client: Any,
-        label: str,
-        limits: Limits,
-        guard: Guard,
-        changed: Callable[[], None],
-        identity: bytes = b"",
+        self, call: ActionCall, message: Any, server: Server, identity: bytes = b""
     ) -> None:
         """Wait for the server; `look` sends the goal.
 
         Args:
             call: to carry out.
             message: of the action's goal type.
-            client: of the action.
-            label: of the action, for people.
-            limits: how long to wait.
-            guard: of the agent's node.
-            changed: called after each answer of the server.
+            server: of the action.
             identity: what the server knows a goal by that a process which is gone has sent: it
                 is canceled.
         """
         self.call = call
         self.runs_on = ""
         self._message = message
-        self._client = client
-        self._label = label
-        self._limits = limits
-        self._guard = guard
-        self._changed = changed
+        self._server = server
         self._is_left = call.left
         self._stage = _Stage.ORPHANED if identity else _Stage.WAITING
         self._since = self._heard = self._pulsed = time.monotonic()
@@ -91,7 +96,7 @@ class Goal:
         if identity:
             goal_id = CancelGoal.Request().goal_info.goal_id
             goal_id.uuid = list(identity)
-            self._handle = ClientGoalHandle(client, goal_id, None)
+            self._handle = ClientGoalHandle(server.client, goal_id, None)
 
     @property
     def identity(self) -> bytes:
@@ -122,19 +127,19 @@ class Goal:
             free: whether the server has no previous goal of this agent.
         """
         now = time.monotonic()
-        late = now - self._since > self._limits.answer
+        late = now - self._since > self._server.limits.answer
         match self._stage:
-            case _Stage.ORPHANED if self._client.server_is_ready():
+            case _Stage.ORPHANED if self._server.client.server_is_ready():
                 self._cancel()
                 self._await_result()
             case _Stage.WAITING:
                 self._look_for_server(now, late, free)
             case _Stage.SENT if late:
-                self._give_up(f"did not answer within {self._limits.answer:g} s")
+                self._give_up(f"did not answer within {self._server.limits.answer:g} s")
             case _Stage.RUNNING:
                 self._look_after(now)
             case _Stage.CANCELING if late:
-                self.runs_on = f"{self._label} did not end a canceled goal; it is given up"
+                self.runs_on = f"{self._server.label} did not end a canceled goal; it is given up"
                 self._stage = _Stage.ENDED
 
     def leave(self) -> None:
@@ -152,22 +157,26 @@ class Goal:
             self._stage = _Stage.ENDED
         elif not free:
             self._since = now
-        elif self._client.server_is_ready():
+        elif self._server.client.server_is_ready():
             self._enter(_Stage.SENT)
-            feedback = self._guard.wrap(f"feedback of {self._label}", self._on_feedback)
-            future = self._client.send_goal_async(self._message, feedback)
-            future.add_done_callback(self._guard.wrap(f"answer of {self._label}", self._on_answer))
+            feedback = self._server.guard.wrap(
+                f"feedback of {self._server.label}", self._on_feedback
+            )
+            future = self._server.client.send_goal_async(self._message, feedback)
+            future.add_done_callback(
+                self._server.guard.wrap(f"answer of {self._server.label}", self._on_answer)
+            )
         elif late:
             self._give_up(
-                f"has no server: none appeared within {self._limits.answer:g} s; start it, or "
-                "correct the name and the type of the action in the domain"
+                f"has no server: none appeared within {self._server.limits.answer:g} s; start it, "
+                "or correct the name and the type of the action in the domain"
             )
 
     def _look_after(self, now: float) -> None:
-        call, patience = self.call, self._limits.pulse
+        call, patience = self.call, self._server.limits.pulse
         if call.pulses != self._pulses:
             self._pulses, self._pulsed = call.pulses, now
-        if not self._client.server_is_ready():
+        if not self._server.client.server_is_ready():
             self._give_up("has no server any more: it is gone")
         elif 0.0 < call.behavior.feedback_within < now - self._heard:
             self._fail(f"gave no feedback for {call.behavior.feedback_within:g} s")
@@ -191,11 +200,11 @@ class Goal:
             self._await_result()
             if self._is_left or not self.call.is_open:  # meanwhile, or the answer came too late
                 self._cancel()
-        self._changed()
+        self._server.changed()
 
     def _await_result(self) -> None:
         self._handle.get_result_async().add_done_callback(
-            self._guard.wrap(f"result of {self._label}", self._on_result)
+            self._server.guard.wrap(f"result of {self._server.label}", self._on_result)
         )
 
     def _on_feedback(self, message: Any) -> None:
@@ -219,7 +228,7 @@ class Goal:
     def _cancel(self) -> None:
         self._enter(_Stage.CANCELING)
         self._handle.cancel_goal_async().add_done_callback(
-            self._guard.wrap(f"canceling {self._label}", self._on_canceled)
+            self._server.guard.wrap(f"canceling {self._server.label}", self._on_canceled)
         )
 
     def _on_canceled(self, future: Any) -> None:
@@ -229,20 +238,20 @@ class Goal:
         if answer.return_code in _OVER:
             self._end()
         else:
-            self.runs_on = f"{self._label} refuses to cancel a goal, and goes on with it"
+            self.runs_on = f"{self._server.label} refuses to cancel a goal, and goes on with it"
             self._stage = _Stage.ENDED
-            self._changed()
+            self._server.changed()
 
     def _end(self) -> None:
         self._stage, self.runs_on = _Stage.ENDED, ""
-        self._changed()
+        self._server.changed()
 
     def _enter(self, stage: _Stage) -> None:
         self._stage, self._since = stage, time.monotonic()
 
     def _fail(self, why: str) -> None:
         if not self._is_left:
-            self.call.fail(f"{self._label} {why}")
+            self.call.fail(f"{self._server.label} {why}")
 
     def _give_up(self, why: str) -> None:
         self._fail(why)
