@@ -31,7 +31,8 @@ class CommandReceiver:
         self._node = node
         self._young_until = time.monotonic() + YOUNG_S
         self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
-        for request in node.agent.requests:
+        session = node.agent.session
+        for request in session.requests if session is not None else ():
             # Obeyed before a crash: their demonstrators may not know it and send them again.
             self._recent.keep(*request, "")
             node.status.message.last_command_sequence = request.number

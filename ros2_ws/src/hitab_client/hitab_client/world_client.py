@@ -9,7 +9,6 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_client.agent_presence import what_helps
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
@@ -115,7 +114,7 @@ class WorldClient:
         )
         self.refuse_stranger()
         if self.status is None:
-            silent = f"the world has been silent for {seconds:g} s; {what_helps(names.WORLD)}"
+            silent = f"the world has been silent for {seconds:g} s; see `hitab logs {names.WORLD}`"
             raise SwarmError(self._reason() or (silent if own else self._absent))
         return self.status
 
