@@ -19,7 +19,6 @@ from hitab_core.learning import (
     learn_transitions,
     nodes,
 )
-from hitab_core.library import scale_of
 from hitab_core.training import Question, TrainingSession
 from hitab_ros.conversions import example_message, feature_message
 
@@ -38,7 +37,7 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
         parameters=list(automaton.parameters),
         states=list(automaton.labels),
         features=[
-            feature_message(str(use), domain.feature(use.name), scale_of(use, domain))
+            feature_message(str(use), domain.feature(use.name), domain.scale_of(use))
             for use in automaton.features
         ],
         readable=list(map(str, automaton.readable)),
@@ -80,7 +79,7 @@ def _learned(session: TrainingSession, domain: Domain) -> Any:
     curriculum = session.curriculum
     if ClassifierSpec.parse(curriculum.classifier).name != TREE:
         return {}
-    scales = [scale_of(use, domain) for use in curriculum.features]
+    scales = [domain.scale_of(use) for use in curriculum.features]
     names = list(map(str, curriculum.features))
     try:
         return learn_transitions(session.examples, scales, curriculum.classifier, names)

@@ -60,6 +60,7 @@ def command(
         sequence=sequence,
         seconds=seconds,
         demonstrator=demonstrator,
+        world=world,
     )
     return outcome(agent, behavior, status)
 
