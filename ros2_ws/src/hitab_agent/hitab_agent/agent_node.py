@@ -28,6 +28,7 @@ from hitab_agent.world_link import WorldLink
 from hitab_core import (
     RESERVED,
     Agent,
+    Do,
     Domain,
     HitabError,
     LostBehaviorError,
@@ -344,7 +345,7 @@ class AgentNode(GuardedNode):
     def stop_changed(self) -> None:
         """Say why its robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
-        self.guard.faults.set("stop", why)
+        self.guard.faults.set("stop", why, Do.GO(), Do.ARM(robot=self.agent_name))
         if self.actions is not None:
             self.actions.hold(held=bool(why))
 
@@ -363,7 +364,7 @@ class AgentNode(GuardedNode):
         refusal = self.status.refusal
         if refusal:
             self.guard.log(refusal)
-            self.status.report_error("")
+            self.status.report_error(None)
         else:
             self.status.publish_soon()
 
@@ -374,7 +375,7 @@ class AgentNode(GuardedNode):
 
     # -- status -----------------------------------------------------------------------------
 
-    def _answered(self, error: str) -> None:
+    def _answered(self, error: Exception | None) -> None:
         """Settle after a request, and show in the status what went wrong."""
         self.settle()
         self.status.report_error(error)
@@ -384,7 +385,7 @@ class AgentNode(GuardedNode):
         if digest:
             self.settle()
         self.status.message.distribution = sequence
-        self.status.report_error(error)
+        self.status.report_error(HitabError(error) if error else None)
 
     def faults_changed(self) -> None:
         """Publish a status soon, if the agent has joined."""

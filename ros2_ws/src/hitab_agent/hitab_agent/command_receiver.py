@@ -12,7 +12,6 @@ from rclpy.timer import Timer
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_core import Agent, Request
 from hitab_ros import GuardedNode, Patience, RecentRequests, names, qos, steady_timer
-from hitab_ros.answering import what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.plain_text import plain
@@ -60,10 +59,10 @@ class CommandReceiver:
         self._young_until = time.monotonic() + YOUNG_S
         self._status = status
         self._settle = settle
-        self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
+        self._recent: RecentRequests[tuple[Exception, ...]] = RecentRequests()  # why refused
         for request in agent.requests:
             # Obeyed before a crash: their demonstrators may not know it and send them again.
-            self._recent.keep(*request, "")
+            self._recent.keep(*request, ())
             status.message.last_command_sequence = request.number
         # Checked below, so that the status shows the sender what is wrong.
         node.create_subscription(
@@ -98,7 +97,7 @@ class CommandReceiver:
         refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:
             if refusal is None:
-                refusal = ""
+                refusal = ()
                 check(command)
                 use = use_of(command.behavior, command.targets)
                 request = Request(status.demonstrator, command.sequence)
@@ -109,12 +108,12 @@ class CommandReceiver:
                     request=request if request.number else None,
                 )
         except Exception as error:
-            refusal = what_went_wrong(error)
+            refusal = (error,)
         finally:
-            self._recent.keep(status.demonstrator, command.sequence, refusal or "")
+            self._recent.keep(status.demonstrator, command.sequence, refusal or ())
             if refusal:
                 status.last_refused_sequence = command.sequence
             else:
                 status.last_command_sequence = command.sequence
-            self._status.report_error(refusal or "")
+            self._status.report_error(refusal[0] if refusal else None)
             self._settle()

@@ -17,7 +17,7 @@ from hitab_agent.slices import Slices
 from hitab_core import Agent, Use, VocabularyError, quantity
 from hitab_core.library import Bundle, make_bundle
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.answering import answering
+from hitab_ros.answering import Answered, answering
 from hitab_ros.conversions import use_of
 
 
@@ -66,7 +66,7 @@ class Distributor:
         agent: Agent,
         topics: DistributionReceiver,
         *,
-        answered: Callable[[str], None],
+        answered: Answered,
         taken_in: Callable[[int, str, str], None],
     ) -> None:
         """Start receiving.
@@ -75,8 +75,7 @@ class Distributor:
             node: of the agent.
             agent: the agent.
             topics: the topics.
-            answered: called before the reply to a request to distribute, with the reason for a
-                refusal, or "".
+            answered: called before the reply to a request to distribute.
             taken_in: called with the outcome of a distribution, see `has_taken_in`, before it is
                 acknowledged.
         """

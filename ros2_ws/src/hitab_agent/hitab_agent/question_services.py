@@ -6,30 +6,29 @@ search is done in slices, and the reply is sent when it is over.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from hitab_msgs import msg, srv
 
 from hitab_agent.slices import Job, Slices
-from hitab_core import Agent, TrainingError, quantity
+from hitab_core import Agent, Do, TrainingError, quantity
 from hitab_core.training import Question, TrainingSession
 from hitab_ros import GuardedNode, names
-from hitab_ros.answering import answering, what_went_wrong
+from hitab_ros.answering import Answered, answering, refuse
 
 
 class QuestionServices:
     """Offers the services; a refusal is a reply with ``success`` false and the reason."""
 
     def __init__(
-        self, node: GuardedNode, agent: Agent, answered: Callable[[str], None], slices: Slices
+        self, node: GuardedNode, agent: Agent, answered: Answered, slices: Slices
     ) -> None:
         """Offer the services.
 
         Args:
             node: to offer them on.
             agent: that asks.
-            answered: called before a reply, with the reason for a refusal, or "".
+            answered: called before a reply.
             slices: do the search.
         """
         self._agent = agent
@@ -49,7 +48,7 @@ class QuestionServices:
         session, name = self._agent.session, self._agent.name
         if session is None:
             raise TrainingError(
-                f"{name} is not training anything; begin one with `hitab train {name} NAME`"
+                "it is not training anything", Do.RESUME(agent=name), Do.TRAIN(agent=name)
             )
         return session
 
@@ -68,7 +67,7 @@ class QuestionServices:
 
     def _search(self, response: Any, header: Any) -> Job:
         """Look for questions until the examples no longer change meanwhile, then reply."""
-        why = ""
+        why: Exception | None = None
         try:
             while True:
                 session, examples = self._session, self._session.examples
@@ -81,7 +80,8 @@ class QuestionServices:
             response.message = quantity(len(response.questions), "question")
             response.success = True
         except Exception as error:
-            why = response.message = what_went_wrong(error)
+            why = error
+            refuse(response, error)
         self._answered(why)
         self._send(response, header)
 

@@ -26,10 +26,12 @@ from hitab_client import (
     WorldClient,
     domain_ids,
 )
+from hitab_client.commands import as_command
 from hitab_client.machine_load import busy
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import each_once, quantity, some
+from hitab_ros.conversions import remedies_of
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
@@ -129,6 +131,8 @@ def _brought_up(
         there = sorted(agents.statuses.items())
         for text in each_once((name, text) for name, s in there for text in s.faults):
             warn(text)
+        for way in dict.fromkeys(r for _, s in there for r in remedies_of(s.remedies)):
+            warn(as_command(way))
         for text in read_only(folder.path):
             warn(text)
         for text in announcements(agents.statuses.values(), folder.path):

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Collection
 from importlib.metadata import entry_points, version
 from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup.called_wrongly import reword, with_way
 from hitab_bringup.dds_noise import noise_left_out
 from hitab_bringup.help_pages import HelpfulGroup, make_helpful
 from hitab_bringup.verbs import (
@@ -39,6 +39,7 @@ from hitab_bringup.verbs import (
     world,
 )
 from hitab_client import console, interruptions
+from hitab_client.commands import called
 from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError
 
@@ -57,7 +58,7 @@ class HitabGroup(HelpfulGroup):
         try:
             return super().invoke(ctx)
         except HitabError as error:
-            console.error(str(error))
+            console.error(error)
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             console.note("interrupted")
@@ -71,18 +72,22 @@ class HitabGroup(HelpfulGroup):
                 raise
             console.error(f"{error.filename}: {error.strerror}; choose another place for it")
             raise typer.Exit(1) from None
-        except Exception as error:
-            reword(error)
-            raise
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the user's verb; if it is one of a group, the error says so."""
         try:
             return super().resolve_command(ctx, args)
         except Exception as error:
-            if hasattr(error, "message"):
-                error.message = with_way(error.message, args[0], self.commands)
+            inside = [name for name, group in self.commands.items() if args[0] in verbs_of(group)]
+            if inside:
+                ways = " or ".join(f"`{called()} {name} {args[0]}`" for name in inside)
+                error.message = f'No such command "{args[0]}". Did you mean {ways}?'  # type: ignore
             raise
+
+
+def verbs_of(group: Any) -> Collection[str]:
+    """Return the names of the verbs of a group; none of a verb that is no group."""
+    return getattr(group, "commands", ())
 
 
 HELP = "Train robots, teams and swarms by demonstration, while they run."
@@ -139,11 +144,11 @@ def make_app() -> typer.Typer:
         reaction,
     ):
         verbs.register(app)
-    app.add_typer(world.app, name="world", rich_help_panel="Swarm")
-    app.add_typer(lesson.app, name="lesson", rich_help_panel="Train")
-    app.add_typer(library.app, name="library", rich_help_panel="Perform")
+    app.add_typer(world.app, name="world", cls=HelpfulGroup, rich_help_panel="Swarm")
+    app.add_typer(lesson.app, name="lesson", cls=HelpfulGroup, rich_help_panel="Train")
+    app.add_typer(library.app, name="library", cls=HelpfulGroup, rich_help_panel="Perform")
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
-        app.add_typer(point.load(), name=point.name, rich_help_panel="Domains")
+        app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
     make_helpful(app)
     return app
 

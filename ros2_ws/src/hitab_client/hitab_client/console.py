@@ -10,8 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_client.called_as import as_called
-from hitab_core import HitabError, in_lines
+from hitab_client.commands import with_commands
+from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
@@ -63,17 +63,17 @@ def live(shown: Any) -> Iterator[Callable[[Any], None]]:
 def line(text: str, style: str = "") -> Text:
     """Return a line for a table, a tree or a group, to be shown as it is.
 
-    Commands in it are named as the user calls `hitab`. What does not fit the terminal is wrapped.
+    What does not fit the terminal is wrapped.
     """
     from rich.text import Text
 
-    return Text(as_called(text), style=style, overflow="fold")
+    return Text(text, style=style, overflow="fold")
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> Table:
     """Return a table; what does not fit the terminal is wrapped, never cut.
 
-    Commands in it are named as the user calls `hitab`. Its lines end with their last word.
+    Its lines end with their last word.
     """
     made = _trimmed_table()(box=None, pad_edge=False, title=title or None, title_justify="left")
     for column in columns:
@@ -112,18 +112,26 @@ def err() -> Console:
 
 def say(text: str) -> None:
     """Print a result in plain text, at once also into a pipe or a file."""
-    print(as_called(text), flush=True)
+    print(text, flush=True)
 
 
 def note(text: str) -> None:
     """Print a message that is not a result."""
-    print(as_called(text), file=sys.stderr)
+    print(text, file=sys.stderr)
 
 
-def error(text: str) -> None:
-    """Print an error: what is wrong, and below it the ways out, if it is long."""
-    told = in_lines(as_called(text))
-    err().print(f"[bold red]error:[/] {_escaped(told)}", soft_wrap=True)
+def error(wrong: str | HitabError) -> None:
+    """Print an error: what is wrong, and below it what to do."""
+    if isinstance(wrong, HitabError):
+        wrong = with_commands(wrong.problem, wrong.remedies)
+    err().print(f"[bold red]error:[/] {_escaped(wrong)}", soft_wrap=True)
+
+
+def say_answer(answer: Any, text: str = "") -> None:
+    """Print what a service has done, or another text, and below it what can be done next."""
+    from hitab_ros.conversions import remedies_of  # here because the help imports this module
+
+    say(with_commands(text or answer.message, remedies_of(answer.remedies)))
 
 
 def _escaped(text: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from hitab_core import HitabError
 
 
@@ -15,6 +17,18 @@ class LessonError(HitabError):
 
 class SwarmError(HitabError):
     """A swarm that does not start, does not answer or refuses."""
+
+
+def refused(answer: Any, where: str = "") -> SwarmError:
+    """Return the error for a refusing answer of a service.
+
+    Args:
+        answer: with its message and remedies.
+        where: who refused.
+    """
+    from hitab_ros.conversions import remedies_of  # here because the help imports this module
+
+    return SwarmError(answer.message, *remedies_of(answer.remedies), where=where)
 
 
 class NamesTakenError(SwarmError):

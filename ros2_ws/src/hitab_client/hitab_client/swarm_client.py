@@ -27,12 +27,11 @@ from hitab_msgs.srv import (
 
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
 from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import said_of
 from hitab_ros import names, qos
-from hitab_ros.conversions import costs_of
+from hitab_ros.conversions import costs_of, remedies_of
 
 if TYPE_CHECKING:
     from hitab_client.learned import Learned
@@ -138,7 +137,8 @@ class SwarmClient(AgentPresence):
             )
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
-            raise SwarmError(said_of(agent, status.last_error))
+            remedies = remedies_of(status.last_remedies)
+            raise SwarmError(status.last_error, *remedies, where=agent)
         return status
 
     def _commander(self, agent: str) -> Any:
@@ -173,7 +173,7 @@ class SwarmClient(AgentPresence):
             missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
         )
         if not getattr(answer, "success", True):
-            raise SwarmError(said_of(agent, answer.message))
+            raise refused(answer, agent)
         return answer
 
     def begin(self, agent: str, automaton: str, **fields: Any) -> Any:
@@ -270,7 +270,7 @@ class SwarmClient(AgentPresence):
                 try:
                     yield agent, self.load_library(agent).message, True
                 except SwarmError as error:
-                    yield agent, str(error).removeprefix(f"{agent}: "), False
+                    yield agent, error.what, False
 
     def load_library(self, agent: str, path: str = "") -> Any:
         """Make an agent reload its library, or load another one."""

@@ -10,7 +10,7 @@ from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
 from hitab_client.agent_presence import what_helps
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, refused
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
@@ -145,7 +145,7 @@ class WorldClient:
             missing=lambda: self._reason() or self._absent,
         )
         if not answer.success:
-            raise SwarmError(f"the world refuses: {answer.message}")
+            raise refused(answer, "the world refuses")
         return answer
 
     def control(self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0) -> Any:

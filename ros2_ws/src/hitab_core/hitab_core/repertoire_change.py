@@ -47,12 +47,15 @@ def check_nothing_lost(before: Edition, after: Edition) -> None:
     """Check that no behavior of an edition would be lost with another one.
 
     Raises:
-        LostBehaviorError: naming the ones that would be lost, and the way out.
+        LostBehaviorError: naming the ones that would be lost.
     """
-    reasons, faults = after.losses.reasons, after.losses.faults
-    gone = sorted(reasons.keys() & before.files.keys())
+    losses = after.losses
+    gone = sorted(losses.reasons.keys() & before.files.keys())
     if gone:
-        raise LostBehaviorError(f"{', '.join(gone)} would be lost: {'; '.join(faults)}")
+        raise LostBehaviorError(
+            f"{', '.join(gone)} would be lost: {'; '.join(losses.faults)}",
+            *(remedy for name in gone for remedy in losses.remedies[name]),
+        )
 
 
 def check_change(

@@ -43,7 +43,7 @@ class RelayWatch:
         self._unheard_s = 0.0
         if self._process is not None:
             self._process.heard()
-        self._tell(why_stopped(relay.name, relay.why, relay.causes))
+        self._tell(why_stopped(relay.why, relay.causes))
 
     def _look(self) -> None:
         self._give_sign()

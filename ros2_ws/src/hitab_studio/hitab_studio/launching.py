@@ -13,6 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from hitab_client import SwarmError
+from hitab_client.commands import called
 from hitab_client.shipped import shipped_folders, shipped_names
 from hitab_core import did_you_mean
 
@@ -160,7 +161,7 @@ def unknown(name: str) -> str:
         return ""
     return (
         f'No swarm "{name}" is shipped.{did_you_mean(name, shipped)} Start one of your own with '
-        "`hitab up` and its file."
+        f"`{called()} up` and its file."
     )
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
@@ -68,7 +69,7 @@ Least = Annotated[bool, typer.Option("--least", help="Lower is better.")]
 
 def register(main: typer.Typer) -> None:
     """Add this group to the command."""
-    main.add_typer(app, name="bootstrap", rich_help_panel="Train")
+    main.add_typer(app, name="bootstrap", cls=HelpfulGroup, rich_help_panel="Train")
 
 
 @app.command("next")

@@ -11,8 +11,8 @@ from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import quantity
-from hitab_ros.fault_texts import STOPPED
+from hitab_client.commands import with_commands
+from hitab_core import Do, quantity
 
 Targets = Annotated[
     list[str] | None,
@@ -84,9 +84,10 @@ def demonstrate(
             agent, use.name, [*use.arguments, *(targets or [])], ago=due, seen=seen
         )
     console.say(outcome(agent, use.name, status))
-    tell_faults(status.faults, STOPPED)
+    tell_faults(status)
     if status.questions:
-        console.say(f"{quantity(status.questions, 'question')}: `hitab questions {agent}`")
+        asked = quantity(status.questions, "question")
+        console.say(with_commands(asked, [Do.QUESTIONS(agent=agent)]))
 
 
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
@@ -139,9 +140,10 @@ def perform(
             answer = swarm_up.agents.perform(agent, "")
         else:
             answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
-        faults = swarm_up.agents.statuses[agent].faults if use is not None else ()
-    console.say(answer.message or f"{agent} performs {use or 'nothing'}")
-    tell_faults(faults)
+        status = swarm_up.agents.statuses[agent]
+    console.say_answer(answer)
+    if use is not None:
+        tell_faults(status)
 
 
 def distribute(

@@ -187,7 +187,7 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 @examples_app.command("relabel")
@@ -205,7 +205,7 @@ def examples_relabel(
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 @examples_app.command("retime")
@@ -226,7 +226,7 @@ def examples_retime(
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "retime", numbers, ago=ago)
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 @examples_app.command("features")
@@ -249,4 +249,4 @@ def examples_features(
             console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))
             return
         answer = swarm_up.agents.edit_examples(agent, "features", features=feature)
-    console.say(answer.message)
+    console.say_answer(answer)

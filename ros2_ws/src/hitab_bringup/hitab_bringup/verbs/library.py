@@ -38,7 +38,7 @@ def list_behaviors(
     """
     from hitab_bringup.library_choice import holds_behaviors
     from hitab_bringup.opened_library import open_library
-    from hitab_core import LibraryError, gist, some
+    from hitab_core import Do, LibraryError, some
 
     libraries = chosen_libraries(library, agent, swarm)
     different = len(libraries) > 1
@@ -54,14 +54,12 @@ def list_behaviors(
         except LibraryError as error:
             if not different:
                 raise
-            problems.append(f"{_whose(folder, agents)}: {gist(str(error).splitlines()[0])}")
+            problems.append(f"{_whose(folder, agents)}: {error.problem.splitlines()[0]}")
             continue
         there.load(strict=False)
         if there.problems:
             names = some(sorted(there.problems))
-            problems.append(
-                f"{_whose(folder, agents)}: {names} cannot be used; see `hitab library check`"
-            )
+            problems.append(f"{_whose(folder, agents)}: {names} cannot be used")
         for name in there.names():
             row = _row(name, there.file(name))
             found.setdefault((name, row["checksum"]), row)["agents"] += agents
@@ -72,7 +70,7 @@ def list_behaviors(
         console.note(f"nothing is saved in the libraries of {some(without)}")
     console.write_json(json, data)
     if problems:
-        raise LibraryError("\n".join(problems))
+        raise LibraryError("\n".join(problems), Do.CHECK_LIBRARY())
 
 
 def _whose(folder: Path, agents: list[str]) -> str:
@@ -178,9 +176,10 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
       hitab library check -l hitab-demo/library
     """
     from hitab_bringup.opened_library import open_library
-    from hitab_core import LibraryError
+    from hitab_core import LibraryError, Remedy
 
-    wrong = []
+    wrong: list[str] = []
+    remedies: list[Remedy] = []
     for folder in chosen_folders(library, agent, swarm):
         there = open_library(folder)
         losses = there.edition(strict=False).losses
@@ -189,12 +188,12 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
             behaviors = quantity(known, "behavior")
             wrong.append(f"{there.folder}: {bad} of {behaviors} cannot be used")
         wrong += [there.problems[name] for name in sorted(there.problems)]
-        wrong += [f"{name}: {way}" for name, way in losses.ways_out.items()]
+        remedies += [remedy for ways in losses.remedies.values() for remedy in ways]
         if not losses:
             names = quantity(len(there.names()), "behavior")
             console.say(f"{there.folder}: {names}, nothing is wrong")
     if wrong:
-        raise LibraryError("\n".join(wrong))
+        raise LibraryError("\n".join(wrong), *remedies)
 
 
 @app.command()

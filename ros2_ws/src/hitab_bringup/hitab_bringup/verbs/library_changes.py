@@ -289,7 +289,7 @@ def reload(
     refused: list[tuple[str, str]] = []
     with connection(swarm) as swarm_up:
         for agent, text, did in swarm_up.agents.reload(agents or swarm_up.agents.await_agents()):
-            (done if did else refused).append((agent, text.removeprefix(f"{agent} ")))
+            (done if did else refused).append((agent, text))
     for text in each_once(done):
         console.say(text)
     if refused:

@@ -13,13 +13,17 @@ from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import natural, quantity
+from hitab_client.commands import as_command
+from hitab_core import Do, natural, quantity
 
 if TYPE_CHECKING:
     from rich.console import Group
 
     from hitab_client import SignsOfLife
     from hitab_client.run_processes import Silence
+
+WAYS_MAX = 10
+"""Ways out that are shown at most."""
 
 LOOK_SECONDS = 1.0  # for a world that was started by hand
 
@@ -119,6 +123,8 @@ def _status_data(
     swarm_up: Connection, silent: Mapping[str, Silence | None], trainings: KeptTrainings
 ) -> dict[str, Any]:
     """Return all that is known about a swarm, as plain data."""
+    from hitab_ros.conversions import remedies_of
+
     agents = [
         {
             "agent": name,
@@ -134,6 +140,7 @@ def _status_data(
             "last_error": s.last_error,
             "refused_at": s.refused_at.sec or None,
             "faults": list(s.faults),
+            "remedies": list(map(as_command, remedies_of(s.remedies))),
             "note": s.note,
             "unsure": s.unsure,
             "questions": s.questions,
@@ -165,6 +172,7 @@ def _status_data(
             "missing": list(world.missing),
             "last_error": world.last_error,
             "faults": list(world.faults),
+            "remedies": list(map(as_command, remedies_of(world.remedies))),
         },
     }
 
@@ -225,6 +233,9 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
         lines.append(console.line("no agent answers"))
     lines += [console.line(why, "red") for why in sentences(silent)]
     lines += [console.line(text, "red") for text in _wrong_with(data["agents"])]
+    of_all = [*data["agents"], *([world] if world is not None else [])]
+    ways = list(dict.fromkeys(way for one in of_all for way in one["remedies"]))
+    lines += [console.line(way) for way in ways[:WAYS_MAX]]
     notes = [(agent["agent"], agent["note"]) for agent in data["agents"]]
     lines += [console.line(f"{name} {note}") for name, note in notes if note]
     lines += [console.line(_kept(agent)) for agent in data["agents"] if _kept(agent)]
@@ -238,10 +249,8 @@ def _kept(agent: Mapping[str, Any]) -> str:
     if not agent["training"] or agent["mode"] in ("training", "testing"):
         return ""
     name, examples = agent["agent"], quantity(agent["examples"], "example")
-    return (
-        f'{name}: the training of "{agent["training"]}" ({examples}) is kept; '
-        f"`hitab train {name}` goes on with it"
-    )
+    kept = f'{name}: the training of "{agent["training"]}" ({examples}) is kept'
+    return f"{kept}; {as_command(Do.RESUME(agent=name))}"
 
 
 def _with_states(
@@ -273,12 +282,9 @@ def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    from hitab_core import gist
-
     # It may have been long ago: what is still so is among the faults.
     what = f"last refusal{_at(status)}" if "agent" in status else "last error"
-    told = [gist(fault) for fault in faults]
-    told += [f"{what}: {gist(last)}"] if last and last not in faults else []
+    told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):

@@ -11,7 +11,7 @@ import typer
 
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
-from hitab_core import in_lines, quantity
+from hitab_core import quantity
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
@@ -130,7 +130,7 @@ def up(
         look = f"look with `hitab status --swarm {name}`, stop with `hitab down {name}`"
     console.say(f"files in {folder.path}; {look}")
     for fault in faults:
-        console.note(in_lines(fault))
+        console.note(fault)
 
 
 def down(

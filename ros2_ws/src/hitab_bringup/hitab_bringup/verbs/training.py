@@ -13,7 +13,6 @@ from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean, quantity
-from hitab_ros.fault_texts import STOPPED
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -121,7 +120,7 @@ def train(
                 classifier=classifier,
                 discard=discard,
             )
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 def _bound(parameters: list[str]) -> dict[str, str]:
@@ -182,9 +181,9 @@ def start_testing(
             )
             console.say(cautious.message)
         answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
-        faults = swarm_up.agents.statuses[agent].faults
-    console.say(answer.message)
-    tell_faults(faults, STOPPED)
+        status = swarm_up.agents.statuses[agent]
+    console.say_answer(answer)
+    tell_faults(status)
 
 
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:
@@ -198,7 +197,7 @@ def undo(agent: AgentName, swarm: SwarmName = None) -> None:
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "undo")
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 def redo(agent: AgentName, swarm: SwarmName = None) -> None:
@@ -210,7 +209,7 @@ def redo(agent: AgentName, swarm: SwarmName = None) -> None:
     """
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.edit_examples(agent, "redo")
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 def save(
@@ -250,7 +249,7 @@ def save(
             keep_unused=keep_unused,
         )
         targets = swarm_up.agents.vocabulary(agent).targets if bound else []
-    console.say(f"{answer.message}: {answer.path}")
+    console.say_answer(answer, f"{answer.message}: {answer.path}")
     for parameter in bound.values():
         if parameter not in targets:
             console.say(
@@ -284,7 +283,7 @@ def discard(
             status = swarm_up.agents.await_agent(agent)
             _ask_to_discard(status, KeptTrainings(swarm_up.agents).name(status))
         answer = swarm_up.agents.discard(agent)
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 def _is_terminal() -> bool:

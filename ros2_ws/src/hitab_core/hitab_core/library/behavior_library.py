@@ -10,7 +10,6 @@ time.
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -19,9 +18,9 @@ from pathlib import Path
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.change import LibraryChange, read_version, sound_version, way_back
+from hitab_core.library.change import LibraryChange, read_version, sound_version
 from hitab_core.library.contents import Contents
 from hitab_core.library.digests import digest_of
 from hitab_core.library.durable_files import PATIENCE
@@ -341,19 +340,17 @@ class BehaviorLibrary:
     def _read(self) -> Contents:
         """Read all files, reusing unchanged ones; the folder must be locked."""
         readable: dict[str, BehaviorFile] = {}
-        unreadable: dict[str, str] = {}
+        unreadable: dict[str, LibraryError] = {}
         for name in self._folder.names():
             try:
                 path = self._folder.file(name)
                 readable[name] = self.editions.read(self._folder.text(path), path.name)
             except LibraryError as error:
-                command = f"hitab library accept {file_name(name)}"
-                there = f"hitab library accept {shlex.quote(str(self.folder / file_name(name)))}"
-                unreadable[name] = str(error).replace(command, there)
+                unreadable[name] = error
         return Contents.of(
             readable,
             unreadable,
             self.domain,
             fit=self.editions.knows(readable),
-            way_back=lambda name: way_back(self._folder, self.editions, name),
+            deleted=self.sound_version,
         )

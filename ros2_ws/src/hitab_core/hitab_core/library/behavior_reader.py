@@ -23,6 +23,7 @@ from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.example_check import wrong_with
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, read_yaml
+from hitab_core.remedies import Do
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
@@ -71,9 +72,8 @@ def _check_checksum(document: Document, complaints: Complaints) -> None:
     if stated != checksum(document.value):
         complaints.add(
             ("checksum",),
-            "the checksum does not match the file: it was edited or damaged; if it was edited on "
-            f"purpose, run: hitab library accept {document.file}; "
-            "if not, restore an earlier version",
+            "the checksum does not match the file: it was edited or damaged",
+            Do.ACCEPT(file=document.file),
         )
 
 
@@ -92,7 +92,7 @@ class _Reader:
         self._complaints = complaints
         self._accepting = accepting
         self._before = len(complaints)
-        self._accept = f"hitab library accept {document.file}"
+        self._accept = Do.ACCEPT(file=document.file)
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content, complaints = self._content, self._complaints
@@ -170,8 +170,9 @@ class _Reader:
                 ("domain",),
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
                 f"{stated['signature'] or 'unknown'} of what it uses), but this is version "
-                f"{ours['version']} (signature {ours['signature']}); if what it uses still means "
-                f"the same, run: {self._accept}; if not, give it up and train it again",
+                f"{ours['version']} (signature {ours['signature']}); if what it uses no longer "
+                "means the same, give it up and train it again",
+                self._accept,
             )
 
     def _check_name(self, expected: str) -> None:
@@ -329,8 +330,8 @@ class _Reader:
                 self._complaints.add(
                     ("trees", state),
                     f'what is learned for state "{state}" from the examples differs from what was '
-                    "saved: they were edited, or this version of HiTAB learns differently; "
-                    f"test the behavior, then run: {self._accept}",
+                    "saved: they were edited, or this version of HiTAB learns differently",
+                    self._accept,
                 )
         for state in stated:
             if state not in learned:
@@ -343,5 +344,6 @@ class _Reader:
             self._complaints.add(
                 ("uses",),
                 f"lists {', '.join(self._content['uses']) or 'nothing'}, but the states use "
-                f"{', '.join(sorted(used)) or 'nothing'}; run: {self._accept}",
+                f"{', '.join(sorted(used)) or 'nothing'}",
+                self._accept,
             )

@@ -10,7 +10,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.contents import Contents, Losses, brought_back
+from hitab_core.library.contents import Contents, Losses
 from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import Changes, LibraryFolder
 from hitab_core.library.provenance import Provenance, tool_name
@@ -113,7 +113,8 @@ class LibraryChange:
         name = automaton.name
         path = self._folder.file(name)
         if not (edited or restored) and name in self.problems:
-            raise LibraryError(refused_name(name, "saved", self.losses))
+            losses = self.losses
+            raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
         # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
         number = self._folder.next_number(name, kept)
@@ -262,7 +263,7 @@ class LibraryChange:
             unreadable,
             self._domain,
             fit=known,
-            way_back=lambda name: way_back(self._folder, self._editions, name),
+            deleted=lambda name: sound_version(self._folder, self._editions, name),
         )
 
     def _unkept(self, name: str) -> Changes:
@@ -296,18 +297,16 @@ class LibraryChange:
 
 
 def refused_name(name: str, done: str, losses: Losses) -> str:
-    """Return why the name of a lost behavior is not given to another, and the way out.
+    """Return why the name of a lost behavior is not given to another.
 
     Args:
         name: of the lost behavior.
         done: what is refused, such as "saved".
         losses: the behaviors that cannot be used.
     """
-    reason = losses.reasons[name]
-    fault = next((text for text in losses.faults if text.startswith(reason)), reason)
     return (
-        f'"{name}" cannot be {done}: it would take the place of a lost behavior; {fault}, or '
-        "choose another name"
+        f'"{name}" cannot be {done}: it would take the place of a lost behavior, so give it '
+        f"another name ({losses.reasons[name]})"
     )
 
 
@@ -334,9 +333,3 @@ def sound_version(folder: LibraryFolder, editions: Editions, name: str) -> int |
                 read_version(folder, editions, name, number)
                 return number
     return None
-
-
-def way_back(folder: LibraryFolder, editions: Editions, name: str) -> str:
-    """Return how to bring back a behavior that was deleted; "" if no version of it was kept."""
-    version = sound_version(folder, editions, name)
-    return "" if version is None else brought_back(name, folder.path, version)

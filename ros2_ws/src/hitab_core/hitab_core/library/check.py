@@ -16,8 +16,8 @@ from hitab_core.wording import quantity
 def misfits(
     files: Mapping[str, BehaviorFile],
     domain: Domain,
-    unreadable: Mapping[str, str] | None = None,
-    way_back: Callable[[str], str] = lambda name: "",
+    unreadable: Collection[str] = (),
+    deleted: Callable[[str], int | None] = lambda name: None,
 ) -> dict[str, str]:
     """Return why behaviors cannot be used, by name, each a text with one line per complaint.
 
@@ -25,9 +25,9 @@ def misfits(
         files: the behaviors that could be read, by name.
         domain: gives the basic behaviors and the hand-written automata.
         unreadable: names of the others; behaviors that use them cannot be used either.
-        way_back: returns how to bring back a behavior that has no file; "": it was never there.
+        deleted: returns the newest version of a behavior that has no file; None: there is none.
     """
-    lost = {*(unreadable or ())}
+    lost = {*unreadable}
     lost |= hand_written_users(domain, files, lost)
     users: dict[str, list[str]] = {}
     for name, file in files.items():
@@ -46,9 +46,7 @@ def misfits(
             name: "\n".join(complaints)
             for name in asked
             if (
-                complaints := _complaints(
-                    files[name], files, domain, lost, circles, uses, way_back
-                )
+                complaints := _complaints(files[name], files, domain, lost, circles, uses, deleted)
             )
         }
         found |= more
@@ -95,7 +93,7 @@ def _complaints(
     lost: set[str],
     circles: Mapping[str, int],
     uses: Uses,
-    way_back: Callable[[str], str],
+    deleted: Callable[[str], int | None],
 ) -> list[str]:
     complaints = []
     for state, line in zip(file.automaton.states, file.state_lines, strict=True):
@@ -111,8 +109,8 @@ def _complaints(
             )
         elif state.name in lost:
             complaints.append(f"{place}, which cannot be used; bring that back first")
-        elif parameters is None and (way := way_back(state.name)):
-            complaints.append(f"{place}, which is no longer in the library; {way}")
+        elif parameters is None and (version := deleted(state.name)):
+            complaints.append(f"{place}, which was deleted; bring its version {version} back")
         elif parameters is None:
             complaints.append(
                 f"{place}, which is neither in the library {has(files, state.name)} nor a "

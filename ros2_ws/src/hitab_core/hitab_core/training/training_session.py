@@ -15,6 +15,7 @@ from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, Vo
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.remedies import Do
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
@@ -237,14 +238,6 @@ class TrainingSession:
         if self.testing:
             self.running.set_transitions(self.automaton().transitions)
 
-    @property
-    def is_tested(self) -> str:
-        """Why a command is refused while testing."""
-        return (
-            f'"{self.curriculum.name}" is being tested; go to training mode to take over before '
-            "commanding"
-        )
-
     def command(
         self,
         state: Use,
@@ -277,7 +270,9 @@ class TrainingSession:
             FeatureValueError: if no feature had a value, or one was infinite.
         """
         if self.testing:
-            raise TrainingError(self.is_tested)
+            raise TrainingError(
+                f'"{self.curriculum.name}" is being tested; take over before commanding'
+            )
         try:
             taught = self._record(state, cycle, ago, seen, request)
             self.note = ""
@@ -500,8 +495,8 @@ class TrainingSession:
             raise TrainingError(
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
                 "with so many features, a training reads some only if they are chosen when it "
-                f"begins; begin again with it (`hitab train AGENT {self.curriculum.name} -f "
-                f'"{unread[0]}"`)'
+                "begins",
+                Do.TRAIN_BEHAVIOR(behavior=self.curriculum.name, feature=unread[0]),
             )
 
     def _make(self, edit: Edit) -> None:

@@ -8,6 +8,7 @@ from hitab_client import SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session, nothing_in_training
 
 
@@ -56,7 +57,7 @@ async def features_preview(session: Session, data: Data) -> None:
                 lambda swarm, agent: swarm.agents.behavior(agent, with_features=list(chosen))
             )
         except SwarmError as error:
-            dialog["problem"] = str(error)
+            dialog["problem"] = told(error)
         else:
             dialog |= {"preview": preview, "change": effect(training, preview)}
 

@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hitab_core import HitabError
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 
 Data = Mapping[str, Any]
@@ -115,7 +116,7 @@ async def perform(session: Session, data: Data) -> None:
     try:
         await wanted(session, data)
     except HitabError as error:
-        refuse(session, str(error))
+        refuse(session, told(error))
     except Exception as error:
         logging.getLogger(__name__).exception("action %s", data.get("do"))
         refuse(session, f"That did not work: {error}")

@@ -9,6 +9,7 @@ from hitab_msgs.srv import GetBehavior
 from hitab_client import DistributionReport, SwarmError, learned_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
+from hitab_studio.remedy_words import answered, told
 from hitab_studio.session import Session, nothing_in_training
 
 
@@ -60,7 +61,7 @@ async def _preview(session: Session, values: Any) -> None:
             )
         )
     except SwarmError as error:
-        session.dialog |= {"preview": None, "problem": str(error)}
+        session.dialog |= {"preview": None, "problem": told(error)}
     else:
         session.dialog |= {"preview": learned_of(answer), "problem": ""}
 
@@ -88,7 +89,7 @@ async def save(session: Session, data: Data) -> None:
     session.tab = "library"
     session.behavior = name
     session.shared.link.want(session.agent, name)
-    session.tell(f"{answer.message}{left_out}")
+    session.tell(f"{answered(answer)}{left_out}")
 
 
 @action("library")

@@ -12,6 +12,7 @@ from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
+from hitab_studio.remedy_words import answered
 from hitab_studio.session import (
     CHOOSE_FIRST,
     Session,
@@ -157,7 +158,7 @@ async def toggle(session: Session, data: Data) -> None:
     mode = demonstrating.other_mode(status)
     answer = await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
     if mode == "testing" and status.questions:
-        session.tell(answer.message, "note")
+        session.tell(answered(answer), "note")
 
 
 @action("restart")
@@ -238,7 +239,7 @@ async def discard_now(session: Session, data: Data) -> None:
     answer = await session.ask_agent(lambda swarm, agent: swarm.agents.discard(agent))
     session.dialog = {}
     session.lost = session.asked = None
-    session.tell(answer.message)
+    session.tell(answered(answer))
 
 
 @action("new-name", repeats=True)

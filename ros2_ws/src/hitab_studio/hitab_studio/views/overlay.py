@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core import FLAGS, START, Use, some
-from hitab_ros.fault_texts import STOPPED
+from hitab_client.commands import called
+from hitab_core import FLAGS, START, Do, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
@@ -78,7 +78,7 @@ def context(session: Session) -> dict[str, Any]:
         "legend": _legend(session),
         "camera": sensors.camera(session),
         "silent_sensors": sensors.silent(session),
-        "stopped": next((f for f in status.faults if f.startswith(STOPPED)), "") if status else "",
+        "stopped": _stopped(session),
         "player": session.player,
         "empty": empty,
         "choices": choices(session) if empty[0] else [],
@@ -90,6 +90,14 @@ def context(session: Session) -> dict[str, Any]:
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
+
+
+def _stopped(session: Session) -> str:
+    """Return why the robot of the agent may not act; empty: it may."""
+    status = session.status if session.player is None else None
+    if status is None or all(remedy.code != Do.ARM.name for remedy in status.remedies):
+        return ""
+    return "; ".join(status.faults)
 
 
 def _decides(session: Session, mode: str) -> str:
@@ -201,14 +209,14 @@ def _empty(session: Session) -> tuple[str, str, str]:
             "No swarm of yours is up",
             "Started elsewhere (from another HITAB_HOME, user or computer), and left alone: "
             f"{some(store.known.elsewhere)}. To use one nevertheless, start a studio for it:",
-            f"hitab studio {store.known.elsewhere[0]}",
+            f"{called()} studio {store.known.elsewhere[0]}",
         )
     return (
         "No swarm is up",
         "Start one here or in a terminal. This page finds it by itself."
         if startable(session)
         else "Start one in a terminal. This page finds it by itself.",
-        f"hitab up {_proposed(session)}",
+        f"{called()} up {_proposed(session)}",
     )
 
 
@@ -220,7 +228,7 @@ def _not_up(session: Session, name: str) -> tuple[str, str, str]:
     if why := unknown(name):
         return (f"{name} is not up", f"{why} {finds}", "")
     where = "here or in a terminal" if startable(session) else "in a terminal"
-    return (f"{name} is not up", f"Start it {where}. {finds}", f"hitab up {name}")
+    return (f"{name} is not up", f"Start it {where}. {finds}", f"{called()} up {name}")
 
 
 def _to_start(session: Session) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
+from hitab_client.commands import called
 from hitab_core import quantity, some
 from hitab_ros import fault_texts
 from hitab_studio.robots.listening import SensorState
@@ -84,8 +85,8 @@ def notes(session: Session) -> list[str]:
         return []
     found = list(state.notes)
     for topics, one in (
-        (state.camera.choices, "camera: choose one with `hitab studio --camera TOPIC`"),
-        (known.map.choices, "map: choose one with `hitab studio --map TOPIC`"),
+        (state.camera.choices, f"camera: choose one with `{called()} studio --camera TOPIC`"),
+        (known.map.choices, f"map: choose one with `{called()} studio --map TOPIC`"),
     ):
         if topics:
             found.append(f"There is more than one {one}, of {some(topics)}.")
