@@ -116,7 +116,7 @@ def test_what_is_learned_without_looking_needs_no_percept(agent: Agent) -> None:
 
 
 def test_a_training_without_examples_cannot_be_saved(agent: Agent) -> None:
-    with pytest.raises(TrainingError, match="nothing can be saved: ann is not training anything"):
+    with pytest.raises(TrainingError, match="nothing can be saved: it is not training anything"):
         agent.save()
     agent.begin(Curriculum("New", (Use("Range"),)))
     missing = "no example leaves Start; command the behavior that it should begin with"

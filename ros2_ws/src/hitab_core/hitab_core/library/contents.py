@@ -134,7 +134,7 @@ class Contents:
             if cause != name:
                 others.append(name)
             if cause not in remedies:
-                remedies[cause] = self._remedies(cause, folder, sound_version(cause))
+                remedies[cause] = self._remedies(cause, folder, domain, sound_version)
             remedies[name] = remedies[cause]
         faults = tuple(
             f"{reasons[cause]}; it is needed for {', '.join(others)}" if others else reasons[cause]
@@ -142,19 +142,32 @@ class Contents:
         )
         return Losses(reasons, faults, remedies)
 
-    def _remedies(self, cause: str, folder: Path, sound_version: int | None) -> tuple[Remedy, ...]:
-        """Return what a person can do about a lost behavior."""
+    def _remedies(
+        self,
+        cause: str,
+        folder: Path,
+        domain: Domain,
+        sound_version: Callable[[str], int | None],
+    ) -> tuple[Remedy, ...]:
+        """Return what a person can do about a lost behavior that no other explains."""
         file = folder / file_name(cause)
-        given_up = Do.DELETE(behavior=cause, folder=folder)
-        if cause not in self.unreadable:
-            return (given_up,)  # its own file is sound
         if NAME.match(cause) is None or cause in RESERVED:
             return (Do.MOVE_AWAY(file=file),)
-        accepted = [Do.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
-        if sound_version is None:
-            return (*accepted, Do.SEND(behavior=cause), Do.PUT_INTACT(file=file), given_up)
-        restored = Do.RESTORE(behavior=cause, version=sound_version, folder=folder)
-        return (*accepted, restored, given_up)
+        accepted: list[Remedy] = []
+        gone = {cause}
+        if cause in self.unreadable:
+            accepted = [Do.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
+        else:  # its own file is sound; perhaps what it uses was deleted
+            there = {*self.readable, *domain.behaviors, *domain.automata}
+            gone = self.readable[cause].automaton.behaviors_used - there
+        restored = [
+            Do.RESTORE(behavior=name, version=version, folder=folder)
+            for name in sorted(gone)
+            if (version := sound_version(name)) is not None
+        ]
+        others = [Do.SEND(behavior=cause), Do.PUT_INTACT(file=file)] if cause in gone else []
+        given_up = Do.DELETE(behavior=cause, folder=folder)
+        return (*accepted, *(restored or others), given_up)
 
     def _lost_parts(self, domain: Domain) -> dict[str, list[str]]:
         """Return what is lost, hand-written automata included, each with its lost parts."""
