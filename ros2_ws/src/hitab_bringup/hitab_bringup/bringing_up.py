@@ -26,7 +26,7 @@ from hitab_client import (
     WorldClient,
     domain_ids,
 )
-from hitab_client.commands import as_command
+from hitab_client.commands import as_command, called
 from hitab_client.machine_load import busy
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
@@ -242,8 +242,8 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
             why = f"its world publishes the clock from which {swarm.name} takes its time"
         if why:
             raise SwarmError(
-                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and {why}; stop '
-                f"it with {way_to_stop(other, record)}, or {way}"
+                f'swarm "{record.swarm}" is up in ROS domain {domain_id}, too, and {why}; {way}',
+                way_to_stop(other, record),
             )
 
 
@@ -263,18 +263,14 @@ def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) ->
         return
     other = next(iter(taken.values()))
     where = f"nodes in ROS domain {record.domain_id} that were started by hand"
-    stop = "stop them"
     if other:
         where = f"swarm {other}, which is up in the same ROS domain {record.domain_id}"
-        stop = "stop it with `hitab down` where it was started"
-        for there, registered in running_swarms():
-            if registered.identity == other:
-                stop = f"stop it with {way_to_stop(there, registered)}"
     raise NamesTakenError(
         f"{some(list(taken))} of {record.swarm} cannot start: the names are in use by {where}; "
-        f"{stop}, or {_another_domain(not record.world)}",
-        record.domain_id,
-        f"swarm {other}" if other else "nodes that were started by hand",
+        f"stop these, or {_another_domain(not record.world)}",
+        *(way_to_stop(*found) for found in running_swarms() if found[1].identity == other),
+        domain_id=record.domain_id,
+        owner=f"swarm {other}" if other else "nodes that were started by hand",
     )
 
 
@@ -423,5 +419,5 @@ def _await_commanders(
         names = view.incomplete(commanders)
         yield (
             f"{some(names)} {'does' if len(names) == 1 else 'do'} not hear all subordinates yet; "
-            "`hitab tree --commanders --watch` shows when"
+            f"`{called()} tree --commanders --watch` shows when"
         )

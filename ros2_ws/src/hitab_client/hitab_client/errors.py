@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core import HitabError
+from hitab_core import HitabError, Remedy
 
 
 class DescriptionError(HitabError):
@@ -39,7 +39,7 @@ class NamesTakenError(SwarmError):
         owner: of the names, such as ``swarm keepaway-3f9a2c1e``.
     """
 
-    def __init__(self, text: str, domain_id: int, owner: str) -> None:
-        super().__init__(text)
+    def __init__(self, what: str, *remedies: Remedy, domain_id: int, owner: str) -> None:
+        super().__init__(what, *remedies)
         self.domain_id = domain_id
         self.owner = owner

@@ -103,6 +103,5 @@ def find_file(given: str, folder: str, what: str) -> Path:
         guess = did_you_mean(given, beside) or f" That folder has {some(beside)}" * bool(beside)
         raise HitabError(f'no {what} "{given}": no such file.{guess}')
     names = sorted(p.stem for place in folders for p in place.glob("*.yaml"))
-    more = ", and others in folders: see `hitab lesson list`" if what == "lesson" else ""
-    guess = did_you_mean(given, names) or f" The shipped ones are: {', '.join(names)}{more}"
+    guess = did_you_mean(given, names) or f" The shipped ones are: {', '.join(names)}"
     raise HitabError(f'no {what} "{given}": no such file, and no such {what} is shipped.{guess}')

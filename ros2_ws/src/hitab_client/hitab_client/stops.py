@@ -145,7 +145,7 @@ class Stops:
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
-        missing = f"{robot} cannot be re-armed: nobody offers {service}"
+        missing = SwarmError(f"{robot} cannot be re-armed: nobody offers {service}")
         answer = self._link.call(Arm, service, request, missing=lambda: missing)
         if not answer.success:
             raise refused(answer, f"{robot} may not act again")

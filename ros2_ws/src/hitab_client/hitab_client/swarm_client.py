@@ -30,6 +30,7 @@ from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
 from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
+from hitab_core import Do
 from hitab_ros import names, qos
 from hitab_ros.conversions import costs_of, remedies_of
 
@@ -130,11 +131,8 @@ class SwarmClient(AgentPresence):
             if self.link.spin_until(answered, RESEND_SECONDS):
                 break
         if not answered():
-            raise SwarmError(
-                self.processes.reason(agent)
-                or f"{agent} did not acknowledge the command within {seconds:g} s; "
-                f"check with `hitab examples list {agent}` whether it was recorded"
-            )
+            late = f"{agent} did not acknowledge the command within {seconds:g} s"
+            raise self.processes.reason(agent) or SwarmError(late, Do.EXAMPLES(agent=agent))
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
             remedies = remedies_of(status.last_remedies)
@@ -154,7 +152,7 @@ class SwarmClient(AgentPresence):
             0.01,
             lambda: f"{agent} to listen",
         ):
-            raise SwarmError(self._absence(agent, DISCOVERY_SECONDS))
+            raise self._absence(agent, DISCOVERY_SECONDS)
         return publisher
 
     # -- services ---------------------------------------------------------------------------

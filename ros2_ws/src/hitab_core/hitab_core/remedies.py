@@ -31,6 +31,7 @@ class Do(Enum):
     CAUTION = "say when an agent is unsure"
     SAVE = "save the training of {agent}"
     DISCARD = "discard the training of {agent}"
+    PERFORM = "have {agent} perform a behavior"
     IDLE = "make {agent} idle"
     # libraries
     CHECK_LIBRARY = "check the library"
@@ -40,6 +41,8 @@ class Do(Enum):
     MOVE_AWAY = "move {file} away"
     PUT_INTACT = "put an intact file in the place of {file}"
     SEND = 'have an agent that has "{behavior}" send it'
+    RELOAD = "have the agents of {swarm} read their libraries again"
+    DEMO = "train one"
     IMPORT = "load it from a file of behaviors"
     # generations
     NEXT_GENERATION = "make the next generation of what {agent} trains"
@@ -56,8 +59,8 @@ class Do(Enum):
     # swarms
     UP = "start a swarm"
     UP_AGAIN = "start {swarm} again"
-    DOWN = "stop {swarm}"
-    DOWN_FOLDER = "stop the swarm in {folder}"
+    DOWN = "stop {swarm}, or end what is left of it"
+    DOWN_FOLDER = "stop the swarm in {folder}, or end what is left of it"
     DOWN_ALL = "stop all swarms"
     STATUS = "see who is there"
     LOGS = "look into the log of {node}"

@@ -8,9 +8,9 @@ from hitab_msgs.msg import AgentStatus
 
 from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import RosLink, RunRecord, SwarmClient
+from hitab_client.commands import as_command
 from hitab_client.run_folder import running_swarms
-from hitab_client.swarm_choice import name_to_choose
-from hitab_core import each_once, quantity, some
+from hitab_core import Do, each_once, quantity, some
 
 MANY = 100  # agents; a larger swarm takes long to ask
 ASK_SECONDS = 3.0
@@ -21,7 +21,7 @@ def faults() -> Iterator[Finding]:
     for _, record in running_swarms():
         if len(record.agents) > MANY:
             count = quantity(len(record.agents), "agent")
-            told = f"the {count} of {record.swarm} were not asked; `hitab status` does"
+            told = f"the {count} of {record.swarm} were not asked; {as_command(Do.STATUS())}"
             yield Finding("agents", told)
         else:
             yield from _faults_of(record)
@@ -37,14 +37,14 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
         statuses = dict(agents.statuses)
     if mute := [name for name in record.agents if name not in statuses]:
         told = f"{some(mute)} of {record.swarm} did not answer within {ASK_SECONDS:g} s"
-        yield warning("agents", told, f"`hitab logs {mute[0]}` shows why")
-    found = list(told_by(statuses, f"`hitab status --swarm {name_to_choose(record)}` shows it"))
+        yield warning("agents", told, as_command(Do.LOGS(node=mute[0])))
+    found = list(told_by(statuses))
     yield from found
     if not mute and not found:
         yield Finding("agents", f"{quantity(len(statuses), 'agent')} of {record.swarm}: no faults")
 
 
-def told_by(statuses: Mapping[str, AgentStatus], way_out: str) -> Iterator[Finding]:
+def told_by(statuses: Mapping[str, AgentStatus]) -> Iterator[Finding]:
     """Report the faults of agents, each once with the names of those concerned."""
     for fault in each_once((name, fault) for name, s in statuses.items() for fault in s.faults):
-        yield warning("agents", fault, way_out)
+        yield warning("agents", fault, as_command(Do.STATUS()))

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from hitab_bringup.doctor.finding import Finding, error, warning
 from hitab_bringup.shared_memory import FOLDER, left_behind
+from hitab_client.commands import called
 from hitab_client.run_folder import state_home
 
 PACKAGES = ("core", "msgs", "ros", "agent", "world", "client", "commander", "studio", "bringup")
@@ -138,7 +139,7 @@ def shared_memory(folder: Path = FOLDER) -> Iterator[Finding]:
         yield warning(
             "shared memory",
             f"{own} files in {folder} that ROS programs have left behind",
-            "`hitab up` and `hitab down` remove them",
+            f"`{called()} up` and `{called()} down` remove them",
         )
     if not own and not foreign:
         yield Finding("shared memory", f"nothing left behind in {folder}")

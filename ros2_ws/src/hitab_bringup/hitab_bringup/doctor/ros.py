@@ -126,6 +126,6 @@ def neighbors(started_here: bool) -> Iterator[Finding]:
             f"{who}, started by hand or on another computer",
             "to be alone, choose another ROS_DOMAIN_ID",
         )
-        yield from told_by(agents.statuses, "`hitab status` shows it")
+        yield from told_by(agents.statuses)
     else:
         yield Finding("nodes", who)

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from hitab_bringup.doctor.finding import Finding, warning
 from hitab_client import SwarmError
+from hitab_client.commands import as_command
 from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms
 from hitab_client.run_processes import ANSWER_SECONDS, is_suspended, process_states
 from hitab_client.swarm_choice import way_to_stop
-from hitab_core import some
+from hitab_core import Do, some
 
 SHOWN = 5  # processes by name
 
@@ -23,15 +24,15 @@ def swarms() -> Iterator[Finding]:
         if folder.supervisor(record) is None:
             yield warning(
                 "swarm",
-                f"{record.swarm} has ended without `hitab down` ({folder.path})",
-                f"{way_to_stop(folder, record)} removes what it left, `hitab up` starts it again",
+                f"{record.swarm} has ended without being stopped ({folder.path})",
+                as_command(way_to_stop(folder, record)),
             )
             continue
         where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
         try:
             states = process_states(record, ANSWER_SECONDS)
         except SwarmError as error:
-            yield warning("swarm", str(error), way_to_stop(folder, record))
+            yield warning("swarm", error.problem, as_command(way_to_stop(folder, record)))
             continue
         running = [state for state in states if state["statename"] == "RUNNING"]
         pids = some([f"{state['name']} {state['pid']}" for state in running], SHOWN)
@@ -40,7 +41,7 @@ def swarms() -> Iterator[Finding]:
             yield warning(
                 "swarm",
                 f"{told}; {', '.join(lost[:SHOWN])} does not run",
-                f"`hitab logs {lost[0]}` shows why",
+                as_command(Do.LOGS(node=lost[0])),
             )
         else:
             yield Finding("swarm", told)
@@ -52,7 +53,7 @@ def swarms() -> Iterator[Finding]:
                     f"`kill -CONT {state['pid']}` lets it continue",
                 )
     if not up:
-        yield Finding("swarm", "none is up; `hitab up keepaway` starts one")
+        yield Finding("swarm", f"none is up; {as_command(Do.UP(swarm='keepaway'))}")
 
 
 def leftovers() -> Iterator[Finding]:
@@ -70,7 +71,7 @@ def leftovers() -> Iterator[Finding]:
             "leftovers",
             f"processes {numbers} of a killed run in {mark}"
             + ("" if mark in known else ", which no command knows"),
-            f"`hitab down --run-dir {mark}`",
+            as_command(Do.DOWN_FOLDER(folder=mark)),
         )
     if not lost:
         yield Finding("leftovers", "no processes of killed runs")

@@ -14,6 +14,7 @@ from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_core import Do
 
 if TYPE_CHECKING:
     from hitab_client.bootstrapping import Bootstrapping, Configuration, Generation, Generations
@@ -193,8 +194,7 @@ def list_(
     if not there or (behavior and behavior not in there):
         what = f"{behavior} of {agent}" if behavior else agent
         raise SwarmError(
-            f"{what} has no generations {has(there, behavior)}; "
-            f"`hitab bootstrap next {agent}` makes one of what is in training"
+            f"{what} has no generations {has(there, behavior)}", Do.NEXT_GENERATION(agent=agent)
         )
     read = [read_generations(folder, agent, name) for name in ([behavior] if behavior else there)]
     if json != "-":

@@ -11,7 +11,7 @@ from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_client.commands import with_commands
+from hitab_client.commands import called, with_commands
 from hitab_core import Do, quantity
 
 Targets = Annotated[
@@ -67,8 +67,8 @@ def demonstrate(
 
     if not behavior:
         raise typer.BadParameter(
-            "name the agent and the behavior, as in `hitab demonstrate keeper_1 GoFast`; only "
-            f'"{agent}" was given'
+            f'only "{agent}" was given; name the agent and the behavior, as in '
+            f"`{called()} demonstrate keeper_1 GoFast`"
         )
     use = Use.parse(behavior)
     if ago is None:
@@ -76,7 +76,7 @@ def demonstrate(
     else:
         reaction_time.check(ago)
     with connection(swarm) as swarm_up:
-        swarm_up.check_order(agent, behavior, f"`hitab demonstrate {behavior} {agent}`")
+        swarm_up.check_order(agent, behavior, f"`{called()} demonstrate {behavior} {agent}`")
         due, seen = _due(swarm_up, agent, ago) if ago else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
@@ -135,7 +135,7 @@ def perform(
 
     use = Use.parse(behavior) if behavior else None
     with connection(swarm) as swarm_up:
-        swarm_up.check_order(agent, behavior, f"`hitab perform {behavior} {agent}`")
+        swarm_up.check_order(agent, behavior, f"`{called()} perform {behavior} {agent}`")
         if use is None:
             answer = swarm_up.agents.perform(agent, "")
         else:
@@ -176,7 +176,7 @@ def distribute(
     if targets and not start:
         raise typer.BadParameter(
             f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
-            f"chosen with --to, as in `hitab distribute {agent} {behavior} --to {targets[0]}`"
+            f"chosen with --to, as in `{called()} distribute {agent} {behavior} --to {targets[0]}`"
         )
     with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
         report = swarm_up.agents.distribute(

@@ -10,7 +10,7 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import completion, console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import quantity
+from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -98,9 +98,9 @@ def _nobody(swarm_up: Connection, view: CommandView, lost: Sequence[str]) -> Exc
     if lost:
         return SwarmError("\n".join(lost))
     for name, swarm in view.strangers.items():
-        return SwarmError(other_swarm(name, swarm, swarm_up.agents.identity))
+        return other_swarm(name, swarm, swarm_up.agents.identity)
     if not swarm_up.agents.await_agents(seconds=0.5):
-        return SwarmError("no commander answers, and no agent; start a swarm with `hitab up`")
+        return SwarmError("no commander answers, and no agent", Do.UP())
     return SwarmError(
         "no commander answers; a swarm has commanders if its description has `commanders:`"
     )
@@ -267,8 +267,8 @@ def _refuse_agent(name: str, behavior: str, commanders: Collection[str]) -> None
 
     if name not in commanders:
         raise SwarmError(
-            f"{name} is not a commander {has(commanders, name)}; "
-            f"`hitab perform {name} {behavior}` makes an agent perform a behavior"
+            f"{name} is not a commander {has(commanders, name)}",
+            Do.PERFORM(agent=name, behavior=behavior),
         )
 
 

@@ -10,6 +10,7 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_client.commands import called
 
 
 def register(app: typer.Typer) -> None:
@@ -68,7 +69,7 @@ def questions(
         if found.questions:
             number = found.questions[0].number
             console.say(
-                f"`hitab questions {agent} --answer {number}` answers as proposed; add "
+                f"`{called()} questions {agent} --answer {number}` answers as proposed; add "
                 "--choice CHOICE to answer otherwise."
             )
     console.write_json(

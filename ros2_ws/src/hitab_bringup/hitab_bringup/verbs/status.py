@@ -72,8 +72,8 @@ def _nobody(swarm_up: Connection) -> Exception:
     return SwarmError(
         f"nobody answers in ROS domain {swarm_up.link.node.context.get_domain_id()}"
         + (f", although there is somebody on {topics}; " if topics else "; ")
-        + "a swarm that starts or ends needs a moment: try again, or start one, such as "
-        "`hitab up keepaway`"
+        + "a swarm that starts or ends needs a moment: try again",
+        Do.UP(swarm="keepaway"),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,7 +10,8 @@ import typer
 
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
-from hitab_core import quantity
+from hitab_client.commands import with_commands
+from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
@@ -90,7 +90,6 @@ def up(
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
     from hitab_client import RunFolder
-    from hitab_client.run_folder import running_swarms
     from hitab_client.shipped import find_file
     from hitab_client.swarm_choice import name_to_choose
 
@@ -124,11 +123,8 @@ def up(
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
-    look = "look with `hitab status`, stop with `hitab down`"
-    if len(list(running_swarms())) > 1:
-        name = name_to_choose(record)
-        look = f"look with `hitab status --swarm {name}`, stop with `hitab down {name}`"
-    console.say(f"files in {folder.path}; {look}")
+    down = Do.DOWN(swarm=name_to_choose(record))
+    console.say(with_commands(f"files in {folder.path}", [Do.STATUS(), down]))
     for fault in faults:
         console.note(fault)
 
@@ -200,8 +196,8 @@ def _take_down(folder: RunFolder, record: RunRecord | None) -> None:
         with console.err().status("stopping"), registry_held():
             killed = stop(folder)
     except KeyboardInterrupt:
-        again = f"`hitab down --run-dir {shlex.quote(str(folder.path))}`"
-        console.note(f"{name} may be ending all the same; {again} ends what is left of it")
+        again = [Do.DOWN_FOLDER(folder=folder.path)]
+        console.note(with_commands(f"{name} may be ending all the same", again))
         raise
     console.say(f"{name} is down")
     if killed:

@@ -12,6 +12,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
+from hitab_client.commands import called
 from hitab_core import did_you_mean, quantity
 
 if TYPE_CHECKING:
@@ -104,7 +105,9 @@ def train(
     bound = _bound(parameter or [])
     taking_over = automaton is None and not resume_from
     if taking_over and any((feature, state, parameter, resume, classifier, discard)):
-        raise typer.BadParameter("name the behavior to train, as in `hitab train AGENT NAME`")
+        raise typer.BadParameter(
+            f"name the behavior to train, as in `{called()} train {agent} NAME`"
+        )
     with connection(swarm) as swarm_up:
         if taking_over:
             answer = swarm_up.agents.set_mode(agent, "training")

@@ -15,6 +15,7 @@ from hitab_msgs.srv import Distribute
 from hitab_client.acknowledgements import Acknowledgements
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
+from hitab_core import Do
 from hitab_core.library import bundle_digest
 from hitab_ros import names, qos
 
@@ -65,8 +66,7 @@ class KeptCopies:
             if found is not None:
                 return found
         raise SwarmError(
-            f"{agent} has sent its files {TRIES} times, and none arrived here; find the cause "
-            "with `hitab doctor`"
+            f"{agent} has sent its files {TRIES} times, and none arrived here", Do.DOCTOR()
         )
 
     def send(self, agent: str, behavior: str, files: Mapping[str, str]) -> None:
@@ -105,6 +105,6 @@ class KeptCopies:
             if report.accepted:
                 return
         raise SwarmError(
-            f"{agent} has not confirmed that it received {behavior}; probably it has not changed. "
-            f"See `hitab logs {agent}`"
+            f"{agent} has not confirmed that it received {behavior}; probably it has not changed",
+            Do.LOGS(node=agent),
         )

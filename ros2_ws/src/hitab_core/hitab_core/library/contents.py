@@ -154,7 +154,7 @@ class Contents:
         if NAME.match(cause) is None or cause in RESERVED:
             return (Do.MOVE_AWAY(file=file),)
         accepted: list[Remedy] = []
-        gone = {cause}
+        gone = frozenset({cause})
         if cause in self.unreadable:
             accepted = [Do.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
         else:  # its own file is sound; perhaps what it uses was deleted
