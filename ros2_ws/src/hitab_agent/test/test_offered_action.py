@@ -182,7 +182,7 @@ def test_an_agent_in_training_refuses_a_goal_and_says_the_way_out(one):
     one.process.until(begun.done)
     status, outcome, message = one.come_of(one.ask("Walk")[1])
     assert (status, outcome) == (GoalStatus.STATUS_ABORTED, "")
-    assert message.startswith('one is training "New"; save that first (`hitab save one`)')
+    assert message == 'it is training "New"; save the training of one; make one idle'
     assert one.agent.training == "New"
 
 

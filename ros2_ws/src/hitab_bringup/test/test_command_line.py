@@ -95,7 +95,7 @@ def test_who_interrupts_down_learns_how_to_end_the_rest(tmp_path, monkeypatch):
     monkeypatch.setattr(supervision, "stop", interrupted)
     result = hitab("down", "--run-dir", str(tmp_path))
     assert result.exit_code == 130
-    assert f"`hitab down --run-dir {tmp_path}` ends what is left of it" in result.stderr
+    assert f"end what is left of it: `hitab down --run-dir {tmp_path}`" in result.stderr
 
 
 def test_json_goes_where_it_is_asked_to(tmp_path, capsys):

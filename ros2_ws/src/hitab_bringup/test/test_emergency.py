@@ -87,7 +87,7 @@ def test_robots_are_stopped_and_released_and_re_armed_though_there_is_no_agent(f
     assert status == 1
     assert "robot_1 may not act again: emergency stop by" in err
     status, out, _ = hitab(capfd, "go")
-    assert out == "released: red/robot_2, robot_1; robots wait for `hitab arm`\n"
+    assert out == "released: red/robot_2, robot_1; let ROBOT act again: `hitab arm ROBOT`\n"
     assert one.machine.why
     assert hitab(capfd, "arm", "/red/robot_2")[1] == "/red/robot_2 may act\n"
     assert one.machine.why
@@ -145,5 +145,5 @@ def test_a_stop_that_nobody_heard_is_an_error(domain_id, capfd, monkeypatch):
 
 
 def test_names_are_refused_with_what_does_it_for_one_robot(capfd):
-    assert "perform robot_1` stops one of them" in hitab(capfd, "stop", "robot_1")[2]
+    assert "perform robot_1`" in hitab(capfd, "stop", "robot_1")[2]
     assert "arm robot_1`" in hitab(capfd, "go", "robot_1")[2]

@@ -13,9 +13,10 @@ from hitab_bringup.verbs.connection import connection
 from hitab_client import RosLink, SwarmError, domain_ids, swarm_choice
 from hitab_client.identity import BY_HAND, new_identity, other_swarm
 from hitab_client.run_folder import RunFolder, RunRecord
+from hitab_core import Do
 from hitab_ros import qos
 
-ERROR = "error: no swarm answers in ROS domain {}; start one, such as `hitab up keepaway`"
+ERROR = "error: no swarm answers in ROS domain {}\n  start a swarm: `hitab up keepaway`"
 CALLS = {
     "demonstrate keeper_1 Stop",
     "perform keeper_1 Stop",
@@ -55,9 +56,9 @@ def test_verbs_that_need_a_swarm_fail_with_the_remedy(impatient, capfd):
             make_app()(call.split())
         told = capfd.readouterr()
         assert (ended.value.code, told.out) == (1, ""), call
-        first, last = told.err.splitlines()
+        first, *rest = told.err.splitlines()
         assert first.startswith("No swarm runs in ROS domain "), call
-        assert last == ERROR.format(domain_ids.chosen_by_user()), call
+        assert "\n".join(rest) == ERROR.format(domain_ids.chosen_by_user()), call
 
 
 @pytest.mark.parametrize(
@@ -72,7 +73,7 @@ def test_what_cannot_be_the_name_of_an_agent_is_refused(call, impatient, monkeyp
     with pytest.raises(SystemExit) as ended:
         make_app()(call.split())
     assert ended.value.code == 1
-    *_, last = capfd.readouterr().err.splitlines()
+    *_, last, _ = capfd.readouterr().err.splitlines()
     name = re.search(r"(\S*[/ä1]\S*)", call)[1]
     assert last.startswith(f'error: "{name}" cannot be the name of an agent: name it without its')
 
@@ -119,7 +120,7 @@ def record(folder: RunFolder, domain_id: int, supervisor: int) -> RunRecord:
 def test_a_swarm_in_another_domain_is_named_with_the_way_to_it(monkeypatch):
     record(RunFolder.of_swarm("red"), 7, 1)
     monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
-    told = swarm_choice.none_is_up(8)
+    told, _ = swarm_choice.none_is_up(8)
     assert '"red" runs in ROS domain 7; choose it with --swarm red, or unset ROS_DOMAIN' in told
 
 
@@ -196,5 +197,5 @@ def test_what_is_left_of_an_own_swarm_is_not_called_a_strangers():
     (told,) = swarm_choice.whose(["blue-0a1b2c3d"])
     assert "not started from here" in told
     told = other_swarm("a", record.identity, BY_HAND)
-    assert 'left of swarm "red", which has ended' in told
-    assert "`hitab down red`" in told
+    assert 'left of swarm "red", which has ended' in told.what
+    assert told.remedies == (Do.DOWN(swarm="red"), Do.UP_AGAIN(swarm="red"))

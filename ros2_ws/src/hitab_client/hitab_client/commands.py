@@ -32,6 +32,7 @@ COMMANDS = {
     Do.CHECK_LIBRARY: "library check",
     Do.ACCEPT: "library accept {file}",
     Do.RESTORE: "library restore {behavior} {version} -l {folder}",
+    Do.RESTORE_OF: "library restore {behavior} {version} --agent {agent}",
     Do.DELETE: "library delete {behavior} -l {folder}",
     Do.SEND: "distribute {agent} {behavior}",
     Do.RELOAD: "library reload --swarm {swarm}",

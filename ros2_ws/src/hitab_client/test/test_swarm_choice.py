@@ -11,6 +11,7 @@ import pytest
 from hitab_client import swarm_choice
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import MARK, RunFolder, RunRecord, swarms_of_other_homes
+from hitab_core import Do
 
 RED = RunRecord("red", "r.yaml", 3, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
 ANOTHER_RED = replace(RED, domain_id=4, identity="red-12345678")
@@ -57,7 +58,7 @@ def test_what_messages_offer_chooses_one_swarm(three):
         assert found[1] == record
     assert swarm_choice.name_to_choose(BLUE) == "blue", "short where it can be"
     one = RunFolder.of_swarm("red")
-    assert swarm_choice.way_to_stop(one, RED) == f"`hitab down {RED.identity}`"
+    assert swarm_choice.way_to_stop(one, RED) == Do.DOWN(swarm=RED.identity)
 
 
 def test_swarms_of_another_home_are_found_unless_they_are_temporary(home, monkeypatch):
@@ -80,7 +81,7 @@ def test_swarms_of_another_home_are_found_unless_they_are_temporary(home, monkey
                 assert found() == [], "it is of this home"
             assert found() == [record]
             monkeypatch.setattr(swarm_choice, "swarms_of_other_homes", lambda: [(run, record)])
-            told = swarm_choice.none_is_up(0)
+            told, _ = swarm_choice.none_is_up(0)
             assert '"red" was started with another HITAB_HOME and runs in ROS domain 3' in told
             assert f"--swarm '{elsewhere}/it'\"'\"'s red'" in told
         finally:

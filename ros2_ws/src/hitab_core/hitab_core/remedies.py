@@ -37,6 +37,7 @@ class Do(Enum):
     CHECK_LIBRARY = "check the library"
     ACCEPT = "accept {file}, if it was edited on purpose"
     RESTORE = 'bring version {version} of "{behavior}" back in {folder}'
+    RESTORE_OF = 'bring version {version} of "{behavior}" of {agent} back'
     DELETE = 'give "{behavior}" up in {folder}'
     MOVE_AWAY = "move {file} away"
     PUT_INTACT = "put an intact file in the place of {file}"

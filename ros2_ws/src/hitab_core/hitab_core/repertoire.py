@@ -135,9 +135,9 @@ class Repertoire:
 
     def _refuse_lost(self, name: str) -> None:
         if name in self.lost:
-            raise LostBehaviorError(self.lost[name])
+            raise LostBehaviorError(self.lost[name], Do.CHECK_LIBRARY())
         if self._unread and name not in self._parameters:
-            raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}')
+            raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}', Do.CHECK_LIBRARY())
 
     def _put(self, automaton: Automaton) -> None:
         before = self._automata.get(automaton.name)

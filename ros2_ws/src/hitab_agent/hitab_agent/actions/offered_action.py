@@ -12,7 +12,7 @@ from rclpy.task import Future
 
 from hitab_core import FLAGS, Agent, Do, Mode, TrainingError, Use
 from hitab_ros import GuardedNode, names
-from hitab_ros.answering import Answered, what_went_wrong
+from hitab_ros.answering import Answered, remedies_for, what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 
@@ -82,7 +82,8 @@ class OfferedAction:
         except Exception as error:
             handle.abort()
             self._answered(error)
-            return Perform.Result(message=what_went_wrong(error))
+            ways = map(str, remedies_for(error))
+            return Perform.Result(message="; ".join((what_went_wrong(error), *ways)))
         self._end(Perform.Result.REPLACED, f'"{use}" was asked for')
         goal = self._goal = _Goal(handle, use, Future(executor=self._node.executor))
         self._answered(None)

@@ -52,7 +52,7 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
     """
     if context.args:
         raise typer.BadParameter(
-            "it takes no names, since it stops all robots; to stop one, "
+            "it takes no names: it stops all robots; to stop one, "
             + as_command(Do.IDLE(agent=context.args[0]))
         )
     unsure = "assume that they move, use their own switches, and try again"
@@ -70,7 +70,7 @@ def go(context: typer.Context, reason: Reason = "") -> None:
     """
     if context.args:
         raise typer.BadParameter(
-            "it takes no names, since it releases all robots, and none moves by that; to "
+            "it takes no names: it releases all robots, and none moves by that; to "
             + as_command(Do.ARM(robot=context.args[0]))
         )
     unsure = "they may still be stopped; try again"

@@ -96,7 +96,7 @@ def _nobody(swarm_up: Connection, view: CommandView, lost: Sequence[str]) -> Exc
     from hitab_client.identity import other_swarm
 
     if lost:
-        return SwarmError("\n".join(lost))
+        return SwarmError("\n".join(lost), Do.STATUS())
     for name, swarm in view.strangers.items():
         return other_swarm(name, swarm, swarm_up.agents.identity)
     if not swarm_up.agents.await_agents(seconds=0.5):

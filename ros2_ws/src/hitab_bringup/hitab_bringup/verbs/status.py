@@ -235,6 +235,8 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
     lines += [console.line(text, "red") for text in _wrong_with(data["agents"])]
     of_all = [*data["agents"], *([world] if world is not None else [])]
     ways = list(dict.fromkeys(way for one in of_all for way in one["remedies"]))
+    mute = dict.fromkeys(why.process for why in silent.values() if why is not None)
+    ways += [as_command(Do.LOGS(node=process)) for process in mute]
     lines += [console.line(way) for way in ways[:WAYS_MAX]]
     notes = [(agent["agent"], agent["note"]) for agent in data["agents"]]
     lines += [console.line(f"{name} {note}") for name, note in notes if note]

@@ -151,8 +151,10 @@ class Generations:
         path = self._bundle(number)
         if not path.exists():
             raise SwarmError(
-                f"the behaviors of generation {number} of {self.behavior} are not kept ({path}); "
-                f"bring version {self.get(number).version} back from the library of {self.agent}"
+                f"the behaviors of generation {number} of {self.behavior} are not kept ({path})",
+                Do.RESTORE_OF(
+                    behavior=self.behavior, version=self.get(number).version, agent=self.agent
+                ),
             )
         return read_bundle_file(path).texts
 
