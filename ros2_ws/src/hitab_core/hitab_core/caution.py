@@ -61,8 +61,8 @@ class Caution:
         asks = when_unsure != WhenUnsure.GO_ON
         if asks and not (support or distance):
             raise TrainingError(
-                f'"{when_unsure}" needs a number of examples (support) or a distance from them, '
-                "below or beyond which an agent is unsure",
+                f'"{when_unsure}" needs to know when an agent is unsure: with how few examples '
+                "(support), or how far from any (distance)",
                 Do.CAUTION(when_unsure=when_unsure),
             )
         return cls(WhenUnsure(when_unsure), support, distance)

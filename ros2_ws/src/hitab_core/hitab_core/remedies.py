@@ -46,7 +46,7 @@ class Do(Enum):
     DEMO = "train one"
     IMPORT = "load it from a file of behaviors"
     # generations
-    NEXT_GENERATION = "make the next generation of what {agent} trains"
+    NEXT_GENERATION = "make a generation of what {agent} trains"
     GO_BACK = 'go back to generation {generation} of "{behavior}" with {agent}'
     GENERATIONS = 'list the generations of "{behavior}" of {agent}'
     # worlds and robots

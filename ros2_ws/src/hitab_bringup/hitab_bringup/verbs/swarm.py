@@ -10,7 +10,7 @@ import typer
 
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
-from hitab_client.commands import with_commands
+from hitab_client.commands import called, with_commands
 from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
@@ -90,6 +90,7 @@ def up(
     from hitab_bringup.swarm_description import PACES
     from hitab_bringup.swarm_file import read_swarm
     from hitab_client import RunFolder
+    from hitab_client.run_folder import running_swarms
     from hitab_client.shipped import find_file
     from hitab_client.swarm_choice import name_to_choose
 
@@ -123,8 +124,12 @@ def up(
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
-    down = Do.DOWN(swarm=name_to_choose(record))
-    console.say(with_commands(f"files in {folder.path}", [Do.STATUS(), down]))
+    look, stop = "status", "down"
+    if len(list(running_swarms())) > 1:
+        name = name_to_choose(record)
+        look, stop = f"status --swarm {name}", f"down {name}"
+    ways = f"look with `{called()} {look}`, stop with `{called()} {stop}`"
+    console.say(f"files in {folder.path}; {ways}")
     for fault in faults:
         console.note(fault)
 

@@ -281,8 +281,8 @@ class Bootstrapping:
             raise SwarmError(
                 "\n".join(f"{name} {why}" for name, why in missing.items())
                 + f"\ngeneration {number} of {behavior} is kept, but without a score, since "
-                f"{some(sorted(missing))} of the team lack it; once that is mended, `hitab "
-                f"bootstrap back {agent} {behavior} {number}` gives it to them and goes on"
+                f"{some(sorted(missing))} of the team lack it; mend that first",
+                rest,
             )
         known = known.with_(made).keep()
         self.left = f"generation {number} is kept and the team has it, but it has no score; {rest}"

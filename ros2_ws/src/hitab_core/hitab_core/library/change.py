@@ -188,7 +188,7 @@ class LibraryChange:
         if broken and not anyway:
             raise LibraryError(
                 f'{self._folder.path}: "{name}" cannot be deleted: {", ".join(broken)} could no '
-                "longer be used; delete these first, or have it deleted anyway"
+                "longer be used; delete these first"
             )
         return sorted(self.problems.keys() & self._contents.all_users(name))
 
