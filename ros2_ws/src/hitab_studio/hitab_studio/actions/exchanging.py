@@ -70,4 +70,4 @@ async def features_accept(session: Session, data: Data) -> None:
         lambda swarm, agent: swarm.agents.edit_examples(agent, "features", features=list(chosen))
     )
     session.close_dialog()
-    session.tell(f"learned from {', '.join(chosen)} now; Undo brings the former features back")
+    session.tell(f"Learned from {', '.join(chosen)} now; Undo brings the former features back")

@@ -110,7 +110,7 @@ async def perform(session: Session, data: Data) -> None:
     """Handle a request of a page; show errors on it."""
     wanted = ACTIONS.get(str(data.get("do")))
     if wanted is None:
-        session.tell(f"unknown action {data.get('do')}", "bad")
+        session.tell(f"Unknown action {data.get('do')}", "bad")
         return
     session.dialog.pop("refused", None)
     try:

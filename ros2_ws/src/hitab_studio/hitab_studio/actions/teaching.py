@@ -287,7 +287,7 @@ async def begin(session: Session, data: Data) -> None:
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
     await session.ask_agent(lambda swarm, agent: swarm.agents.begin(agent, name, **fields))
     if values.get("pause") == "on" and await session.ask_world(paused):
-        session.tell("the world is paused; Space lets it run")
+        session.tell("The world is paused; Space lets it run")
     session.close_dialog()
     session.tab = "teach"
     session.level = session.state = ""
