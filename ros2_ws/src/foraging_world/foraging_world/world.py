@@ -13,7 +13,7 @@ from foraging_world import action
 from foraging_world.field import Field, Floats
 from foraging_world.parameters import ForagingParameters
 from foraging_world.perceiving import perceive_all
-from hitab_core import did_you_mean, world_seed
+from hitab_core import has, world_seed
 from hitab_world import (
     Action,
     Entity,
@@ -205,9 +205,7 @@ class ForagingWorld:
             raise WorldError(
                 f"{name} cannot be moved; move foragers or boxes"
                 if fixed
-                else f'nothing is called "{name}" (known: forager_1 to {self.agents[-1]}'
-                f"{''.join(f', {box}' for box in self._boxes)})"
-                f"{did_you_mean(name, [*self.agents, *self._boxes])}"
+                else f'nothing is called "{name}" {has([*self.agents, *self._boxes], name)}'
             )
         for figure in ("x", "y", "heading", "vx", "vy"):
             if math.isinf(getattr(placement, figure)):

@@ -13,7 +13,7 @@ from hitab_client import DescriptionError, RunFolder, SwarmError
 from hitab_client.run_folder import running_swarms, state_home
 from hitab_client.shipped import shipped_folders
 from hitab_client.swarm_choice import name_to_choose
-from hitab_core import LibraryError, did_you_mean, has, some
+from hitab_core import LibraryError, has, some
 from hitab_core.library import SUFFIX
 
 NAMED_MAX = 12
@@ -36,10 +36,7 @@ def named_library(text: str) -> Path:
     known = known_libraries()
     if text in known:
         return known[text]
-    raise LibraryError(
-        f'"{text}" is neither a folder nor a known library; {_listed(known)}'
-        f"{did_you_mean(text, known)}"
-    )
+    raise LibraryError(f'"{text}" is neither a folder nor a library {has(known, text)}')
 
 
 def known_libraries() -> dict[str, Path]:

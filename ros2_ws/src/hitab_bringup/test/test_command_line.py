@@ -51,7 +51,7 @@ def test_help_imports_nothing_that_takes_long():
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
         (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
         (["lesson", "check", "no_such"], 1, 'no lesson "no_such"'),
-        (["library", "list", "-l", "nowhere"], 1, "is neither a folder nor a known library"),
+        (["library", "list", "-l", "nowhere"], 1, "is neither a folder nor a library"),
         (["library", "show", "A", "--agent", "keeper_1"], 1, "no swarm is up"),
         (["keepaway", "evaluate", "--pace", "slow"], 2, "is not one of lockstep, inprocess"),
         (["keepaway", "evaluate", "--keepers", "hand", "--pace", "lockstep"], 2, "in-process"),

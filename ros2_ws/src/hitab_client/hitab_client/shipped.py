@@ -13,7 +13,7 @@ from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
-from hitab_core import HitabError, did_you_mean, has, some
+from hitab_core import HitabError, has
 
 GROUP = "hitab.shipped"
 
@@ -98,10 +98,7 @@ def find_file(given: str, folder: str, what: str) -> Path:
             )
     if path.is_dir():
         raise HitabError(f'no {what} "{given}": this is a folder; name a file in it')
+    there = [p.stem for place in folders for p in place.glob("*.yaml")]
     if os.sep in given:
-        beside = [str(p) for p in sorted(path.parent.glob("*.y*ml"))]
-        guess = did_you_mean(given, beside) or f" That folder has {some(beside)}" * bool(beside)
-        raise HitabError(f'no {what} "{given}": no such file.{guess}')
-    names = sorted(p.stem for place in folders for p in place.glob("*.yaml"))
-    guess = did_you_mean(given, names) or f" The shipped ones are: {', '.join(names)}"
-    raise HitabError(f'no {what} "{given}": no such file, and no such {what} is shipped.{guess}')
+        there = [str(p) for p in path.parent.glob("*.y*ml")]
+    raise HitabError(f'no {what} "{given}": no such file {has(there, given)}')

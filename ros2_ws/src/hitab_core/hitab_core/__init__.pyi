@@ -52,7 +52,6 @@ from .transition_function import HandWritten as HandWritten
 from .use import NAME as NAME
 from .use import NAME_RULE as NAME_RULE
 from .use import Use as Use
-from .vocabulary import did_you_mean as did_you_mean
 from .vocabulary import has as has
 from .vocabulary import unknown as unknown
 from .wording import RADIANS as RADIANS

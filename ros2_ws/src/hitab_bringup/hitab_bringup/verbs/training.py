@@ -13,7 +13,7 @@ from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_client.commands import called
-from hitab_core import did_you_mean, quantity
+from hitab_core import has, quantity
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -256,8 +256,8 @@ def save(
     for parameter in bound.values():
         if parameter not in targets:
             console.say(
-                f'"{parameter}" is now a parameter, since no target has this name'
-                f"{did_you_mean(parameter, targets)}"
+                f'"{parameter}" is now a parameter, since no target has this name '
+                f"{has(targets, parameter)}"
             )
     if answer.trimmed:
         console.say(f"trimmed: {', '.join(answer.trimmed)}")
