@@ -218,7 +218,7 @@ class AgentServices:
         agent = self._agent
         name = request.automaton or agent.training
         if not name:
-            raise self._no_training(Do.COSTS_OF)
+            raise self._no_training(Do.EXAMPLES_OF)
         costs = agent.journal.costs(name)
         if not costs and name == agent.training:
             raise TrainingError(
@@ -292,9 +292,7 @@ class AgentServices:
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.library_digest
-        known = quantity(len(response.behaviors), "trained behavior")
-        response.remedies = remedy_messages(self._agent.remedies)
-        return "; ".join((known, *self._agent.edition.losses.faults))
+        return quantity(len(response.behaviors), "trained behavior")
 
     def _get_vocabulary(
         self, request: srv.GetVocabulary.Request, response: srv.GetVocabulary.Response

@@ -13,11 +13,8 @@ from hitab_client import DescriptionError, RunFolder, SwarmError
 from hitab_client.run_folder import running_swarms, state_home
 from hitab_client.shipped import shipped_folders
 from hitab_client.swarm_choice import name_to_choose
-from hitab_core import LibraryError, has, some
+from hitab_core import LibraryError, has
 from hitab_core.library import SUFFIX
-
-NAMED_MAX = 12
-"""Maximum number of libraries that an error names."""
 
 
 def named_library(text: str) -> Path:
@@ -62,10 +59,6 @@ def shipped_libraries() -> dict[str, Path]:
     """Return the libraries that come with HiTAB, by name."""
     folders = shipped_folders("libraries")
     return {path.name: path for folder in folders for path in sorted(folder.iterdir())}
-
-
-def _listed(known: Mapping[str, Path]) -> str:
-    return f"there are {some(sorted(known), NAMED_MAX)}"
 
 
 def library_of_agent(agent: str, folder: RunFolder, swarm: str) -> Path:
@@ -130,7 +123,7 @@ def none_chosen(agent: str | None = None) -> LibraryError:
     ending = f"/{agent}" if agent else ""
     example = next((name for name in known if name.endswith(ending)), next(iter(known)))
     return LibraryError(
-        f"no swarm is up; choose a library, for example with -l {example}; {_listed(known)}"
+        f"no swarm is up; choose a library, for example with -l {example} {has(known)}"
     )
 
 

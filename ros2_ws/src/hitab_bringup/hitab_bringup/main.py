@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Collection
 from importlib.metadata import entry_points, version
 from typing import Annotated, Any
 
@@ -78,16 +77,14 @@ class HitabGroup(HelpfulGroup):
         try:
             return super().resolve_command(ctx, args)
         except Exception as error:
-            inside = [name for name, group in self.commands.items() if args[0] in verbs_of(group)]
-            if inside:
-                ways = " or ".join(f"`{called()} {name} {args[0]}`" for name in inside)
+            ways = " or ".join(
+                f"`{called()} {name} {args[0]}`"
+                for name, group in self.commands.items()
+                if args[0] in getattr(group, "commands", ())
+            )
+            if ways:
                 error.message = f'No such command "{args[0]}". Did you mean {ways}?'  # type: ignore
             raise
-
-
-def verbs_of(group: Any) -> Collection[str]:
-    """Return the names of the verbs of a group; none of a verb that is no group."""
-    return getattr(group, "commands", ())
 
 
 HELP = "Train robots, teams and swarms by demonstration, while they run."

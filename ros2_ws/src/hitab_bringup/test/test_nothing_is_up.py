@@ -198,4 +198,4 @@ def test_what_is_left_of_an_own_swarm_is_not_called_a_strangers():
     assert "not started from here" in told
     told = other_swarm("a", record.identity, BY_HAND)
     assert 'left of swarm "red", which has ended' in told.what
-    assert told.remedies == (Do.DOWN(swarm="red"), Do.UP_AGAIN(swarm="red"))
+    assert told.remedies == (Do.DOWN(swarm="red"), Do.UP(swarm="red"))

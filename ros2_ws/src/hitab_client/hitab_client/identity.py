@@ -66,20 +66,16 @@ def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
         return SwarmError(
             f'{node} is left of swarm "{left[0]}", which has ended without being stopped',
             Do.DOWN(swarm=left[0]),
-            Do.UP_AGAIN(swarm=left[0]),
+            Do.UP(swarm=left[0]),
         )
     if meant == BY_HAND:
         return SwarmError(
             f"{node} belongs to swarm {heard}, which was not started from here (another "
             f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {heard}"
         )
-    if not heard:
-        return SwarmError(
-            f"{node} was started by hand and does not belong to swarm {meant}; "
-            "stop one of the two, or start it in another ROS_DOMAIN_ID"
-        )
+    whose = f"belongs to swarm {heard}" if heard else "was started by hand"
     return SwarmError(
-        f"{node} belongs to swarm {heard}, not to swarm {meant}; choose the swarm with "
-        "--swarm NAME, or stop one of the two",
+        f"{node} {whose} and does not belong to swarm {meant}; choose one with --swarm NAME, or "
+        "stop one of the two",
         Do.DOWN(),
     )

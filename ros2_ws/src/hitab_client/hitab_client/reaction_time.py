@@ -55,7 +55,7 @@ def kept() -> Mapping[str, float]:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, yaml.YAMLError) as error:
         raise SwarmError(
             f"{path} does not hold reaction times ({error}); correct it, or delete it",
-            Do.REACTION(),
+            Do.MEASURE_REACTION(),
         ) from None
     for seconds in found.values():
         check(seconds)
@@ -153,5 +153,5 @@ def measured(
         if at is not None:
             times.append(at - shown)
     if len(times) < math.ceil(rounds / 2):
-        raise SwarmError("the key was pressed too rarely; try again", Do.REACTION())
+        raise SwarmError("the key was pressed too rarely; try again", Do.MEASURE_REACTION())
     return check(round(statistics.median(times), 2))

@@ -76,7 +76,7 @@ def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[di
         raise SwarmError(
             f'the supervisor of swarm "{record.swarm}" does not answer ({error})',
             Do.DOWN(swarm=record.swarm),
-            Do.UP_AGAIN(swarm=record.swarm),
+            Do.UP(swarm=record.swarm),
         ) from None
 
 

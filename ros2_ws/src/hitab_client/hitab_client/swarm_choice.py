@@ -259,7 +259,7 @@ def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None
     """
     up = list(running_swarms())
     left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]
-    ended, ways = "have ended without being stopped", (Do.DOWN(), Do.DOWN_ALL())
+    ended, ways = "have ended without being stopped", (Do.DOWN(),)
     if which is None:
         return only(up, "swarms are up", *ways) or only(left, f"swarms {ended}", *ways)
     found = only(meant(which, up), _called(which), *ways) or only(

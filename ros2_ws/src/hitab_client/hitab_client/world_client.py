@@ -121,7 +121,7 @@ class WorldClient:
     def _absent(self) -> SwarmError:
         """Why there is no world, and what to do: a swarm of robots is not meant to have one."""
         if self._processes.are_known:
-            return SwarmError(NOT_SIMULATED, Do.STOP())
+            return SwarmError(NOT_SIMULATED)
         return SwarmError(NO_WORLD, Do.UP())
 
     def _reason(self) -> SwarmError | None:

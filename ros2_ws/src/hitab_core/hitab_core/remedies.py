@@ -16,8 +16,7 @@ class Do(Enum):
     """
 
     # trainings
-    TRAIN = "begin a training of {agent}"
-    TRAIN_BEHAVIOR = 'train "{behavior}", with {feature}'
+    TRAIN = 'train {agent} to perform "{behavior}"'
     TRAIN_FURTHER = 'train "{behavior}" of {agent} further, from its examples'
     RESUME = "go on with the training of {agent}"
     DEMONSTRATE = "command {agent} a behavior"
@@ -26,7 +25,6 @@ class Do(Enum):
     QUESTIONS = "see what {agent} asks"
     EXAMPLES = "list the examples of {agent}"
     EXAMPLES_OF = "list the examples of a trained behavior of {agent}"
-    COSTS_OF = "list what the training of a behavior of {agent} took"
     TEST = "test what {agent} has learned"
     CAUTION = "say when an agent is unsure"
     SAVE = "save the training of {agent}"
@@ -43,7 +41,6 @@ class Do(Enum):
     PUT_INTACT = "put an intact file in the place of {file}"
     SEND = 'have an agent that has "{behavior}" send it'
     RELOAD = "have the agents of {swarm} read their libraries again"
-    DEMO = "train one"
     IMPORT = "load it from a file of behaviors"
     # generations
     NEXT_GENERATION = "make a generation of what {agent} trains"
@@ -52,23 +49,19 @@ class Do(Enum):
     # worlds and robots
     GO = "release the emergency stop, if it is engaged"
     ARM = "let {robot} act again"
-    STOP = "stop all robots"
     PACE = "have the world wait for real time"
     RESUME_WORLD = "let the world go on"
     SAVE_SNAPSHOT = "save the snapshot {snapshot}"
     DELETE_SNAPSHOT = "delete a snapshot"
     # swarms
-    UP = "start a swarm"
-    UP_AGAIN = "start {swarm} again"
+    UP = "start {swarm}"
     DOWN = "stop {swarm}, or end what is left of it"
     DOWN_FOLDER = "stop the swarm in {folder}, or end what is left of it"
-    DOWN_ALL = "stop all swarms"
     STATUS = "see who is there"
     LOGS = "look into the log of {node}"
     DOCTOR = "look for the cause"
     RECORD = "record it"
     # demonstrators
-    REACTION = "set how late commands come"
     MEASURE_REACTION = "measure how late commands come"
 
     def __call__(self, **arguments: object) -> Remedy:

@@ -74,7 +74,7 @@ class Repertoire:
     @property
     def remedies(self) -> tuple[Remedy, ...]:
         """What a person can do about the vacancies."""
-        trained = [Do.TRAIN_BEHAVIOR(behavior=name) for name in self._vacant]
+        trained = [Do.TRAIN(behavior=name) for name in self._vacant]
         return (*trained, Do.IMPORT()) if trained else ()
 
     @property

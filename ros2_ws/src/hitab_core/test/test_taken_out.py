@@ -96,7 +96,7 @@ def test_what_is_missing_where_and_the_way_out_is_said_until_it_is_trained(tmp_p
     assert missing == (
         '"Servo" was taken out, and nothing is done in its place; it is needed for Match, Play'
     )
-    assert agent.remedies == (Do.TRAIN_BEHAVIOR(behavior="Servo"), Do.IMPORT())
+    assert agent.remedies == (Do.TRAIN(behavior="Servo"), Do.IMPORT())
     teach(agent)
     assert agent.repertoire.vacancies == agent.remedies == ()
 

@@ -9,33 +9,20 @@ from hitab_ros.conversions import remedies_of
 
 BUTTONS = {
     Do.TRAIN: "Train… in Teach",
-    Do.TRAIN_BEHAVIOR: "Train… in Teach",
     Do.TRAIN_FURTHER: "Train further… in Library",
     Do.RESUME: "Back to training (T)",
     Do.DEMONSTRATE: "the buttons below the field",
     Do.CHOOSE_FEATURES: "Features… in Teach",
     Do.QUESTIONS: "Teach",
-    Do.EXAMPLES: "Examples",
-    Do.TEST: "Test (T)",
-    Do.CAUTION: "When unsure… in Teach",
     Do.SAVE: "Save… in Teach",
     Do.DISCARD: "Discard… in Teach",
     Do.IDLE: "Go idle in Teach",
     Do.RESTORE: "the versions in Library",
     Do.SEND: "Distribute… in Library",
     Do.NEXT_GENERATION: "Generations… in Teach",
-    Do.GENERATIONS: "Generations… in Teach",
     Do.GO: "Release…",
     Do.ARM: "Re-arm",
-    Do.STOP: "Emergency stop",
-    Do.RESUME_WORLD: "Space",
-    Do.SAVE_SNAPSHOT: "Snapshots",
-    Do.DELETE_SNAPSHOT: "✕ in Snapshots",
     Do.DOWN: "Stop in Swarm",
-    Do.STATUS: "Swarm",
-    Do.RECORD: "Record",
-    Do.REACTION: "Reaction time…",
-    Do.MEASURE_REACTION: "Reaction time…",
 }
 """The button, key or tab; without one, a remedy is told in plain words."""
 

@@ -69,7 +69,7 @@ def _measured() -> float:
     from hitab_client import SwarmError, reaction_time
 
     if not sys.stdin.isatty():
-        raise SwarmError("the game needs a terminal with a keyboard", Do.REACTION())
+        raise SwarmError("the game needs a terminal with a keyboard", Do.MEASURE_REACTION())
 
     def pressed(seconds: float) -> float | None:
         if not select.select([sys.stdin], [], [], seconds)[0]:

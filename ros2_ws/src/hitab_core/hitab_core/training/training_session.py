@@ -496,7 +496,7 @@ class TrainingSession:
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
                 "with so many features, a training reads some only if they are chosen when it "
                 "begins",
-                Do.TRAIN_BEHAVIOR(behavior=self.curriculum.name, feature=unread[0]),
+                Do.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
             )
 
     def _make(self, edit: Edit) -> None:

@@ -25,7 +25,7 @@ from hitab_bringup import (
     temporary_swarm,
     world_module,
 )
-from hitab_core import Do, HitabError, LibraryError, Repertoire, has
+from hitab_core import HitabError, LibraryError, Repertoire, has
 
 if TYPE_CHECKING:
     from hitab_client.console import Advance
@@ -240,7 +240,7 @@ def read_trained(library: Path, behavior: str) -> Trained:
         LibraryError: if it cannot be used, or has no such behavior.
     """
     if not library.is_dir():
-        raise LibraryError(f"{library}: there is no such library folder", Do.DEMO())
+        raise LibraryError(f"{library}: there is no such library folder; name another")
     opened = open_library(library)
     automata = opened.load()
     there = {*automata, *opened.domain.automata}
