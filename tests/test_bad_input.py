@@ -166,7 +166,7 @@ def test_nothing_was_lost_by_all_that(training):
 
 def test_a_missing_world_and_missing_agents_are_told(training):
     nobody = SwarmClient(training.link, prefix="/elsewhere")
-    with pytest.raises(SwarmError, match="no other does; start a swarm"):
+    with pytest.raises(SwarmError, match="no other does; start SWARM"):
         nobody.await_agent(AGENT, seconds=0.2)
     with pytest.raises(SwarmError, match="no world answers; is a swarm with a world up"):
         WorldClient(training.link, prefix="/elsewhere").wait(0.2)

@@ -16,7 +16,7 @@ from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_core import Do
 from hitab_ros import qos
 
-ERROR = "error: no swarm answers in ROS domain {}\n  start a swarm: `hitab up keepaway`"
+ERROR = "error: no swarm answers in ROS domain {}\n  start keepaway: `hitab up keepaway`"
 CALLS = {
     "demonstrate keeper_1 Stop",
     "perform keeper_1 Stop",

@@ -73,9 +73,9 @@ def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
             f"{node} belongs to swarm {heard}, which was not started from here (another "
             f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {heard}"
         )
-    whose = f"belongs to swarm {heard}" if heard else "was started by hand"
+    whose = f"swarm {heard}" if heard else BY_HAND
     return SwarmError(
-        f"{node} {whose} and does not belong to swarm {meant}; choose one with --swarm NAME, or "
+        f"{node} belongs to {whose}, not to swarm {meant}; choose the swarm with --swarm NAME, or "
         "stop one of the two",
         Do.DOWN(),
     )
