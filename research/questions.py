@@ -147,12 +147,11 @@ def asked(
         ):
             situations += draw.sample(those, min(READINGS, len(those)))
         values = np.array([reading for _, reading in situations])
-        here = [active == state for active, _ in situations]
         complete = values[~np.isnan(values).any(axis=1)]
         wanted = right.predict(complete)
         before = float(np.mean(learned.predict(complete) == wanted))
         texts: list[str] = []
-        while len(texts) < MOST and (left := ambiguities(given, readings=values, here=here)):
+        while len(texts) < MOST and (left := ambiguities(given, situations)):
             texts.append(left[0].text)
             (answer,) = right.predict([left[0].situation])
             given = given.with_answer(left[0].situation, str(answer))

@@ -12,74 +12,11 @@ from hitab_client import DescriptionError, LessonError, SwarmError
 from hitab_client.bootstrapping import read_generations
 from hitab_client.lessons import read_lesson
 from hitab_commander import read_kind
-from hitab_core import Agent, BehaviorLibrary, VocabularyError, load_domain
-from hitab_core.library import read_bundle_file
+from hitab_core import VocabularyError
 from hitab_studio.replay import Recording
 from keepaway_world.world import KeepawayWorld
 
 FORMATS = Path(__file__).parent / "data" / "formats"
-
-
-def test_a_library_from_before_loads_and_can_be_performed(tmp_path):
-    shutil.copytree(FORMATS / "library", tmp_path / "library")
-    library = BehaviorLibrary(tmp_path / "library", load_domain("keepaway"))
-    behaviors = library.load()
-
-    assert sorted(behaviors) == ["ApproachBall", "ControlBall", "GotoBall", "Keepaway"]
-    assert library.problems == {}
-    assert {name: len(b.examples) for name, b in behaviors.items()} == {
-        "ApproachBall": 18,
-        "ControlBall": 10,
-        "GotoBall": 10,
-        "Keepaway": 8,
-    }
-    assert list(behaviors["ControlBall"].transitions["Stop"].predict([[2.0, 1.0]])) == ["Pass"]
-
-
-def test_behaviors_from_when_default_examples_reached_around_circles_mean_what_they_did(tmp_path):
-    shutil.copytree(FORMATS / "library", tmp_path / "library")
-    shutil.copy(FORMATS / "all_around" / "GotoBall.hfa.yaml", tmp_path / "library")
-    library = BehaviorLibrary(tmp_path / "library", load_domain("keepaway"))
-
-    def when_on_the_left(name):
-        return list(library.load()[name].transitions["ApproachBall"].predict([[0.16], [1.0]]))
-
-    assert when_on_the_left("GotoBall") == ["ApproachBall"] * 2
-    assert library.problems == {}
-    assert library.file("GotoBall").classifier == "tree(look_ahead=False, all_around=True)"
-    library.rename("GotoBall", "Reach", with_users=True)  # which writes it anew
-    assert when_on_the_left("Reach") == ["ApproachBall"] * 2
-
-    text = library.path("Reach").read_text(encoding="utf-8")
-    library.path("Reach").write_text(text.replace("all_around=True", "all_around=False"))
-    library.accept_edits("Reach")
-    assert when_on_the_left("Reach") == ["TurnToBall"] * 2
-
-
-def test_behaviors_from_when_trees_did_not_look_ahead_mean_what_they_did(tmp_path):
-    shutil.copytree(FORMATS / "library", tmp_path / "library")
-    shutil.copy(FORMATS / "without_look_ahead" / "ControlBall.hfa.yaml", tmp_path / "library")
-    library = BehaviorLibrary(tmp_path / "library", load_domain("keepaway"))
-
-    def with_a_taker_at_4_m():
-        return list(library.load()["ControlBall"].transitions["Stop"].predict([[4.0, 1.0]]))
-
-    assert with_a_taker_at_4_m() == ["Pass"]
-    assert library.problems == {}
-    assert library.file("ControlBall").classifier == "tree(look_ahead=False)"
-    path = library.path("ControlBall")
-    text = path.read_text(encoding="utf-8")
-    path.write_text(text.replace("classifier: tree", "classifier: tree(look_ahead=True)"))
-    library.accept_edits("ControlBall")
-    assert with_a_taker_at_4_m() == ["Stop"]
-
-
-def test_exported_behaviors_from_before_are_imported(tmp_path):
-    bundle = read_bundle_file(FORMATS / "GotoBall.bundle.yaml")
-    library = BehaviorLibrary(tmp_path / "library", load_domain(bundle.domain))
-
-    assert library.install(bundle.texts) == ["ApproachBall", "GotoBall"]
-    assert sorted(library.load()) == ["ApproachBall", "GotoBall"]
 
 
 def test_a_lesson_from_before_loads():
@@ -92,20 +29,6 @@ def test_a_swarm_description_from_before_loads():
     swarm = read_swarm(FORMATS / "swarms" / "keepaway.yaml")
     assert swarm.agent_names == ("keeper_1", "keeper_2", "keeper_3")
     assert swarm.world is not None
-
-
-def test_a_journal_from_before_is_resumed(tmp_path):
-    shutil.copy(FORMATS / "training.jsonl", tmp_path)
-    domain = load_domain("keepaway")
-    agent = Agent("keeper_1", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
-
-    assert agent.session is not None
-    assert [(e.state, e.next_state, e.is_default) for e in agent.session.examples] == [
-        ("Start", "GoFast", False),
-        ("GoFast", "GoFast", True),
-        ("GoFast", "Stop", False),
-        ("Stop", "Stop", True),
-    ]
 
 
 def test_generations_from_before_are_read(tmp_path):

@@ -58,11 +58,11 @@ def test_a_swarm_is_started_and_stopped_from_the_page(someone, hitab):
 def test_a_start_that_fails_says_why_until_it_is_closed(someone, home):
     someone.page.wait_for_selector("text=No swarm is up")
     # A folder where the swarm would keep its files cannot be made.
-    (home / "keepaway_predictive").mkdir()
-    (home / "keepaway_predictive" / "logs").write_text("a file is in the way")
-    someone.page.select_option('[data-test="swarm-choice"]', "keepaway_predictive")
+    (home / "keepaway_deleted").mkdir()
+    (home / "keepaway_deleted" / "logs").write_text("a file is in the way")
+    someone.page.select_option('[data-test="swarm-choice"]', "keepaway_deleted")
     someone.click("swarm-start")
-    failed = someone.sees("launch-failed", "keepaway_predictive did not start")
+    failed = someone.sees("launch-failed", "keepaway_deleted did not start")
     assert "cannot be made" in failed.inner_text()
     someone.click("launch-dismiss")
     someone.does_not_see("launch-failed")

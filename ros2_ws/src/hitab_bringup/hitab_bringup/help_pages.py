@@ -1,14 +1,35 @@
-"""How the help of all verbs looks, whichever package has declared them."""
+"""How the help of all verbs looks, whichever package has declared them.
+
+A docstring is written in lines of its file. Here its paragraphs become one line each, which the
+terminal wraps at its own width. Its "Args:" are the help of arguments and options.
+"""
 
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterator
 from typing import Any
 
 import typer
-from typer.core import TyperGroup
-from typer.models import CommandInfo
+from typer.core import TyperCommand, TyperGroup
+from typer.models import CommandInfo, DefaultPlaceholder
+
+_ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
+_ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
+
+
+class HelpfulCommand(TyperCommand):
+    """A verb whose docstring has the help of its arguments and options."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the parameters, `--help` included."""
+        parameters: list[Any] = super().get_params(ctx)
+        told = _told_of_parameters(inspect.getdoc(self.callback) or "")
+        for parameter in parameters:
+            if getattr(parameter, "help", "") is None:
+                parameter.help = told.get(parameter.name)
+        return parameters
 
 
 class HelpfulGroup(TyperGroup):
@@ -23,14 +44,20 @@ class HelpfulGroup(TyperGroup):
 
 
 def make_helpful(app: typer.Typer) -> None:
-    """Have the terminal wrap the help of all verbs, whose docstrings have lines of their own."""
+    """Give all verbs of a command, also those in its groups, readable help pages."""
     for _, command in verbs(app):
         if command.help is None:  # groups outlive the command, and are not done twice
-            parts = inspect.getdoc(command.callback) or ""
+            doc = _ARGS.sub("", inspect.getdoc(command.callback) or "")
             command.help = "\n\n".join(
                 part if part.startswith(" ") else " ".join(part.split())
-                for part in parts.split("\n\n")
+                for part in doc.split("\n\n")
             )
+        if command.cls in (None, TyperCommand):
+            command.cls = HelpfulCommand
+    for group in app.registered_groups:
+        inner = group.typer_instance
+        if inner is not None and isinstance(inner.info.cls, DefaultPlaceholder):
+            inner.info.cls = HelpfulGroup
 
 
 def verbs(
@@ -43,3 +70,10 @@ def verbs(
     for group in app.registered_groups:
         if group.typer_instance is not None:
             yield from verbs(group.typer_instance, (*path, str(group.name)))
+
+
+def _told_of_parameters(doc: str) -> dict[str, str]:
+    """Return the help of each parameter that a docstring has under "Args:"."""
+    section = _ARGS.search(doc)
+    found = _ARG.findall(section[1]) if section else ()
+    return {name: " ".join(text.split()) for name, text in found}

@@ -20,7 +20,6 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 
 from hitab_bringup.libraries import prepare
-from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import processes
@@ -197,7 +196,6 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
             supervisor.wait(STOP_SECONDS)
     killed = _end(folder)
     folder.forget()
-    remove_stale()
     return killed
 
 

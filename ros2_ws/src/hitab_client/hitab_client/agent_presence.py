@@ -10,7 +10,6 @@ from hitab_msgs.msg import AgentStatus
 
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
-from hitab_client.machine_load import busy
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import Do, has, some
@@ -242,19 +241,7 @@ class AgentPresence:
         pid = self.processes.pid(agent)
         running = f"; its process ({pid}) still runs" if pid else ""
         silent = f"{agent} has been silent for {round(waited, 1):g} s"
-        return slow(agent, f"{silent}{running}")
-
-
-def slow(node: str, what: str) -> SwarmError:
-    """Return the error for an agent or the world that is late, if nothing shows why.
-
-    Args:
-        node: the agent or the world.
-        what: is late.
-    """
-    if much := busy():
-        return SwarmError(f"{what}; {much}: wait until it has less to do, and try again")
-    return SwarmError(what, Do.LOGS(node=node))
+        return SwarmError(f"{silent}{running}", Do.LOGS(node=agent))
 
 
 def _pacer(seconds: float) -> Callable[[], bool]:

@@ -91,11 +91,6 @@ def find_file(given: str, folder: str, what: str) -> Path:
     for place in folders:
         if (candidate := place / f"{given}.yaml").is_file():
             return candidate
-        if (place / given).is_file():  # somebody's own file may be meant
-            raise HitabError(
-                f'no {what} "{given}": no such file here; the shipped {what} is called '
-                f'"{given.removesuffix(".yaml")}"'
-            )
     if path.is_dir():
         raise HitabError(f'no {what} "{given}": this is a folder; name a file in it')
     there = [p.stem for place in folders for p in place.glob("*.yaml")]

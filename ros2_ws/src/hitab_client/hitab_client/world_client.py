@@ -9,7 +9,6 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_client.agent_presence import slow
 from hitab_client.errors import SwarmError, refused
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
@@ -311,7 +310,8 @@ class WorldClient:
 
 
 def _unexplained(waited: float) -> SwarmError:
-    return slow(names.WORLD, f"the world has been silent for {waited:g} s")
+    late = f"the world has been silent for {waited:g} s"
+    return SwarmError(late, Do.LOGS(node=names.WORLD))
 
 
 def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:

@@ -22,6 +22,13 @@ ShowOnly = Annotated[
 ]
 
 
+def plain(message: Any, fields: str) -> dict[str, Any]:
+    """Return fields of a message as plain data; their names are separated by spaces."""
+    found = {field: getattr(message, field) for field in fields.split()}
+    simple = (bool, int, float, str)
+    return {f: value if isinstance(value, simple) else list(value) for f, value in found.items()}
+
+
 def as_text(learned: Learned) -> str:
     """Return the states, transitions and trees of what was learned."""
     from hitab_core import automaton_as_text

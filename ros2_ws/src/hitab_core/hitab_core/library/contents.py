@@ -9,9 +9,8 @@ from pathlib import Path
 from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
-from hitab_core.hierarchy import circular
 from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.library.check import hand_written_users, misfits
+from hitab_core.library.check import misfits
 from hitab_core.remedies import Do, Remedy
 from hitab_core.use import NAME
 from hitab_core.wording import quantity
@@ -59,11 +58,13 @@ class Contents:
         unreadable: what is wrong with the others, by name.
         problems: why behaviors cannot be used, by name: the unreadable ones, those that use one of
             them, and those that do not fit together. One complaint per line.
+        lost: all that is lost, hand-written automata included, each with its lost parts.
     """
 
     readable: Mapping[str, BehaviorFile]
     unreadable: Mapping[str, LibraryError]
     problems: Mapping[str, str]
+    lost: Mapping[str, list[str]]
 
     @classmethod
     def of(
@@ -71,8 +72,6 @@ class Contents:
         readable: Mapping[str, BehaviorFile],
         unreadable: Mapping[str, LibraryError],
         domain: Domain,
-        *,
-        fit: bool = False,
         deleted: Callable[[str], int | None] = lambda name: None,
     ) -> Contents:
         """Sort files.
@@ -81,14 +80,11 @@ class Contents:
             readable: sound in themselves, by name.
             unreadable: what is wrong with the others.
             domain: in which they were trained.
-            fit: whether they are known to fit together.
             deleted: returns the newest version of a behavior that was deleted; None: none was.
         """
-        if fit and not unreadable:
-            return cls(readable, {}, {})
-        problems = {n: error.problem for n, error in unreadable.items()}
-        problems |= misfits(readable, domain, unreadable, deleted)
-        return cls(readable, unreadable, problems)
+        wrong, lost = misfits(readable, domain, unreadable, deleted)
+        problems = {name: error.problem for name, error in unreadable.items()}
+        return cls(readable, unreadable, {**problems, **wrong}, lost)
 
     @property
     def usable(self) -> dict[str, BehaviorFile]:
@@ -110,31 +106,27 @@ class Contents:
             waiting += more
         return found - {name}
 
-    def losses(
-        self, folder: Path, domain: Domain, sound_version: Callable[[str], int | None]
-    ) -> Losses:
+    def losses(self, folder: Path, sound_version: Callable[[str], int | None]) -> Losses:
         """Return what is lost.
 
         Args:
             folder: of the files.
-            domain: whose hand-written automata may use a lost behavior, too.
             sound_version: returns the newest version of a behavior that can be read; None: none.
         """
-        if not self.problems:
-            return Losses()
-        parts = self._lost_parts(domain)
         reasons: dict[str, str] = {}
         remedies: dict[str, tuple[Remedy, ...]] = {}
         concerned: dict[str, list[str]] = {}
-        for name in sorted(parts):
-            way = _way_to_cause(name, parts)
+        for name in sorted(self.lost):
+            way = [name]
+            while self.lost[way[-1]]:  # what explains it, and in the end the cause
+                way.append(self.lost[way[-1]][0])
             cause = way[-1]
             reasons[name] = self._reason(folder, way)
             others = concerned.setdefault(cause, [])
             if cause != name:
                 others.append(name)
             if cause not in remedies:
-                remedies[cause] = self._remedies(cause, folder, domain, sound_version)
+                remedies[cause] = self._remedies(cause, folder, sound_version)
             remedies[name] = remedies[cause]
         faults = tuple(
             f"{reasons[cause]}; it is needed for {', '.join(others)}" if others else reasons[cause]
@@ -143,11 +135,7 @@ class Contents:
         return Losses(reasons, faults, remedies)
 
     def _remedies(
-        self,
-        cause: str,
-        folder: Path,
-        domain: Domain,
-        sound_version: Callable[[str], int | None],
+        self, cause: str, folder: Path, sound_version: Callable[[str], int | None]
     ) -> tuple[Remedy, ...]:
         """Return what a person can do about a lost behavior that no other explains."""
         file = folder / file_name(cause)
@@ -158,8 +146,7 @@ class Contents:
         if cause in self.unreadable:
             accepted = [Do.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
         else:  # its own file is sound; perhaps what it uses was deleted
-            there = {*self.readable, *domain.behaviors, *domain.automata}
-            gone = self.readable[cause].automaton.behaviors_used - there
+            gone = self.readable[cause].automaton.behaviors_used - self.readable.keys()
         restored = [
             Do.RESTORE(behavior=name, version=version, folder=folder)
             for name in sorted(gone)
@@ -168,21 +155,6 @@ class Contents:
         others = [Do.SEND(behavior=cause), Do.PUT_INTACT(file=file)] if cause in gone else []
         given_up = Do.DELETE(behavior=cause, folder=folder)
         return (*accepted, *(restored or others), given_up)
-
-    def _lost_parts(self, domain: Domain) -> dict[str, list[str]]:
-        """Return what is lost, hand-written automata included, each with its lost parts."""
-        lost = {*self.problems, *hand_written_users(domain, {*self.readable}, self.problems)}
-
-        def parts(name: str) -> list[str]:
-            file = self.readable.get(name)
-            automaton = domain.automata.get(name) if file is None else file.automaton
-            if automaton is None or name in self.unreadable:
-                return []
-            return sorted(lost & automaton.behaviors_used)
-
-        # Behaviors that use each other are each a cause of its own.
-        circles = circular(lost, parts)
-        return {name: [] if name in circles else parts(name) for name in lost}
 
     def _reason(self, folder: Path, way: list[str]) -> str:
         """Return why the first on a way of parts cannot be used: its last is the cause."""
@@ -193,20 +165,3 @@ class Contents:
         between = "".join(f"{part}, which needs " for part in way[1:-1])
         lost = f"{first} is lost" if first == cause else f"{first} needs {between}{cause}"
         return f"{lost}: {why}"
-
-
-def _way_to_cause(name: str, parts: Mapping[str, list[str]]) -> list[str]:
-    """Return a path of parts from a lost behavior to one that no other lost part explains."""
-    came_from = {name: ""}
-    waiting = [name]
-    for last in waiting:
-        if not parts[last]:
-            way = [last]
-            while came_from[way[0]]:
-                way.insert(0, came_from[way[0]])
-            return way
-        for part in parts[last]:
-            if part not in came_from:
-                came_from[part] = last
-                waiting.append(part)
-    raise AssertionError(f"{name} is made of itself")
