@@ -13,11 +13,11 @@ from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_client.shipped import find_file, shipped
 from hitab_client.world_client import WorldClient
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.hierarchy_players import HierarchyPlayers, Member
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_world.inprocess import cycle
+from hitab_core.repertoire import Repertoire
+from hitab_world.inprocess import cycle, perform
 
 CYCLES = 300
 LESSONS = ("foraging_search", "foraging_goto", "foraging_carry", "foraging_forage")
@@ -44,7 +44,7 @@ def test_foragers_do_over_topics_what_they_do_in_one_process(home, tmp_path):
     figures = ForagingParameters.from_dict(dict(described.world.parameters))
     world = ForagingWorld(figures, seed)
     library = BehaviorLibrary(shipped("libraries", "foraging"), load_domain("foraging"))
-    players = HierarchyPlayers([Member(n, library, "Forage") for n in world.agents]).players
+    players = perform(world, Repertoire(library.domain, library.load()), "Forage")
     for player in players.values():
         player.begin(world.seed, world.episode)
     for _ in range(CYCLES):

@@ -159,7 +159,7 @@ def of_python(mention: Mention) -> bool:
 
 def fits_module(mention: Mention) -> bool:
     """Whether `python -m` can run the module with these parameters."""
-    from hitab_agent.settings import DESCRIPTIONS as OF_AGENTS
+    from hitab_agent.settings import AgentSettings
     from hitab_robots.settings import DESCRIPTIONS as OF_ROBOTS
     from hitab_world.settings import DESCRIPTIONS as OF_WORLDS
 
@@ -175,8 +175,8 @@ def fits_module(mention: Mention) -> bool:
         return True
     if '__name__ == "__main__"' not in Path(spec.origin).read_text(encoding="utf-8"):
         return False
-    known = {*OF_AGENTS, *OF_WORLDS, *OF_ROBOTS}
-    known |= {"agents", "roster", "subordinates", "roles", "asks_position"}
+    known = {*AgentSettings.__annotations__, *OF_WORLDS, *OF_ROBOTS}
+    known |= {"roster", "subordinates", "roles", "asks_position"}
     given = [
         re.match(r"(\w+)(\.\w+)?:=", word)
         for flag, word in zip(mention.words, mention.words[1:], strict=False)

@@ -154,7 +154,7 @@ def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm)
     swarm.world.step(3)
     state = swarm.folder.path / "state"
     memories = {
-        AGENT: state / AGENT / "performance.json",
+        AGENT: state / AGENT / "restart.json",
         "world": state / "world" / "latest.json",
     }
     for name, file in memories.items():

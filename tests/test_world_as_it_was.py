@@ -63,9 +63,17 @@ def test_a_lesson_that_fails_before_its_first_step_leaves_the_world_as_it_was(ru
     assert is_as_it_was(running)
 
 
-def test_ctrl_c_leaves_the_world_as_it_was(running):
-    with pytest.raises(KeyboardInterrupt):
-        changed(running, lambda: signal.raise_signal(signal.SIGINT))
+@pytest.mark.parametrize(
+    ("then", "told"),
+    [
+        (lambda: signal.raise_signal(signal.SIGINT), KeyboardInterrupt),
+        (lambda: 1 / 0, ZeroDivisionError),
+    ],
+    ids=["Ctrl-C", "an error"],
+)
+def test_what_went_wrong_leaves_the_world_as_it_was_and_is_told(running, then, told):
+    with pytest.raises(told):
+        changed(running, then)
     assert is_as_it_was(running)
 
 
@@ -109,12 +117,6 @@ def test_an_error_while_it_is_handed_back_does_not_keep_the_rest_from_being_so(r
     assert failures
     running.link.spin_until(lambda: running.world.status.mode == "running", 10)
     assert running.world.status.mode == "running"  # this is tried though the pace was not certain
-
-
-def test_what_went_wrong_first_is_told(running):
-    with pytest.raises(ZeroDivisionError):
-        changed(running, lambda: 1 / 0)
-    assert is_as_it_was(running)
 
 
 def test_a_paused_world_is_paused_afterwards_even_if_it_is_still_stepping(keepers):

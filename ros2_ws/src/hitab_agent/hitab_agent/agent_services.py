@@ -291,7 +291,7 @@ class AgentServices:
                 )
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
-        response.digest = self._agent.library_digest
+        response.digest = self._agent.edition.digest
         return quantity(len(response.behaviors), "trained behavior")
 
     def _get_vocabulary(

@@ -156,7 +156,7 @@ class StatusPublisher:
         status.unsure_distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
         status.perceived = agent.context.senses.perceived
-        status.library_digest = agent.library_digest
+        status.library_digest = agent.edition.digest
         faults = self.faults
         status.faults = faults
         status.remedies = remedy_messages([*self._guard.faults.remedies, *agent.remedies])

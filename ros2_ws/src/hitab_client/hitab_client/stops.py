@@ -139,7 +139,7 @@ class Stops:
         until = time.monotonic() + seconds
         while topic not in self._reports and time.monotonic() < until:
             self.look()
-            self.spin()
+            self._link.spin_until(lambda: topic in self._reports, REPEAT_S)
         if topic not in self._reports:
             there = some(self.names()) if self.names() else "none is there"
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
@@ -191,11 +191,13 @@ class Stops:
     @staticmethod
     def listen(ends: Sequence[Stops], seconds: float) -> None:
         """Hear for so long who is there, and what they say."""
-        until = time.monotonic() + seconds
-        while time.monotonic() < until:
+        for _ in range(2):  # to look is much work
+            until = time.monotonic() + seconds / 2
             for end in ends:
                 end.look()
-                end.spin()
+            while time.monotonic() < until:
+                for end in ends:
+                    end.spin()
 
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:

@@ -36,6 +36,7 @@ from hitab_ros.conversions import costs_of, remedies_of
 
 if TYPE_CHECKING:
     from hitab_client.learned import Learned
+    from hitab_client.world_client import WorldClient
     from hitab_core.training import TrainingCost
 
 ACKNOWLEDGE_SECONDS = 10.0
@@ -90,6 +91,7 @@ class SwarmClient(AgentPresence):
         sequence: int = 0,
         seconds: float = ACKNOWLEDGE_SECONDS,
         demonstrator: str = "",
+        world: WorldClient | None = None,
     ) -> AgentStatus:
         """Command a behavior and wait until the agent has acknowledged it.
 
@@ -103,11 +105,15 @@ class SwarmClient(AgentPresence):
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
             demonstrator: who commands; empty: the client's.
+            world: of the agent; None: it has none. An agent that is late in a stepped world is
+                waited for: it would take the command for an answer to what it perceived before.
 
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
         """
         self.await_agent(agent)
+        if world is not None and world.is_paused:
+            self.link.spin_until(lambda: agent not in world.missing, seconds)
         publisher = self._commander(agent)
         if not sequence:
             sequence = self._sequence = max(self._sequence + 1, time.time_ns() // 1000)

@@ -107,13 +107,16 @@ class WorldClient:
 
         is_lost = self._processes.is_lost
 
-        def decided() -> bool:
-            return self.status is not None or self.stranger is not None or is_lost(names.WORLD)
-
-        self.link.spin_until(decided, seconds, waiting_for=lambda: "the world")
+        self.link.spin_until(
+            lambda: self.status or self.stranger is not None or is_lost(names.WORLD),
+            seconds,
+            waiting_for=lambda: "the world",
+        )
         self.refuse_stranger()
         if self.status is None:
-            raise self._reason() or (_unexplained(seconds) if own else self._absent)
+            late = f"the world has been silent for {seconds:g} s"
+            silent = SwarmError(late, Do.LOGS(node=names.WORLD))
+            raise self._reason() or (silent if own else self._absent)
         return self.status
 
     @property
@@ -279,39 +282,28 @@ class WorldClient:
         while (seen := len(played())) < episodes:
             if progress is not None:
                 progress(seen)
-            so_far = len(self.episodes)
-            if not self._more_episodes_than(so_far, stall_seconds):
+            cycle = self._cycle
+
+            def ended(known: int = len(self.episodes)) -> bool:
+                return len(self.episodes) > known
+
+            # Nor is it a long episode, in real time.
+            if not self.link.spin_until(ended, stall_seconds) and self._cycle == cycle:
                 raise SwarmError(
                     f"no cycle was played for {stall_seconds:g} s after {seen} of {episodes} "
                     f"episodes{self._why_stalled()}"
                 )
         return played()
 
-    def _more_episodes_than(self, number: int, seconds: float) -> bool:
-        def cycle() -> int:
-            return -1 if self.status is None else int(self.status.cycle)
-
-        def ended() -> bool:
-            return len(self.episodes) > number
-
-        before = cycle()
-        while not self.link.spin_until(ended, seconds):
-            if cycle() == before:
-                return False
-            before = cycle()  # a long episode, in real time
-        return True
+    @property
+    def _cycle(self) -> int:
+        return -1 if self.status is None else int(self.status.cycle)
 
     def _why_stalled(self) -> str:
-        if self.status is None:
-            return ""
         if self.missing:
             return f"; no node answers for {', '.join(self.missing)}"
-        return f"; the world reports: {self.status.last_error}" if self.status.last_error else ""
-
-
-def _unexplained(waited: float) -> SwarmError:
-    late = f"the world has been silent for {waited:g} s"
-    return SwarmError(late, Do.LOGS(node=names.WORLD))
+        problem = self.status.last_error if self.status is not None else ""
+        return f"; the world reports: {problem}" if problem else ""
 
 
 def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:

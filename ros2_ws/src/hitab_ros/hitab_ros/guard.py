@@ -25,6 +25,26 @@ TRACE_MAX = 6000
 """Maximum characters of a logged trace."""
 
 
+class _Guarding:
+    """What is done in this context raises nothing; it may be entered again and again."""
+
+    def __init__(self, guard: Guard, key: str) -> None:
+        self._guard = guard
+        self._key = key
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> bool:
+        faults = self._guard.faults
+        if isinstance(error, Exception):
+            self._guard.failed(self._key, error)
+            return True
+        if error is None and self._key in faults.by_key:
+            faults.clear(self._key)
+        return False
+
+
 class Guard:
     """Runs callbacks so that their exceptions do not end the process.
 
@@ -67,48 +87,30 @@ class Guard:
             call: the function; its result is ignored.
             arguments: of the call.
         """
-        try:
+        with _Guarding(self, key):
             call(*arguments)
-        except Exception as error:
-            self.failed(key, error)
-            return False
-        if key in self.faults.by_key:
-            self.faults.clear(key)
-        return True
+            return True
+        return False
 
     def wrap(
         self, key: str, callback: Callable[..., Any], otherwise: Any = None
     ) -> Callable[..., Any]:
         """Return a callback that returns ``otherwise`` instead of raising."""
-        faults, failing = self.faults, self.faults.by_key
+        guarding = _Guarding(self, key)
 
-        if inspect.iscoroutinefunction(callback):
-
-            @functools.wraps(callback)
-            async def guarded_coroutine(*arguments: Any) -> Any:
-                try:
-                    answer = await callback(*arguments)
-                except Exception as error:
-                    self.failed(key, error)
-                    return otherwise
-                if key in failing:
-                    faults.clear(key)
-                return answer
-
-            return guarded_coroutine
+        @functools.wraps(callback)
+        async def guarded_coroutine(*arguments: Any) -> Any:
+            with guarding:
+                return await callback(*arguments)
+            return otherwise
 
         @functools.wraps(callback)
         def guarded(*arguments: Any) -> Any:
-            try:
-                answer = callback(*arguments)
-            except Exception as error:
-                self.failed(key, error)
-                return otherwise
-            if key in failing:
-                faults.clear(key)
-            return answer
+            with guarding:
+                return callback(*arguments)
+            return otherwise
 
-        return guarded
+        return guarded_coroutine if inspect.iscoroutinefunction(callback) else guarded
 
     def wrap_topic(
         self, key: str, kind: Any, callback: Callable[..., Any], *, checked: bool = True

@@ -62,7 +62,12 @@ def demonstrate(
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
         status = swarm_up.agents.command(
-            agent, use.name, [*use.arguments, *(targets or [])], ago=due, seen=seen
+            agent,
+            use.name,
+            [*use.arguments, *(targets or [])],
+            ago=due,
+            seen=seen,
+            world=swarm_up.world,
         )
     console.say(outcome(agent, use.name, status))
     tell_faults(status)

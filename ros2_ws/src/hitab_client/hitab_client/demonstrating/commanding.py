@@ -51,6 +51,7 @@ def command(
         sequence=sequence,
         seconds=seconds,
         demonstrator=demonstrator,
+        world=world,
     )
 
 

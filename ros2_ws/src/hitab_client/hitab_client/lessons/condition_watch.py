@@ -65,9 +65,7 @@ class ConditionWatch:
 
     def view(self) -> WorldView:
         """Return the present moment."""
-        return WorldView(
-            (), self.now() - self._since, self._paths(), readings=self._reading, has_world=False
-        )
+        return WorldView(None, self.now() - self._since, self._paths(), reading=self._reading)
 
     def _paths(self) -> dict[str, list[str]]:
         # The status may lag behind by some cycles; the states entered in this one do not.
@@ -165,5 +163,5 @@ class WorldWatch(ConditionWatch):
             self._paths(),
             self._said,
             self._ended,
-            readings=self._reading,
+            reading=self._reading,
         )

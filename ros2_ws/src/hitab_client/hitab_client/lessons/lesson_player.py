@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 from hitab_msgs.srv import Control, EditExamples
@@ -41,9 +40,6 @@ from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
 from hitab_core import HitabError, quantity, some
-
-BACK_SECONDS = 15.0
-"""How long to wait for an agent that the world goes on without."""
 
 
 @dataclass
@@ -167,7 +163,7 @@ class LessonPlayer:
     def _play(self, step: Step) -> None:
         self.watch.begin()
         try:
-            _PLAYERS[type(step)](self, step)
+            getattr(self, f"_{step.kind}")(step)
         except HitabError as error:
             place = f"{self.lesson.file}:{step.line}: step `{step.kind}`"
             raise LessonError(error.problem, *error.remedies, where=place) from None
@@ -212,10 +208,8 @@ class LessonPlayer:
             self.begun[step.agent] = step.automaton
 
     def _command(self, step: Command) -> None:
-        if (world := self.world) is not None and step.agent in world.missing:
-            # It would take the command for an answer to what it perceived before it was held up.
-            world.link.spin_until(lambda: step.agent not in world.missing, BACK_SECONDS)
-        self.swarm.command(step.agent, step.use.name, step.use.arguments)
+        use = step.use
+        self.swarm.command(step.agent, use.name, use.arguments, world=self.world)
         self.report.commands += 1
 
     def _told_now(self, step: Until) -> str:
@@ -322,21 +316,3 @@ def _told(step: Step) -> str:
         case Distribute():
             return f"distribute {step.use}"
     return step.kind.replace("_", " ")
-
-
-_PLAYERS: dict[type[Step], Callable[[LessonPlayer, Any], None]] = {
-    Say: LessonPlayer._say,
-    Place: LessonPlayer._place,
-    Begin: LessonPlayer._begin,
-    Command: LessonPlayer._command,
-    Until: LessonPlayer._until,
-    Check: LessonPlayer._check,
-    Never: LessonPlayer._never,
-    Test: LessonPlayer._test,
-    TakeOver: LessonPlayer._take_over,
-    Undo: LessonPlayer._undo,
-    Save: LessonPlayer._save,
-    Distribute: LessonPlayer._distribute,
-    Perform: LessonPlayer._perform,
-    NewEpisode: LessonPlayer._new_episode,
-}
