@@ -158,7 +158,7 @@ def test_ctrl_c_leaves_everything_sound(team):
     work = interrupted_at("evaluating")
     with pytest.raises(KeyboardInterrupt):
         work.next(ONE, evaluation=Evaluation(episodes=1000))
-    assert "has no score; `hitab bootstrap back keeper_1 Run" in work.left
+    assert "has no score; go back to generation" in work.left
     assert team.agents.statuses[ONE].mode == "training"
     cycle = team.world.step().cycle
     assert team.world.step().cycle == cycle + 1, "the world stands still"

@@ -110,7 +110,7 @@ def test_an_agent_that_runs_but_does_not_answer_is_silent_for_as_long_as_it_was_
         waited = round(0.5 + agents.more_seconds, 1)
         assert str(refused.value) == (
             f"{ONE} has been silent for {waited:g} s; its process ({pid}) still runs; "
-            f"see `hitab logs {ONE}`"
+            f"look into the log of {ONE}"
         )
         world = WorldClient(link, prefix="/elsewhere", processes=processes)
         with pytest.raises(SwarmError, match=r"the world has been silent for 0\.5 s"):

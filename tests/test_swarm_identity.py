@@ -91,8 +91,8 @@ def test_the_same_swarm_in_another_folder_is_refused(hitab, place):
     refused, *ways_out = again.stderr.splitlines()
     assert "keeper_1, keeper_2, keeper_3, world" in refused
     assert all(line.startswith("  ") for line in ways_out)
-    assert "stop it with `hitab down soccer`" in " ".join(ways_out)
-    assert "ROS_DOMAIN_ID" in " ".join(ways_out)
+    assert "`hitab down soccer`" in " ".join(ways_out)
+    assert "choose another ROS_DOMAIN_ID" in refused
     assert RunFolder(place / "other").processes() == []
     assert [r.identity for _, r in running_swarms()] == [record.identity]
 

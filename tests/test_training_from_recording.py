@@ -176,7 +176,7 @@ def test_a_recording_that_begins_within_a_training_is_refused(
         tmp_path / "late.mcap",
         lambda topic, number, data: None if topic == f"/{ONE}/requested" and number == 1 else data,
     )
-    with pytest.raises(HitabError, match=r"begins in a training: .*before `hitab train`"):
+    with pytest.raises(HitabError, match=r"begins in a training: .*before the training"):
         train_from_recording(path, tmp_path / "library", ONE)
 
 
@@ -226,7 +226,10 @@ def test_the_command_records_chosen_topics_too_and_trains_from_what_it_recorded(
     keepers.link.node.destroy_publisher(scans)
     assert done[0].returncode == 0, done[0].stderr
     assert f"to {bag}" in done[0].stdout
-    assert "the world is paused: nothing changes until `hitab world resume`" in done[0].stderr
+    assert (
+        "the world is paused: nothing changes\n  let the world go on: `hitab world resume`"
+        in done[0].stderr
+    )
     assert "/robot_1/odom is not in it: nobody has published it" in done[0].stderr
     beside = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     counts = {

@@ -54,7 +54,7 @@ class AgentBase(GuardedNode):
     def settle(self) -> None:
         """Retry a waiting order after a demonstrator has changed something."""
 
-    def answered(self, error: str) -> None:
+    def answered(self, error: Exception | None) -> None:
         """Settle after a request, and show in the status what went wrong."""
 
     def taken_in(self, sequence: int, digest: str, error: str) -> None:

@@ -29,6 +29,7 @@ from hitab_agent.world_link import WorldLink
 from hitab_core import (
     RESERVED,
     Agent,
+    Do,
     Domain,
     HitabError,
     LostBehaviorError,
@@ -322,7 +323,7 @@ class AgentNode(AgentBase):
     def stop_changed(self) -> None:
         """Say why its robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
-        self.guard.faults.set("stop", why)
+        self.guard.faults.set("stop", why, Do.GO(), Do.ARM(robot=self.agent_name))
         if self.actions is not None:
             self.actions.hold(held=bool(why))
 
@@ -341,7 +342,7 @@ class AgentNode(AgentBase):
         refusal = self.status.refusal
         if refusal:
             self.guard.log(refusal)
-            self.status.report_error("")
+            self.status.report_error(None)
         else:
             self.status.publish_soon()
 
@@ -352,7 +353,7 @@ class AgentNode(AgentBase):
 
     # -- status -----------------------------------------------------------------------------
 
-    def answered(self, error: str) -> None:
+    def answered(self, error: Exception | None) -> None:
         """Settle after a request, and show in the status what went wrong."""
         self.settle()
         self.status.report_error(error)
@@ -362,7 +363,7 @@ class AgentNode(AgentBase):
         if digest:
             self.settle()
         self.status.message.distribution = sequence
-        self.status.report_error(error)
+        self.status.report_error(HitabError(error) if error else None)
 
     def faults_changed(self) -> None:
         """Publish a status soon, if the agent has joined."""

@@ -17,6 +17,7 @@ from hitab_core import (
     BasicBehavior,
     BehaviorLibrary,
     Caution,
+    Do,
     Domain,
     LibraryError,
     Mode,
@@ -29,8 +30,8 @@ from hitab_core import (
 from hitab_core.library import SUFFIX
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
-from hitab_ros.answering import Serve, answering
-from hitab_ros.conversions import cost_message, feature_message, use_of
+from hitab_ros.answering import Answered, Serve, answering
+from hitab_ros.conversions import cost_message, feature_message, remedy_messages, use_of
 
 
 class AgentServices:
@@ -41,7 +42,7 @@ class AgentServices:
         node: GuardedNode,
         agent: Agent,
         library: Callable[[Path, Domain], BehaviorLibrary],
-        answered: Callable[[str], None],
+        answered: Answered,
         training: TrainingTopic,
     ) -> None:
         """Offer the services.
@@ -50,8 +51,7 @@ class AgentServices:
             node: to offer them on.
             agent: the agent that they control.
             library: returns the library in a folder, for a domain.
-            answered: called before the reply to a request that may have changed the agent, with
-                the reason for a refusal, or "".
+            answered: called before the reply to a request that may have changed the agent.
             training: has a new revision when they have changed something.
         """
         self._agent = agent
@@ -99,33 +99,17 @@ class AgentServices:
             done[0] += f" with {quantity(len(session.log), 'example')}"
         if given_up:
             done.append(f"discarded {given_up}")
-        done += self._replaced(session.curriculum.name, resumed=bool(request.resume))
-        done += self._without_features(session)
-        return "; ".join(done)
-
-    def _replaced(self, name: str, *, resumed: bool) -> list[str]:
-        """Say what saving will replace, and how to go on with that instead."""
+        agent, name, remedies = self._agent.name, session.curriculum.name, []
         saved = self._agent.edition.files.get(name)
-        if saved is None or resumed:
-            return []
-        agent, examples = self._agent.name, len(saved.automaton.examples)
-        if not examples:
-            return [f'saving it will replace the "{name}" in the library']
-        return [
-            f'saving it will replace the "{name}" in the library, which has '
-            f"{quantity(examples, 'example')}. To go on from these instead: "
-            f"`hitab train {agent} {name} --resume`, with other features if -f names them"
-        ]
-
-    def _without_features(self, session: TrainingSession) -> list[str]:
-        if session.curriculum.features:
-            return []
-        agent = self._agent.name
-        return [
-            "no feature is chosen, so it cannot tell situations apart yet. Choose by what it "
-            f"decides, now or later: `hitab examples features {agent} -f FEATURE`; "
-            f"`hitab vocabulary {agent}` lists the features"
-        ]
+        if saved is not None and not request.resume:
+            examples = quantity(len(saved.automaton.examples), "example")
+            done.append(f'saving it will replace the "{name}" in the library, with {examples}')
+            remedies.append(Do.TRAIN_FURTHER(agent=agent, behavior=name))
+        if not session.curriculum.features:
+            done.append("no feature is chosen, so it cannot tell situations apart yet")
+            remedies += [Do.CHOOSE_FEATURES(agent=agent), Do.VOCABULARY(agent=agent)]
+        response.remedies = remedy_messages(remedies)
+        return "; ".join(done)
 
     def _under_way(self) -> str:
         """Describe the training under way; empty if it has no examples."""
@@ -143,14 +127,15 @@ class AgentServices:
             case Mode.TRAINING:
                 self._agent.take_over()
             case Mode.IDLE:
-                return self._kept_aside(lambda: self._agent.perform(None), "is idle")
+                return self._kept_aside(response, None)
             case mode:
                 known = (Mode.TESTING, Mode.TRAINING, Mode.IDLE)
                 raise TrainingError(unknown("mode", mode, known))
         agent = self._agent
         done = f'{agent.name} is {agent.mode} "{agent.training}"'
         if agent.mode is Mode.TESTING and (open_ones := _open_questions(agent)):
-            done += f"; it has {open_ones}; `hitab questions {agent.name}` shows what it asks"
+            done += f"; it has {open_ones}"
+            response.remedies = remedy_messages([Do.QUESTIONS(agent=agent.name)])
         return done
 
     def _discard(self, mode: str) -> str:
@@ -203,8 +188,12 @@ class AgentServices:
     def _training(self) -> TrainingSession:
         session = self._agent.session
         if session is None:
-            raise TrainingError(_no_training(self._agent, "begin one with `hitab train {} NAME`"))
+            raise self._no_training(Do.RESUME, Do.TRAIN)
         return session
+
+    def _no_training(self, *ways: Do) -> TrainingError:
+        agent = self._agent.name
+        return TrainingError("it is not training anything", *(do(agent=agent) for do in ways))
 
     def _set_caution(self, request: srv.SetCaution.Request, response: Any) -> str:
         caution = Caution.parse(request.when_unsure, request.support, request.distance)
@@ -215,16 +204,12 @@ class AgentServices:
         agent = self._agent
         name = request.automaton or agent.training
         if not name:
-            raise TrainingError(
-                _no_training(
-                    agent, "name a trained behavior: `hitab examples list {} NAME --cost`"
-                )
-            )
+            raise self._no_training(Do.EXAMPLES_OF)
         costs = agent.journal.costs(name)
         if not costs and name == agent.training:
             raise TrainingError(
-                f'nothing was done yet in the training of "{name}"; command a behavior with '
-                f"`hitab demonstrate {agent.name} BEHAVIOR`"
+                f'nothing was done yet in the training of "{name}"',
+                Do.DEMONSTRATE(agent=agent.name),
             )
         if not costs:
             raise TrainingError(
@@ -249,29 +234,27 @@ class AgentServices:
         done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
         done += f"; {replaced}" if replaced else ""
         if open_ones:
-            done += (
-                f"; it had {open_ones}; to answer, `hitab train {agent.name} {automaton.name} "
-                f"--resume` and `hitab questions {agent.name}`"
-            )
+            done += f"; it had {open_ones}"
+            further = Do.TRAIN_FURTHER(agent=agent.name, behavior=automaton.name)
+            response.remedies = remedy_messages([further])
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
         use = use_of(request.behavior, request.arguments) if request.behavior else None
-        return self._kept_aside(lambda: self._agent.perform(use), f"performs {use or 'nothing'}")
+        return self._kept_aside(response, use)
 
-    def _kept_aside(self, perform: Callable[[], None], done: str) -> str:
+    def _kept_aside(self, response: Any, use: Use | None) -> str:
         """Have the agent perform something; say what becomes of a training under way."""
         agent = self._agent
-        perform()
+        agent.perform(use)
+        done = f"{agent.name} performs {use or 'nothing'}"
         if agent.session is None:
-            return f"{agent.name} {done}"
-        return (
-            f'{agent.name} {done}; the training of "{agent.training}" '
-            f"({quantity(agent.unsaved, 'example')}) is kept: `hitab train {agent.name}` goes on "
-            "with it"
-        )
+            return done
+        response.remedies = remedy_messages([Do.RESUME(agent=agent.name)])
+        examples = quantity(agent.unsaved, "example")
+        return f'{done}; the training of "{agent.training}" ({examples}) is kept'
 
     def _load_library(self, request: srv.LoadLibrary.Request, response: Any) -> str:
         library = None
@@ -289,8 +272,7 @@ class AgentServices:
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.edition.digest
-        known = quantity(len(response.behaviors), "trained behavior")
-        return "; ".join((known, *self._agent.edition.losses.faults))
+        return quantity(len(response.behaviors), "trained behavior")
 
     def _get_vocabulary(
         self, request: srv.GetVocabulary.Request, response: srv.GetVocabulary.Response
@@ -341,13 +323,3 @@ def _open_questions(agent: Agent) -> str:
     if clashes := sum(question.kind == msg.Question.CONTRADICTION for question in known):
         told += f", {clashes} of contradicting commands, where it decides by chance"
     return told
-
-
-def _no_training(agent: Agent, way_out: str) -> str:
-    """Return that an agent is not training anything.
-
-    Args:
-        agent: the agent.
-        way_out: what to do, with ``{}`` for its name.
-    """
-    return f"{agent.name} is not training anything; {way_out.format(agent.name)}"

@@ -9,7 +9,6 @@ from hitab_msgs import msg
 from hitab_agent.agent_base import AgentBase
 from hitab_core import Request
 from hitab_ros import RecentRequests, names, qos, session_topics
-from hitab_ros.answering import what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.plain_text import plain
@@ -30,11 +29,11 @@ class CommandReceiver:
         """Subscribe to commands."""
         self._node = node
         self._young_until = time.monotonic() + YOUNG_S
-        self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
+        self._recent: RecentRequests[tuple[Exception, ...]] = RecentRequests()  # why refused
         session = node.agent.session
         for request in session.requests if session is not None else ():
             # Obeyed before a crash: their demonstrators may not know it and send them again.
-            self._recent.keep(*request, "")
+            self._recent.keep(*request, ())
             node.status.message.last_command_sequence = request.number
         # Checked below, so that the status shows the sender what is wrong.
         node.create_subscription(
@@ -51,7 +50,7 @@ class CommandReceiver:
         refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:
             if refusal is None:
-                refusal = ""
+                refusal = ()
                 check(command)
                 use = use_of(command.behavior, command.targets)
                 request = Request(status.demonstrator, command.sequence)
@@ -62,11 +61,11 @@ class CommandReceiver:
                     request=request if request.number else None,
                 )
         except Exception as error:
-            refusal = what_went_wrong(error)
+            refusal = (error,)
         self._recent.keep(status.demonstrator, command.sequence, refusal)
         if refusal:
             status.last_refused_sequence = command.sequence
         else:
             status.last_command_sequence = command.sequence
-        node.status.report_error(refusal)
+        node.status.report_error(refusal[0] if refusal else None)
         node.settle()

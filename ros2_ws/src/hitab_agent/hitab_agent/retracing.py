@@ -9,7 +9,7 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_agent.offline_agent import OfflineAgent
-from hitab_core import HitabError, Mode
+from hitab_core import Do, HitabError, Mode
 from hitab_ros import names, session_topics
 
 COMPARED = ("behavior", "mode", "examples", "default_examples", "active_path")
@@ -91,7 +91,8 @@ class Retracer:
             raise HitabError(
                 f"percepts are missing between cycle {self._offline.agent.cycle} and cycle "
                 f"{percept.cycle}: whoever recorded was too slow, or another world began; record "
-                "again with less to do, or slower (`hitab world pace realtime`)"
+                "again with less to do, or slower",
+                Do.PACE(),
             )
         self.done.percepts += 1
         self._offline.perceive(percept)
@@ -118,7 +119,7 @@ class Retracer:
             if was.mode in IN_TRAINING and was.examples:
                 raise HitabError(
                     f'the recording begins in a training: "{was.behavior}" has {was.examples} '
-                    "examples already; start to record before `hitab train`"
+                    "examples already; start to record before the training"
                 )
             return
         now = self._offline.status()

@@ -85,15 +85,16 @@ def test_it_is_up_idles_says_why_and_begins_once_the_behavior_is_back(walkers: W
     status = walkers.status("one")
     assert status.mode == msg.AgentStatus.IDLE
     fault, began = status.faults
-    assert fault.startswith("the file of Walk, ")
-    assert "it is needed for Stroll; bring version 1 back with `hitab library restore " in fault
-    assert 'cannot perform its start behavior "Stroll": Stroll needs Walk, whose' in began
+    assert fault.startswith("Walk is lost: its file in ")
+    assert fault.endswith("; it is needed for Stroll")
+    assert [remedy.code for remedy in status.remedies] == ["CHECK_LIBRARY"]
+    assert 'cannot perform its start behavior "Stroll": Stroll needs Walk: its file' in began
     assert status.last_error == began
     # Nor does another restart make it forget what it performed.
     assert RestartMemory(walkers.folder / "one", "s").performed == "Stroll"
     answer = walkers.ask("one", srv.Perform, names.PERFORM, behavior="Stroll")
     assert not answer.success
-    assert answer.message.startswith("Stroll needs Walk, whose file ")
+    assert answer.message.startswith("Stroll needs Walk: its file ")
     walkers.library("one").restore("Walk", 1)
     answer = walkers.ask("one", srv.LoadLibrary, names.LOAD_LIBRARY)
     assert answer.success
@@ -109,7 +110,7 @@ def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Wal
     walkers.start("one", behavior="Stroll")
     refused = walkers.ask("one", srv.Distribute, names.DISTRIBUTE, behavior="Stroll")
     assert not refused.success
-    assert refused.message.startswith("Stroll needs Walk, whose file ")
+    assert refused.message.startswith("Stroll needs Walk: its file ")
     sent = walkers.ask("teacher", srv.Distribute, names.DISTRIBUTE, behavior="Walk")
     assert sent.success
     walkers.process.until(lambda: walkers.status("one").distribution == sent.sequence)

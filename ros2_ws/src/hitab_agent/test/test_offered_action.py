@@ -155,7 +155,7 @@ def test_a_training_that_begins_replaces_the_goal_and_has_others_refused(one):
     assert one.come_of(result) == replaced
     status, outcome, message = one.come_of(one.ask("Walk")[1])
     assert (status, outcome) == (GoalStatus.STATUS_ABORTED, "")
-    assert message.startswith('one is training "New"; save that first (`hitab save one`)')
+    assert message == 'it is training "New"; save the training of one; make one idle'
     assert one.agent.training == "New"
 
 

@@ -22,6 +22,7 @@ from hitab_core import (
     Domain,
     Example,
     Feature,
+    HitabError,
     TransitionTree,
     Use,
 )
@@ -131,7 +132,7 @@ def test_a_host_tells_of_all_its_agents_in_one_message_and_of_none_in_rosout(pro
     process.node.create_subscription(DiagnosticArray, "/diagnostics", arrays.append, 10)
     nodes = [start(DOMAIN, name, shared=shared).node for name in ("a", "b", "c")]
     nodes[0].agent.sense([1.0], [])
-    nodes[0].status.report_error("no such behavior")
+    nodes[0].status.report_error(HitabError("no such behavior"))
     process.until(lambda: arrays and len(arrays[-1].status) == 4)
     summary, *others = arrays[-1].status
     assert summary.message == "1 WARN, 2 STALE"

@@ -57,9 +57,7 @@ def refuse_running(folder: RunFolder) -> None:
     """
     before = folder.read()
     if before is not None and folder.supervisor(before) is not None:
-        raise SwarmError(
-            f'swarm "{before.swarm}" is already up; stop it with {way_to_stop(folder, before)}'
-        )
+        raise SwarmError(f'swarm "{before.swarm}" is already up', way_to_stop(folder, before))
 
 
 def launch(

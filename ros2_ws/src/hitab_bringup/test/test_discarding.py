@@ -18,7 +18,7 @@ def discarded(monkeypatch) -> list[str]:
 
     def discard(agent):
         done.append(agent)
-        return SimpleNamespace(message="discarded")
+        return SimpleNamespace(message="discarded", remedies=[])
 
     def status(agent):
         several = agent == "keeper_1"

@@ -1,5 +1,5 @@
-from . import called_as as called_as
 from . import command_options as command_options
+from . import commands as commands
 from . import completion as completion
 from . import console as console
 from . import dds_profile as dds_profile

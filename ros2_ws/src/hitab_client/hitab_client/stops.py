@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from hitab_msgs.msg import StopState
 from hitab_msgs.srv import Arm
 
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_core import natural, some
 from hitab_ros import EmergencySwitch, names, qos, why_stopped
@@ -120,7 +120,7 @@ class Stops:
     def waiting(self) -> dict[str, str]:
         """Return the robots that may not act, and why."""
         return {
-            name: why_stopped(name, report.why, report.causes)
+            name: why_stopped(report.why, report.causes)
             for name, report in self._present()
             if report is not None and report.why
         }
@@ -145,10 +145,10 @@ class Stops:
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
-        missing = f"{robot} cannot be re-armed: nobody offers {service}"
+        missing = SwarmError(f"{robot} cannot be re-armed: nobody offers {service}")
         answer = self._link.call(Arm, service, request, missing=lambda: missing)
         if not answer.success:
-            raise SwarmError(f"{robot} may not act again: {answer.message}")
+            raise refused(answer, f"{robot} may not act again")
 
     @staticmethod
     def switch_all(

@@ -27,12 +27,12 @@ from hitab_msgs.srv import (
 
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
 from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import said_of
+from hitab_core import Do
 from hitab_ros import names, qos
-from hitab_ros.conversions import cost_of
+from hitab_ros.conversions import cost_of, remedies_of
 
 if TYPE_CHECKING:
     from hitab_client.learned import Learned, Training
@@ -149,14 +149,12 @@ class SwarmClient(AgentPresence):
             if self.link.spin_until(answered, RESEND_SECONDS):
                 break
         if not answered():
-            raise SwarmError(
-                self.processes.reason(agent)
-                or f"{agent} did not acknowledge the command within {seconds:g} s; "
-                f"check with `hitab examples list {agent}` whether it was recorded"
-            )
+            late = f"{agent} did not acknowledge the command within {seconds:g} s"
+            raise self.processes.reason(agent) or SwarmError(late, Do.EXAMPLES(agent=agent))
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
-            raise SwarmError(said_of(agent, status.last_error))
+            remedies = remedies_of(status.last_remedies)
+            raise SwarmError(status.last_error, *remedies, where=agent)
         return status
 
     def _commander(self, agent: str) -> Any:
@@ -172,7 +170,7 @@ class SwarmClient(AgentPresence):
             0.01,
             lambda: f"{agent} to listen",
         ):
-            raise SwarmError(self._absence(agent, DISCOVERY_SECONDS))
+            raise self._absence(agent, DISCOVERY_SECONDS)
         return publisher
 
     # -- services ---------------------------------------------------------------------------
@@ -191,7 +189,7 @@ class SwarmClient(AgentPresence):
             missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
         )
         if not getattr(answer, "success", True):
-            raise SwarmError(said_of(agent, answer.message))
+            raise refused(answer, agent)
         if (revision := getattr(answer, "revision", None)) is not None:
             # The status was sent before the answer, on another way.
             self.link.spin_until(lambda: self._shows(agent, revision), RESEND_SECONDS, 0.01)
@@ -229,13 +227,15 @@ class SwarmClient(AgentPresence):
         if not self.link.spin_until(
             has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
         ):
-            raise SwarmError(
-                self.processes.reason(agent)
-                or f"{agent} does not publish what it is being trained; see `hitab logs {agent}`"
+            raise self.processes.reason(agent) or SwarmError(
+                "it does not publish what it is being trained", Do.LOGS(node=agent), where=agent
             )
         if not self.statuses[agent].training_revision:
             raise SwarmError(
-                f"{agent} is not training anything; begin one with `hitab train {agent} NAME`"
+                "it is not training anything",
+                Do.RESUME(agent=agent),
+                Do.TRAIN(agent=agent),
+                where=agent,
             )
         return self.trainings[agent]
 
@@ -357,7 +357,7 @@ class SwarmClient(AgentPresence):
                 try:
                     yield agent, self.load_library(agent).message, True
                 except SwarmError as error:
-                    yield agent, str(error).removeprefix(f"{agent}: "), False
+                    yield agent, error.what, False
 
     def load_library(self, agent: str, path: str = "") -> Any:
         """Make an agent reload its library, or load another one."""

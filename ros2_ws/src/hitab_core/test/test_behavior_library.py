@@ -23,6 +23,7 @@ from hitab_core.library.commit import COMMIT, commit
 from hitab_core.library.differences import difference
 from hitab_core.library.durable_files import locked
 from hitab_core.library.provenance import Provenance
+from hitab_core.remedies import Do
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
@@ -202,14 +203,14 @@ def test_a_behavior_that_was_deleted_is_brought_back_and_what_uses_it_is_not_bla
     library.remove("Approach", anyway=True)
     with pytest.raises(LibraryError) as refused:
         again(library).load()
-    way = f"bring version 1 back with `hitab library restore Approach 1 -l {library.folder}`"
-    assert f'uses behavior "Approach", which is no longer in the library; {way}' in str(
-        refused.value
-    )
-    (fault,) = again(library).edition(strict=False).losses.faults
-    assert way in fault
-    assert "distribute" not in fault
-    assert "file in its place" not in fault
+    told = 'uses behavior "Approach", which was deleted; bring its version 1 back'
+    assert told in str(refused.value)
+    losses = again(library).edition(strict=False).losses
+    (fault,) = losses.faults
+    assert told in fault
+    restored, given_up = losses.remedies["Control"]
+    assert restored == Do.RESTORE(behavior="Approach", version=1, folder=library.folder)
+    assert given_up.code is Do.DELETE
 
 
 def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_used(
@@ -279,8 +280,8 @@ def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
     with pytest.raises(LibraryError, match="must be a number"):
         again(library).accept_edits("Approach")
     path.write_text(path.read_text().replace("four", "2.5"))
-    with pytest.raises(LibraryError, match=f"hitab library accept {path}"):
-        again(library).load()
+    losses = again(library).edition(strict=False).losses
+    assert losses.remedies["Approach"][0] == Do.ACCEPT(file=path)
     assert again(library).accept_edits("Approach") == ["Approach"]
     accepted = again(library).file("Approach")
     assert accepted.automaton.examples[2].features == (2.5,)

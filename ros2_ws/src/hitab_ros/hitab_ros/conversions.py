@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from operator import attrgetter
 from typing import Any, TypeVar
 
 from hitab_msgs import msg
 
-from hitab_core import Example, ExampleKind, Feature, Scale, Use
+from hitab_core import Do, Example, ExampleKind, Feature, Remedy, Scale, Use
 from hitab_core.commanding import Order, Report
 from hitab_core.training import TrainingCost
 
@@ -37,6 +37,27 @@ def data_of(kind: type[Data], message: Any, /, **others: Any) -> Data:
     kinds: Any = (type(message), kind)
     names, read = _shared(*kinds)
     return kind(**{**dict(zip(names, read(message), strict=True)), **others})
+
+
+def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
+    """Return remedies as messages, each once."""
+    return [
+        msg.Remedy(
+            code=remedy.code.name,
+            names=[name for name, _ in remedy.arguments],
+            values=[value for _, value in remedy.arguments],
+        )
+        for remedy in dict.fromkeys(remedies)
+    ]
+
+
+def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
+    """Return the remedies in messages, without those that this version does not know."""
+    return tuple(
+        Remedy(Do[m.code], tuple(zip(m.names, m.values, strict=False)))
+        for m in messages
+        if m.code in Do.__members__
+    )
 
 
 def example_message(example: Example) -> msg.Example:

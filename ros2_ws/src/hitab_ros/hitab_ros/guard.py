@@ -16,7 +16,7 @@ from typing import Any
 from rclpy.serialization import deserialize_message, serialize_message
 
 from hitab_core import HitabError
-from hitab_ros.answering import what_went_wrong
+from hitab_ros.answering import refuse, remedies_for, what_went_wrong
 from hitab_ros.checks import BYTES_MAX, BadMessage, check
 from hitab_ros.faults import Faults
 from hitab_ros.sparing_log import SparingLog
@@ -76,8 +76,8 @@ class Guard:
             trace = "".join(traceback.format_exception(error))
             self.log(f"{text}\n{trace}", (key, type(error), place), TRACE_MAX)
         else:
-            self.log(text)
-        self.faults.set(key, text)
+            self.log(f"{key} failed: {error}")
+        self.faults.set(key, text, *remedies_for(error))
 
     def run(self, key: str, call: Callable[..., Any], *arguments: Any) -> bool:
         """Call a function; return whether it returned instead of raising.
@@ -164,22 +164,14 @@ class Guard:
                 serialize_message(answer)
             except BadMessage as error:
                 self.log(f"{key}: refused a request: {error}", key)
-                return refusal(type(response), error)
+                return refuse(type(response)(), error)
             except HitabError as error:
-                return refusal(type(response), error)
+                return refuse(type(response)(), error)
             except Exception as error:
                 self.failed(key, error)
-                return refusal(type(response), error)
+                return refuse(type(response)(), error)
             if key in self.faults.by_key:
                 self.faults.clear(key)
             return answer
 
         return guarded
-
-
-def refusal(kind: type[Any], error: Exception) -> Any:
-    """Return a refusing response, with the reason if it has a field for that."""
-    response = kind()
-    if hasattr(response, "message"):
-        response.message = what_went_wrong(error)
-    return response

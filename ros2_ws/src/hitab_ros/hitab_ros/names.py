@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from hitab_core import HitabError
+from hitab_core import Do, HitabError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -109,7 +109,8 @@ def of_agent(agent: str, name: str, prefix: str = "") -> str:
     if _RELATIVE.match(agent) is None:
         raise HitabError(
             f'"{agent}" cannot be the name of an agent: name it without its namespace, such as '
-            "keeper_1, and choose its swarm with --swarm; `hitab status` shows all"
+            "keeper_1, and choose its swarm by the swarm's name",
+            Do.STATUS(),
         )
     return f"{prefix}/{agent}/{name}"
 

@@ -21,7 +21,7 @@ from hitab_studio.agent_watch import Watched
 from hitab_studio.generations import GenerationMaker
 from hitab_studio.launching import Launcher, Startable
 from hitab_studio.lost import Lost
-from hitab_studio.messages import Messages, sentence
+from hitab_studio.messages import Messages
 from hitab_studio.present import EMPTY, Present
 from hitab_studio.reactions import Reactions
 from hitab_studio.replay import Player
@@ -333,9 +333,7 @@ class Session:
 
     def tell(self, text: str, kind: str = "good") -> None:
         """Show a short message."""
-        known = self.shared.store.known
-        things = known.scene.names if known.scene is not None else ()
-        self.messages.say(sentence(text, {*known.agents, *known.groups, *things}), kind)
+        self.messages.say(text, kind)
         self.touch()
 
     def settle(self) -> None:

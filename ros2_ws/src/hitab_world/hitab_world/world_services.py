@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core import HitabError, has, quantity, unknown
+from hitab_core import Do, HitabError, has, quantity, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
@@ -110,16 +110,14 @@ class WorldServices:
 
     def _need_release(self) -> None:
         if held := self._course.control.held:
-            raise HitabError(f"{held}; `hitab go` releases it")
+            raise HitabError(held, Do.GO())
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         course = self._course
         self._need_release()
         self._look()
         if missing := course.round_answers.missing:
-            raise HitabError(
-                f"nobody answers for {', '.join(missing)}; `hitab status` shows who is there"
-            )
+            raise HitabError(f"nobody answers for {', '.join(missing)}", Do.STATUS())
         course.control.episodes_left = request.episodes
         course.begin_run(request.seed)
         response.run = course.control.run
@@ -145,16 +143,13 @@ class WorldServices:
         kept = memory.named
         name = request.name
         if request.action != actions.LIST and not name:
-            raise HitabError("a snapshot needs a name, as in `hitab world snapshot save corner`")
+            raise HitabError("a snapshot needs a name, such as corner")
         if request.action in (actions.RESTORE, actions.DELETE) and name not in kept:
             raise HitabError(f'no snapshot "{name}" {has(kept, name)}')
         match request.action:
             case actions.SAVE:
                 if name not in kept and len(kept) >= SNAPSHOTS_MAX:
-                    raise HitabError(
-                        f"there are {len(kept)} snapshots; delete one of them first, with "
-                        "`hitab world snapshot delete NAME`"
-                    )
+                    raise HitabError(f"there are {len(kept)} snapshots", Do.DELETE_SNAPSHOT())
                 memory.save(name, self._course.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:

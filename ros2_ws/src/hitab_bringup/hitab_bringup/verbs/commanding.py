@@ -11,8 +11,8 @@ from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import quantity
-from hitab_ros.fault_texts import STOPPED
+from hitab_client.commands import called, with_commands
+from hitab_core import Do, quantity
 
 Targets = Annotated[
     list[str] | None,
@@ -70,9 +70,10 @@ def demonstrate(
             world=swarm_up.world,
         )
     console.say(outcome(agent, use.name, status))
-    tell_faults(status.faults, STOPPED)
+    tell_faults(status)
     if status.questions:
-        console.say(f"{quantity(status.questions, 'question')}: `hitab questions {agent}`")
+        asked = quantity(status.questions, "question")
+        console.say(with_commands(asked, [Do.QUESTIONS(agent=agent)]))
 
 
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
@@ -158,7 +159,7 @@ def distribute(
     if targets and not start:
         raise typer.BadParameter(
             f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
-            f"chosen with --to, as in `hitab distribute {agent} {behavior} --to {targets[0]}`"
+            f"chosen with --to, as in `{called()} distribute {agent} {behavior} --to {targets[0]}`"
         )
     with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
         report = swarm_up.agents.distribute(

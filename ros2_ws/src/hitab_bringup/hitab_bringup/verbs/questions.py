@@ -11,6 +11,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import plain
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_client.commands import called
 
 
 def questions(
@@ -60,8 +61,8 @@ def questions(
             told.append(f"   {offered.name}: {offered.effect}{proposed}")
     if found.questions:
         told.append(
-            f"`hitab questions {agent} --answer {found.questions[0].number}` answers as proposed; "
-            "add --choice CHOICE to answer otherwise."
+            f"`{called()} questions {agent} --answer {found.questions[0].number}` answers as "
+            "proposed; add --choice CHOICE to answer otherwise."
         )
     asked = [_record(question) for question in found.questions]
     console.show(json, {"questions": asked, "answered": list(found.answered)}, *told)

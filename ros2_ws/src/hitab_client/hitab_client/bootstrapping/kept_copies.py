@@ -14,6 +14,7 @@ from hitab_msgs.srv import Distribute
 
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
+from hitab_core import Do
 from hitab_core.library import bundle_digest
 from hitab_ros import names, qos
 
@@ -63,8 +64,7 @@ class KeptCopies:
             if found is not None:
                 return found
         raise SwarmError(
-            f"{agent} has sent its files {TRIES} times, and none arrived here; find the cause "
-            "with `hitab doctor`"
+            f"{agent} has sent its files {TRIES} times, and none arrived here", Do.DOCTOR()
         )
 
     def send(self, agent: str, behavior: str, files: Mapping[str, str]) -> None:
@@ -103,6 +103,6 @@ class KeptCopies:
             if report.accepted:
                 return
         raise SwarmError(
-            f"{agent} has not confirmed that it received {behavior}; probably it has not changed. "
-            f"See `hitab logs {agent}`"
+            f"{agent} has not confirmed that it received {behavior}; probably it has not changed",
+            Do.LOGS(node=agent),
         )

@@ -152,10 +152,7 @@ class LessonPlayer:
                 try:
                     told.append(self.swarm.discard(agent).message)
                 except SwarmError as error:
-                    told.append(
-                        f'{agent} may still be training "{automaton}"; discard that with '
-                        f"`hitab discard {agent}`: {error}"
-                    )
+                    told.append(f'{agent} may still be training "{automaton}": {error}')
             self.begun.clear()
         for behavior in dict.fromkeys(self._performing.values()):
             agents = [agent for agent, its in self._performing.items() if its == behavior]
@@ -168,8 +165,8 @@ class LessonPlayer:
         try:
             getattr(self, f"_{step.kind}")(step)
         except HitabError as error:
-            place = f"{self.lesson.file}:{step.line}: step `{step.kind}`: "
-            raise LessonError(f"{place}{error}") from None
+            place = f"{self.lesson.file}:{step.line}: step `{step.kind}`"
+            raise LessonError(error.problem, *error.remedies, where=place) from None
 
     # -- the steps --------------------------------------------------------------------------
 
@@ -266,7 +263,7 @@ class LessonPlayer:
         self.report.default_examples = sum(e.kind is ExampleKind.DEFAULT for e in examples)
         self.report.digest = answer.digest
         self.report.path = answer.path
-        self.report.note = answer.message.partition("; ")[2]
+        self.report.note = answer.replaced
         self.report.trimmed = list(answer.trimmed)
 
     def _distribute(self, step: Distribute) -> None:

@@ -107,7 +107,8 @@ class LibraryChange:
         name = automaton.name
         path = self._folder.file(name)
         if not (edited or restored) and name in self.problems:
-            raise LibraryError(refused_name(name, "saved", self.losses))
+            losses = self.losses
+            raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
         # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
         number = self._folder.next_number(name, kept)
@@ -271,16 +272,14 @@ class LibraryChange:
 
 
 def refused_name(name: str, done: str, losses: Losses) -> str:
-    """Return why the name of a lost behavior is not given to another, and the way out.
+    """Return why the name of a lost behavior is not given to another.
 
     Args:
         name: of the lost behavior.
         done: what is refused, such as "saved".
         losses: the behaviors that cannot be used.
     """
-    reason = losses.reasons[name]
-    fault = next((text for text in losses.faults if text.startswith(reason)), reason)
     return (
-        f'"{name}" cannot be {done}: it would take the place of a lost behavior; {fault}, or '
-        "choose another name"
+        f'"{name}" cannot be {done}: it would take the place of a lost behavior, so give it '
+        f"another name ({losses.reasons[name]})"
     )

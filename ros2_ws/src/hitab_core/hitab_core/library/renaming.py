@@ -41,7 +41,8 @@ def plan_renaming(
     if change.losses:
         raise LibraryError(
             f'"{old}" cannot be renamed yet, since files that may use it cannot be read: '
-            f"{'; '.join(change.losses.faults)}; mend or delete them first"
+            f"{'; '.join(change.losses.faults)}",
+            *(remedy for ways in change.losses.remedies.values() for remedy in ways),
         )
     if old not in files:
         raise LibraryError(f'there is no behavior "{old}" {has(files, old)}')

@@ -15,6 +15,7 @@ from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, Vo
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import relearned
+from hitab_core.remedies import Do
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
@@ -490,8 +491,8 @@ class TrainingSession:
             raise TrainingError(
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
                 "with so many features, a training reads some only if they are chosen when it "
-                f"begins; begin again with it (`hitab train AGENT {self.curriculum.name} -f "
-                f'"{unread[0]}"`)'
+                "begins",
+                Do.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
             )
 
     def _make(self, edit: Edit) -> None:

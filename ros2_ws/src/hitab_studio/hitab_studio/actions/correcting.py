@@ -13,14 +13,14 @@ from hitab_studio.session import Session
 async def undo(session: Session, data: Data) -> None:
     """Undo the last command or edit."""
     await session.request(SwarmClient.undo)
-    session.tell("undone")
+    session.tell("Undone")
 
 
 @action("redo", repeats=True)
 async def redo(session: Session, data: Data) -> None:
     """Redo what was undone last."""
     await session.request(SwarmClient.redo)
-    session.tell("redone")
+    session.tell("Redone")
 
 
 @action("mark", repeats=True)
@@ -81,7 +81,7 @@ async def delete(session: Session, data: Data) -> None:
     numbers = _numbers(session, data)
     await session.request(SwarmClient.delete, numbers)
     session.table.marked.clear()
-    session.tell(f"deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
+    session.tell(f"Deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
 
 
 @action("relabel")
@@ -115,7 +115,7 @@ async def situation(session: Session, data: Data) -> None:
             "the studio was not watching then."
         )
     await go_there(session, scene.everything())
-    session.tell(f"this is where example {number} was recorded; the world is paused")
+    session.tell(f"This is where example {number} was recorded; the world is paused")
 
 
 def _them(numbers: list[int]) -> str:

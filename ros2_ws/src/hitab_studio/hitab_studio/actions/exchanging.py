@@ -8,6 +8,7 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session, nothing_in_training
 
 
@@ -54,7 +55,7 @@ async def features_preview(session: Session, data: Data) -> None:
         try:
             preview = await session.request(SwarmClient.behavior, with_features=list(chosen))
         except SwarmError as error:
-            dialog["problem"] = str(error)
+            dialog["problem"] = told(error)
         else:
             dialog |= {"preview": preview, "change": effect(training, preview)}
 
@@ -65,4 +66,4 @@ async def features_accept(session: Session, data: Data) -> None:
     chosen = _chosen(session, data["values"].get("features", []))
     await session.request(SwarmClient.choose_features, chosen)
     session.close_dialog()
-    session.tell(f"learned from {', '.join(chosen)} now; Undo brings the former features back")
+    session.tell(f"Learned from {', '.join(chosen)} now; Undo brings the former features back")

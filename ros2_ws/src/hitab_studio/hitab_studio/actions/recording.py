@@ -17,7 +17,7 @@ async def record(session: Session, data: Data) -> None:
     link, store = session.shared.link, session.shared.store
     if store.known.recording:
         path = await session.ask(lambda _: link.observer.stop_recording())
-        session.tell(f"recorded to {path}")
+        session.tell(f"Recorded to {path}")
     else:
         path = str(
             recordings.new_recording(store.known.target.swarm if store.known.target else "")

@@ -6,6 +6,7 @@ from typing import Any
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.remedy_words import answered, told
 from hitab_studio.session import Session, nothing_in_training
 
 
@@ -53,7 +54,7 @@ async def _preview(session: Session, values: Any) -> None:
             keep_unused=values.get("keep") == "on",
         )
     except SwarmError as error:
-        session.dialog |= {"preview": None, "problem": str(error)}
+        session.dialog |= {"preview": None, "problem": told(error)}
     else:
         session.dialog |= {"preview": preview, "problem": ""}
 
@@ -79,7 +80,7 @@ async def save(session: Session, data: Data) -> None:
     session.tab = "library"
     session.behavior = name
     session.shared.link.want(session.agent, name)
-    session.tell(f"{answer.message}{left_out}")
+    session.tell(f"{answered(answer)}{left_out}")
 
 
 @action("library")

@@ -28,7 +28,7 @@ async def stop_robots(session: Session) -> None:
         ) from None
     heard = f": {some(there)}" if there else "; nothing that acts is there, and who comes obeys"
     kind = "good" if there else "note"
-    session.tell(f"emergency stop: all have to stand still{heard}", kind)
+    session.tell(f"Emergency stop: all have to stand still{heard}", kind)
 
 
 @action("release-dialog")
@@ -46,7 +46,7 @@ async def release_robots(session: Session, data: Data) -> None:
     link, who = session.shared.link, session.demonstrator
     link.observer.stop_robots(False, who, "")
     session.close_dialog()
-    session.tell("released: simulated worlds go on, and each robot waits to be re-armed")
+    session.tell("Released: simulated worlds go on, and each robot waits to be re-armed")
 
 
 @action("arm")

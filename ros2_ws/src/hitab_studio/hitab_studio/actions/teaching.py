@@ -11,6 +11,7 @@ from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.lost import TAKEN_SECONDS, Lost
+from hitab_studio.remedy_words import answered
 from hitab_studio.session import (
     CHOOSE_FIRST,
     Session,
@@ -143,7 +144,7 @@ async def toggle(session: Session, data: Data) -> None:
     mode = demonstrating.other_mode(status)
     answer = await session.request(SwarmClient.set_mode, mode)
     if mode == "testing" and status.questions:
-        session.tell(answer.message, "note")
+        session.tell(answered(answer), "note")
 
 
 @action("restart")
@@ -224,7 +225,7 @@ async def discard_now(session: Session, data: Data) -> None:
     answer = await session.request(SwarmClient.discard)
     session.dialog = {}
     session.lost = session.asked = None
-    session.tell(answer.message)
+    session.tell(answered(answer))
 
 
 @action("new-name", repeats=True)
@@ -272,7 +273,7 @@ async def begin(session: Session, data: Data) -> None:
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
     await session.request(SwarmClient.begin, name, **fields)
     if values.get("pause") == "on" and await session.ask_world(paused):
-        session.tell("the world is paused; Space lets it run")
+        session.tell("The world is paused; Space lets it run")
     session.close_dialog()
     session.tab = "teach"
     session.level = session.state = ""

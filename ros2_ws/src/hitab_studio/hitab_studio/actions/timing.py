@@ -72,7 +72,7 @@ async def reaction_measured(session: Session, data: Data) -> None:
     """Keep the reaction time that the game has measured."""
     seconds = reaction_time.check(round(float(data["seconds"]), 2))
     reaction_time.keep(session.demonstrator, seconds)
-    session.tell(f"measured {seconds:g} s: {_told(seconds)}")
+    session.tell(f"Measured {seconds:g} s: {_told(seconds)}")
 
 
 def _told(seconds: float) -> str:
@@ -108,4 +108,4 @@ async def retime(session: Session, data: Data) -> None:
         examples = swarm.agents.training(agent).examples
         return next((e.ago for e in examples if e.number == number), ago)  # that of a cycle
 
-    session.tell(f"example {number}: {await session.ask_agent(job):.2f} s ago")
+    session.tell(f"Example {number}: {await session.ask_agent(job):.2f} s ago")

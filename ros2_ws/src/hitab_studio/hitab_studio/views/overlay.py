@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core import FLAGS, START, Use, some
-from hitab_ros.fault_texts import STOPPED
+from hitab_core import FLAGS, START, Do, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
@@ -34,7 +33,9 @@ def context(session: Session) -> dict[str, Any]:
     world_absent = absence(known, WORLD) if live else None
     trained = session.watched.training
     faults = list(status.faults) if status is not None else []
-    stopped = [fault for fault in faults if fault.startswith(STOPPED)]
+    may_not_act = live and any(
+        remedy.code == Do.ARM.name for remedy in (status.remedies if status is not None else ())
+    )
     return {
         "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
@@ -60,8 +61,8 @@ def context(session: Session) -> dict[str, Any]:
         "targets": _targets(session),
         "legend": _legend(session),
         "camera": sensors.camera(session),
-        "stopped": next(iter(stopped), ""),
-        "faults": [fault for fault in faults if fault not in stopped],
+        "stopped": "; ".join(faults) if may_not_act else "",
+        "faults": [] if may_not_act else faults,
         "player": session.player,
         "empty": nothing,
         "choices": choices(session) if nothing[0] else [],

@@ -9,6 +9,7 @@ from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio import unavailable
 from hitab_studio.learned import superseding
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
@@ -62,7 +63,7 @@ def _reaction(session: Session) -> str:
     try:
         seconds = session.shared.reactions.of(session.demonstrator)
     except SwarmError as error:
-        return str(error)
+        return told(error)
     if seconds:
         return f"Commands count for what the field showed {seconds:g} s before you press the key."
     return "Commands count for what the field shows when you press the key."

@@ -214,7 +214,7 @@ def read_trained(library: Path, behavior: str) -> Trained:
         LibraryError: if it cannot be used, or has no such behavior.
     """
     if not library.is_dir():
-        raise LibraryError(f"{library}: there is no such library folder; train one: `hitab demo`")
+        raise LibraryError(f"{library}: there is no such library folder; name another")
     opened = open_library(library)
     automata = opened.load()
     there = {*automata, *opened.domain.automata}
