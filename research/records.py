@@ -111,7 +111,8 @@ def measure(
     """Play episodes; none longer than ``longest`` seconds, if that is not 0."""
     players = perform(world, repertoire, "Keepaway")
     cut = round(longest / world.cycle_seconds) or None
-    began, played = time.process_time(), []
+    played: list[Any] = []
+    began = time.process_time()
     while len(played) < episodes:
         some = min(CHUNK, episodes - len(played))
         played += play(world, players, some, first=len(played), cycles_max=cut)
