@@ -48,16 +48,6 @@ FEATURES = {**domain.DOMAIN.features, "RangeAhead": replace(
     domain.DOMAIN.features["RangeAhead"], read=broken)}
 DOMAIN = replace(domain.DOMAIN, features=FEATURES)
 """
-MISSPELT = """
-from dataclasses import replace
-from diff_drive import domain
-from hitab_robots import nearest_range
-from hitab_core import Feature
-
-MORE = (Feature("Speed", lambda body: body.velocty), nearest_range("RangeLeft", "scan.letf"))
-FEATURES = {**domain.DOMAIN.features, **{feature.name: feature for feature in MORE}}
-DOMAIN = replace(domain.DOMAIN, features=FEATURES)
-"""
 HULL = 0.2  # m
 SECONDS = 60.0
 
@@ -233,13 +223,6 @@ def test_a_trained_robot_wanders_about_and_bumps_into_nothing(desk, tmp_path):
     desk.until(desk.told_to_stand_still)
 
 
-def test_the_robot_stands_still_when_its_agent_is_told_to_end(desk):
-    desk.agents.perform(ROBOT, "Forward")
-    desk.until(lambda: not desk.told_to_stand_still())
-    desk.end("agent")
-    desk.until(desk.told_to_stand_still)
-
-
 def test_a_silent_sensor_is_told_and_the_robot_stands_still(desk):
     teach_to_wander(desk, near=2.3, free=1.0)
     desk.agents.set_mode(ROBOT, "testing")
@@ -409,78 +392,12 @@ def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(d
     assert desk.agents.command(ROBOT, "Stop").examples == 2
 
 
-def test_misspelt_names_in_features_are_told_by_up_status_doctor_and_perceive(
-    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "misspelt.py").write_text(MISSPELT)
-    description = tmp_path / "lone.yaml"
-    description.write_text("swarm: lone\ndomain: misspelt:DOMAIN\nagents: {robot_1: {}}\n")
-    paths = [str(EXAMPLE), str(tmp_path), os.environ.get("PYTHONPATH", "")]
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(paths))
-    monkeypatch.setenv("COLUMNS", "1000")
-
-    def hitab(*arguments: str) -> str:
-        command = [sys.executable, "-m", "hitab_bringup.main", *arguments]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        return done.stdout + done.stderr
-
-    with reserved() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        try:
-            said = {"up": hitab("up", str(description))}
-            for verb in (("status",), ("doctor",), ("perceive", ROBOT, "Speed")):
-                said[verb[0]] = hitab(*verb)
-        finally:
-            hitab("down", "lone")
-    for verb, text in said.items():
-        assert "cannot read" in text, (verb, text)
-        assert "Speed: AttributeError in misspelt.py:7" in text, (verb, text)
-        assert "has no attribute 'velocty'" in text, (verb, text)
-        assert 'RangeLeft: unknown value "scan.letf.range"' in text, (verb, text)
-
-
 def load_domain_of_example() -> Domain:
     sys.path.insert(0, str(EXAMPLE))
     try:
         return load_domain(NAME)
     finally:
         sys.path.remove(str(EXAMPLE))
-
-
-def sensed(domain: Domain, **values: float) -> Any:
-    """Return a body that has perceived some values, named with __ for a dot."""
-    body = domain.body(ROBOT)
-    given = {name.replace("__", "."): value for name, value in values.items()}
-    body.sense([given.get(name, math.nan) for name in body.robot.values], [])
-    return body
-
-
-def test_where_things_are_is_told_relative_to_the_robot():
-    domain = load_domain_of_example()
-    pose = {"odom__x": 1.5, "odom__y": 0.25}
-    body = sensed(
-        domain,
-        **pose,
-        odom__heading=math.pi / 2,
-        scan__ahead__range=1.0,
-        scan__around__range=0.5,
-        scan__around__bearing=-math.pi / 2,
-    )
-    assert domain.targets["nearest_obstacle"].resolve(body) == pytest.approx((2.0, 0.25))
-
-    def read(feature: str, *targets: str) -> float:
-        points = [domain.targets[target].resolve(body) for target in targets]
-        return domain.features[feature].read(body, *points)
-
-    assert read("DistanceTo", "goal") == pytest.approx(1.0)
-    assert abs(read("HeadingTo", "goal")) == pytest.approx(math.pi)
-    assert read("HeadingTo", "nearest_obstacle") == pytest.approx(-math.pi / 2)
-    assert read("RangeAhead") == 1.0
-    assert read("Bumped") == 0.0
-    body = sensed(domain, **pose, scan__around__range=0.22)
-    assert read("Bumped") == 1.0
-    body = sensed(domain, **pose)
-    assert math.isnan(read("Bumped"))
 
 
 def test_the_commands_of_the_page_make_a_copy_under_another_name(tmp_path):

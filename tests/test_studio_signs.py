@@ -72,18 +72,6 @@ def told_absent(person: Person) -> None:
 
 
 @needs_browser
-def test_a_command_that_an_agent_takes_late_is_not_given_twice(swarm, training):
-    with hanging(swarm, ONE):
-        training.click("do-Stop")
-        training.sees("lost", f"Stop was not taken by {ONE}: send again?")
-        told_absent(training)
-    training.does_not_see("lost")
-    training.sees("message", f"{ONE} has taken Stop after all")
-    training.sees("counts", "4 examples")
-    training.does_not_see("absent")
-
-
-@needs_browser
 @pytest.mark.timeout(300)
 def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, training):
     with hanging(swarm, ONE) as pid:
