@@ -196,7 +196,11 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
             progress("asking the supervisor to stop all processes")
         with contextlib.suppress(psutil.Error):
             supervisor.terminate()
-            supervisor.wait(STOP_SECONDS)
+            deadline = time.monotonic() + STOP_SECONDS
+            while supervisor.is_running() and time.monotonic() < deadline:
+                answers(record)  # which has it look at signals now, not after a second
+                with contextlib.suppress(psutil.TimeoutExpired):
+                    supervisor.wait(0.02)
     killed = _end(folder)
     folder.forget()
     remove_stale()
