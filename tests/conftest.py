@@ -4,7 +4,6 @@ import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +12,8 @@ import warm_hitab
 from browsing import Person, browser, studio
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.libraries import copy_library
-from hitab_client.lessons.lesson_file import read_lesson
-from hitab_client.lessons.lesson_player import LessonPlayer, LessonReport
-from hitab_client.shipped import find_file
 from keepaway_world.verbs.evaluation import trained_keepers
 
-LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 PARAMETERS = {"taker_speed": 0.25}
 
 
@@ -86,39 +80,6 @@ def person(window: Any, url: str) -> Iterator[Person]:
     yield someone
     someone.leave()
     assert someone.complaints == []
-
-
-@dataclass
-class Taught:
-    """What the lessons have given: reports, what the agents have, and a library."""
-
-    reports: list[LessonReport]
-    digests: set[str]
-    library: Path
-
-
-def teach(folder: Path) -> Taught:
-    """Play all lessons with three new keepers."""
-    reports = []
-    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder / "run") as running:
-        for name in LESSONS:
-            lesson = read_lesson(find_file(name, "lessons", "lesson"))
-            reports.append(LessonPlayer(lesson, running.agents, running.world).play())
-        digests = {status.library_digest for status in running.agents.statuses.values()}
-        copy_library(Path(reports[-1].path).parent, folder / "library")
-    return Taught(reports, digests, folder / "library")
-
-
-@pytest.fixture(scope="session")
-def taught(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Taught:
-    """Return what comes of playing all lessons with three new keepers."""
-    return teach(tmp_path_factory.mktemp("taught"))
-
-
-@pytest.fixture(scope="session")
-def teach_again(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Taught]:
-    """Return a function that does the same once more."""
-    return lambda: teach(tmp_path_factory.mktemp("again"))
 
 
 @pytest.fixture

@@ -10,9 +10,6 @@ import pytest
 from hitab_client.errors import LessonError
 from hitab_client.lessons.lesson_file import parse_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
-from hitab_core.domain import load_domain
-from hitab_core.library.behavior_library import BehaviorLibrary
-from keepaway_world.verbs.paper import TABLE_1
 
 STOP = """\
 lesson: Stand
@@ -27,41 +24,6 @@ steps:
 
 def play(swarm, text: str, path):
     return LessonPlayer(parse_lesson(text, path), swarm.agents, swarm.world).play()
-
-
-def examples_of(library) -> dict[str, list[tuple]]:
-    """Return what was taught, but for the numbers of the world's cycles."""
-    loaded = BehaviorLibrary(library, load_domain("keepaway")).load()
-    return {
-        name: [(e.state, e.features, e.next_state, e.kind) for e in automaton.examples]
-        for name, automaton in loaded.items()
-    }
-
-
-def test_each_lesson_keeps_to_the_papers_number_of_examples(taught):
-    assert [report.lesson for report in taught.reports] == list(TABLE_1)
-    for report in taught.reports:
-        assert 0 < report.examples <= TABLE_1[report.lesson].examples
-        assert report.simulated_s > 0
-
-
-def test_all_keepers_have_the_same_library_afterwards(taught):
-    assert len(taught.digests) == 1
-
-
-def test_the_library_holds_the_four_behaviors_and_nothing_is_wrong_with_it(taught, hitab):
-    checked = hitab("library", "check", "-l", str(taught.library))
-    assert checked.returncode == 0, checked.stderr
-    assert "4 behaviors, nothing is wrong" in checked.stdout
-    shown = hitab("library", "show", "Keepaway", "--deep", "-l", str(taught.library))
-    for name in TABLE_1:
-        assert name in shown.stdout
-
-
-def test_lessons_teach_the_same_examples_every_time(taught, teach_again):
-    again = teach_again()
-    assert examples_of(again.library) == examples_of(taught.library)
-    assert again.digests == taught.digests
 
 
 def lesson_file(folder, steps: str) -> str:
