@@ -3,8 +3,6 @@
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_client import WorldClient
 
 AGENT = "keeper_1"
 
@@ -96,16 +94,6 @@ def test_commands_in_the_wrong_mode_are_refused(training):
         agents.set_mode(AGENT, "resting")
 
 
-def test_wrong_edits_are_refused(training):
-    for arguments, expected in (
-        (("delete", [99]), r"no example number 99 \(known: 1, 2\)"),
-        (("relabel", [1], "GoFats"), 'unknown behavior "GoFats"'),
-        (("erase", [1]), 'unknown action "erase"'),
-    ):
-        with pytest.raises(SwarmError, match=expected):
-            training.agents.edit_examples(AGENT, *arguments)
-
-
 def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
     agents = training.agents
     (tmp_path / "Bad.hfa.yaml").write_text("format: 99\nname: Bad\n")
@@ -145,53 +133,6 @@ def test_the_world_refuses_what_cannot_be(training):
         assert training.world.step().world == "keepaway"
 
 
-def test_a_world_keeps_a_bounded_number_of_snapshots(training):
-    kept = []
-    try:
-        for number in range(100):
-            training.world.snapshot("save", f"s{number}")
-            kept.append(f"s{number}")
-        with pytest.raises(SwarmError, match="there are 100 snapshots; delete one of them first"):
-            training.world.snapshot("save", "one more")
-        training.world.snapshot("save", "s0")  # again, which takes no more room
-    finally:
-        for name in kept:
-            training.world.snapshot("delete", name)
-
-
 def test_nothing_was_lost_by_all_that(training):
     assert len(training.agents.list_examples(AGENT).examples) == 2
     assert training.agents.command(AGENT, "Stop").examples == 4
-
-
-def test_a_missing_world_and_missing_agents_are_told(training):
-    nobody = SwarmClient(training.link, prefix="/elsewhere")
-    with pytest.raises(SwarmError, match="no other does; `hitab up` starts a swarm"):
-        nobody.await_agent(AGENT, seconds=0.2)
-    with pytest.raises(SwarmError, match="no world answers; is a swarm with a world up"):
-        WorldClient(training.link, prefix="/elsewhere").wait(0.2)
-
-
-def test_a_second_agent_of_the_same_name_is_refused(training, tmp_path):
-    import subprocess
-
-    from hitab_bringup.supervision import environment
-    from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
-    from hitab_bringup.swarm_processes import processes
-    from hitab_ros.exit_codes import FINAL
-
-    twin = AgentDescription(AGENT, "keepaway", process=AGENT)
-    (process,) = processes(SwarmDescription("twins", tmp_path, (twin,)), tmp_path)
-    done = subprocess.run(
-        process.command,
-        env=environment(training.folder, training.record.domain_id),
-        capture_output=True,
-        text=True,
-        timeout=20,
-        check=False,
-    )
-    # Its supervisor must not start it again and again; it says whose the name is.
-    assert done.returncode == FINAL
-    swarm = training.record.identity
-    assert f'error: "{AGENT}" is already running in swarm {swarm}' in done.stderr
-    assert training.agents.command(AGENT, "GoFast").mode == "training"

@@ -36,23 +36,6 @@ def test_the_demo_leaves_pictures_figures_and_a_library(demo, hitab):
     assert hitab("library", "check", "-l", str(folder / "library")).returncode == 0
 
 
-def test_what_the_demo_says_to_do_next_can_be_typed_as_it_stands(demo):
-    _, told = demo
-    following = [line.strip() for line in told.partition("Next:\n")[2].splitlines()]
-    assert len(following) == 4
-    path = os.pathsep.join([os.path.dirname(sys.executable), os.environ["PATH"]])
-    shown = subprocess.run(
-        ["bash", "-c", following[0]],
-        env={**os.environ, "PATH": path},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert shown.returncode == 0, shown.stderr
-    assert shown.stdout.startswith("Keepaway\n")
-
-
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupted_demo_leaves_no_process(home, tmp_path, number, code):
     temporary = tmp_path / "temporary"

@@ -23,7 +23,6 @@ from hitab_client.dds_profile import (
     choose_profile,
 )
 from hitab_client.run_processes import process_states
-from hitab_client.swarm_choice import LOOK_SECONDS
 
 ROOT = Path(__file__).parents[1]
 CHATTER = Path(__file__).with_name("chatter.py")
@@ -107,12 +106,6 @@ def test_other_ros_programs_on_this_machine_hear_ours_and_are_heard() -> None:
             assert heard(2, ours) == 2
 
 
-def test_programs_started_from_a_prepared_shell_listen_to_this_machine_only() -> None:
-    """With ROS's own LOCALHOST their sockets are open to the network."""
-    with domain_ids.reserved() as domain, talkers(1, environment(domain)) as pids:
-        assert addresses(pids) == {"127.0.0.1"}
-
-
 def test_a_swarm_listens_to_this_machine_only(home: Path, tmp_path: Path, monkeypatch) -> None:
     for name in (RANGE, *VARIABLES):
         monkeypatch.delenv(name, raising=False)
@@ -137,16 +130,3 @@ def test_the_network_is_reached_only_if_the_user_says_so() -> None:
             choose_profile(chosen)
             assert {chosen[name] for name in VARIABLES if name in chosen} == {str(profile)}
             assert chosen[RANGE] == found
-
-
-def seconds_between_announcements(profile: Path) -> float:
-    text = profile.read_text()
-    unit = text.split("<leaseAnnouncement>")[1].split("</leaseAnnouncement>")[0]
-    sec = unit.split("<sec>")[1].split("<")[0]
-    nanosec = unit.split("<nanosec>")[1].split("<")[0]
-    return int(sec) + int(nanosec) / 1e9
-
-
-def test_who_was_started_by_hand_is_found_while_it_is_looked_for() -> None:
-    """A new process hears of the others when they announce themselves next."""
-    assert seconds_between_announcements(LOOPBACK) <= LOOK_SECONDS / 3

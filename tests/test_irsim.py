@@ -10,21 +10,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sensor_msgs.msg import LaserScan
 
-from hitab_bringup import parse_swarm
 from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
 from hitab_core import Automaton, BehaviorLibrary, Repertoire, Use
 from hitab_core.domain import load_domain
-from hitab_robots import Mount
 from hitab_world.inprocess import AutomatonPlayer
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples/irsim_robots"
 LIBRARIES = EXAMPLE / "libraries"
 sys.path.insert(0, str(EXAMPLE))
-BEAMS = 72
 
 
 def trained(folder: str) -> dict[str, Automaton]:
@@ -34,19 +30,6 @@ def trained(folder: str) -> dict[str, Automaton]:
     else:
         domain = commander_domain(read_kind(LIBRARIES / folder / KIND_FILE))
     return dict(BehaviorLibrary(LIBRARIES / folder, domain).load())
-
-
-@pytest.mark.parametrize("name", ["school.yaml", "swarm.yaml"])
-def test_the_swarms_are_of_two_robots_under_a_captain(name):
-    path = EXAMPLE / name
-    # Installed, its domain has a name; here it is where it is.
-    text = path.read_text(encoding="utf-8").replace(
-        "domain: irsim\n", "domain: irsim_robots.domain:DOMAIN\n"
-    )
-    swarm = parse_swarm(text, path)
-    assert [agent.name for agent in swarm.agents] == ["robot_1", "robot_2"]
-    (captain,) = swarm.commanders
-    assert captain.kind == read_kind(LIBRARIES / "captain" / KIND_FILE)
 
 
 near = st.floats(0.2, 6.0)
@@ -69,29 +52,6 @@ def test_the_trained_robots_do_not_drive_at_what_is_near_whatever_they_do(seen):
         velocity, _ = player.body.act()
         if velocity:  # none where a round ends
             assert velocity[0] == 0.0 or ahead > 0.5
-
-
-@given(
-    st.lists(st.floats(0.05, 6.0) | st.just(math.inf), min_size=BEAMS, max_size=BEAMS),
-    st.integers(0, BEAMS - 1),
-)
-def test_a_scanner_that_is_mounted_another_way_gives_the_same_features(ranges, turned):
-    domain = load_domain("irsim_robots.domain:DOMAIN")
-    (scan,) = (sensor for sensor in domain.body.sensors if sensor.name == "scan")
-    step = math.tau / BEAMS
-
-    def read(yaw: float, seen: list[float]) -> list[float]:
-        message = LaserScan(
-            angle_min=-math.pi, angle_increment=step, range_min=0.05, range_max=6.0
-        )
-        message.ranges = [float(distance) for distance in seen]
-        return list(scan.read(message, Mount(yaw=yaw)))
-
-    # The same returns, counted from a scanner that faces elsewhere; 18 beams are 90 degrees.
-    for beams in (turned, BEAMS // 4):
-        elsewhere = list(np.roll(ranges, -beams))
-        expected, found = read(0.0, ranges), read(beams * step, elsewhere)
-        assert found[0] == pytest.approx(expected[0], abs=1e-5)
 
 
 @pytest.mark.long

@@ -1,6 +1,5 @@
 """The lessons, played through the public topics, teach within the paper's budgets, every time."""
 
-import re
 import signal
 import subprocess
 import sys
@@ -76,28 +75,6 @@ def test_a_lesson_that_fails_says_what_it_leaves_and_discards_it_when_asked_to(
     assert "still training" not in refused.stderr  # it is not this lesson's
     done = hitab("lesson", "run", lesson, "--discard")
     assert done.returncode == 0, done.stderr
-
-
-def test_a_lesson_that_replaces_a_behavior_says_so(keepers, hitab, tmp_path):
-    lesson = lesson_file(tmp_path, "  - save: true\n")
-    for _ in range(2):
-        done = hitab("lesson", "run", lesson, "--discard")
-        assert done.returncode == 0, done.stderr
-    assert re.search(r"\n    version (\d+), replaces version \d+ \(2 examples\)\n", done.stdout)
-    keepers.agents.begin("keeper_1", "Stand", features=["BallIsKickable"])
-    keepers.agents.command("keeper_1", "Stop")
-    message = keepers.agents.save("keeper_1").message
-    assert re.search(r"; version \d+, replaces version \d+ \(2 examples\)$", message)
-
-
-def test_a_lesson_leaves_the_world_as_it_was(keepers, tmp_path):
-    keepers.world.control("pace", pace="realtime", factor=50.0)
-    keepers.world.control("resume")
-    play(keepers, STOP + "  - wait: 0.3\n  - save: true\n", tmp_path / "stand.yaml")
-    status = keepers.world.status
-    assert keepers.link.spin_until(lambda: keepers.world.status.mode == "running", 5)
-    assert status.pace == "realtime"
-    keepers.world.control("pause")
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,7 @@
 """In lockstep the same seed gives the same run, bit for bit, wherever the agents run."""
 
-import multiprocessing
 import os
 import signal
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -158,39 +156,25 @@ def keepers_in_process() -> Run:
     )
 
 
-@pytest.fixture
-def busy() -> Iterator[None]:
-    """Two processes for each processor that do nothing but keep it busy."""
-    spawn = multiprocessing.get_context("spawn")
-    loops = [spawn.Process(target=_keep_busy) for _ in range(2 * multiprocessing.cpu_count())]
-    for loop in loops:
-        loop.start()
-    yield
-    for loop in loops:
-        loop.kill()
-        loop.join()
+def captained(**options: object) -> SwarmDescription:
+    return read_swarm(find_file("keepaway_captain", "swarms", "swarm")).with_world(**options)
 
 
-def _keep_busy() -> None:
-    while True:
-        pass
-
-
-@pytest.mark.parametrize("load", ["idle", pytest.param("busy", marks=pytest.mark.long)])
 def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(
-    home, tmp_path, keepers_in_process, load, request
+    home, tmp_path, keepers_in_process
 ):
-    if load == "busy":
-        request.getfixturevalue("busy")
-    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
-    assert over_topics(swarm.with_world(pace="lockstep"), tmp_path) == keepers_in_process
+    assert over_topics(captained(pace="lockstep"), tmp_path) == keepers_in_process
 
 
 @pytest.mark.parametrize("lossy", [100], indirect=True)
-def test_lost_datagrams_cost_no_deadlines(home, tmp_path, keepers_in_process, lossy):
+def test_lost_datagrams_cost_no_deadlines(home, tmp_path, lossy):
     """Two that were lost in one cycle cost one: each was sent again only after 3 s."""
-    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
-    assert over_topics(swarm.with_world(pace="lockstep"), tmp_path / "run") == keepers_in_process
+    swarm = captained(pace="lockstep", paused=True)
+    with temporary_swarm(swarm, tmp_path / "run") as running:
+        for _ in range(5):
+            running.world.step(20, seconds=60.0)
+        assert running.world.status.missed_deadlines == 0
+        assert running.world.status.reproducible
 
 
 def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
@@ -201,19 +185,16 @@ def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
     assert in_process(world, alone) != keepers_in_process
 
 
-@pytest.mark.parametrize("comes", ["at once", "late"])
 @pytest.mark.parametrize("name", ["captain", pytest.param("keeper_2", marks=pytest.mark.long)])
-def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name, comes):
-    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
-    with temporary_swarm(swarm.with_world(pace="lockstep", paused=True), tmp_path) as running:
+def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name):
+    with temporary_swarm(captained(pace="lockstep", paused=True), tmp_path) as running:
         view = CommandView(running.link)
         view.watch(["captain"])
         running.world.control(Control.Request.STEP, cycles=10_000)
         assert running.link.spin_until(lambda: running.world.status.cycle > 20, 60.0)
         killed = view.groups["captain"].epoch if name == "captain" else 0
         successor = kill(running, name)
-        if comes == "late":  # after the deadline
-            os.kill(successor, signal.SIGSTOP)
+        os.kill(successor, signal.SIGSTOP)  # until after the deadline
         assert running.link.spin_until(lambda: not running.world.status.reproducible, 60.0)
         assert running.world.status.missed_deadlines > 0
         running.world.control(Control.Request.PAUSE)

@@ -116,16 +116,6 @@ def test_packages_name_only_what_ros_or_ubuntu_has():
     assert {name: found for name, found in wrong.items() if found} == {}
 
 
-def test_all_packages_have_the_version_that_they_ask_of_one_another():
-    versions = {
-        manifest.parent.name: ElementTree.parse(manifest).getroot().findtext("version")
-        for manifest in MANIFESTS
-    }
-    for manifest in MANIFESTS:
-        for name, least in depends(manifest, *ALL).items():
-            assert name not in versions or least == versions[name], (manifest.parent.name, name)
-
-
 def test_what_packages_need_from_pypi_comes_from_ubuntu_or_into_an_environment():
     missing = {}
     for package in PACKAGES:

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 from mentions import ROOT
-from pages import Reader, Step, matches, steps_of
+from pages import Reader, Step, steps_of
 
 from hitab_client import domain_ids
 from hitab_client.run_folder import running_swarms
@@ -92,18 +92,3 @@ def test_the_library_page_shows_what_its_commands_print(reader):
             break  # what follows is about another library
     assert len(wrong) == 8
     assert not any(wrong), "\n\n".join(filter(None, wrong))
-
-
-def test_what_a_page_shows_wrongly_is_found_out():
-    shown = ["is up (3.5 s)", "files in [...]/x", "agent  value", "a      1.8"]
-    assert matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\na 1.8\n", shown)
-    assert not matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\na 1.9\n", shown)
-    assert not matches("is up (12.0 s)\nfiles in /home/me/y\nagent value\na 1.8\n", shown)
-    assert not matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\n", shown)
-
-
-def test_the_commands_of_a_page_are_found():
-    steps = steps_of("docs/tutorial.md")
-    assert steps[0].command.startswith("scripts/hitab up keepaway")
-    assert "taker_1 x=-9" in next(s.command for s in steps if "world place" in s.command)
-    assert any("error: " in line for step in steps for line in step.shown)

@@ -135,28 +135,3 @@ def test_keepers_over_topics_play_twenty_episodes_on_a_real_server(server, hitab
     assert figures["ended"]["out"] == sum(why == "out" for _, why in told)
     assert figures["missed_deadlines"] == 0
     assert figures["passes"]["mean"] > 0
-
-
-def test_keepers_play_on_a_real_server_by_what_it_lets_them_see(server, hitab, tmp_path):
-    options = "--parameter", "percepts=see", "--pace", "inprocess"
-    figures = evaluate(hitab, server.port, 5, tmp_path, *options)
-    assert episodes_of(figures)[1:] == [cycles for cycles, _ in server.episodes()][-4:]
-    assert figures["passes"]["mean"] > 0
-
-
-def test_a_behavior_is_trained_on_a_real_server_that_takes_a_trainer(server, hitab, tmp_path):
-    swarm = tmp_path / "swarm.yaml"
-    swarm.write_text(
-        "swarm: on_a_server\ndomain: keepaway\n"
-        "world:\n  kind: rcssserver\n  pace: lockstep\n"
-        f"  parameters: {{port: {server.port}, trainer_port: {server.trainer_port}}}\n"
-        "agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}\n"
-    )
-    try:
-        up = hitab("up", str(swarm))
-        assert up.returncode == 0, up.stderr
-        lesson = hitab("lesson", "run", "approach_ball", timeout=120.0)
-        assert lesson.returncode == 0, lesson.stdout + lesson.stderr
-        assert "ApproachBall: 18 examples of at most 18" in lesson.stdout
-    finally:
-        hitab("down")

@@ -110,11 +110,3 @@ def test_a_restarted_agent_perceives_a_paused_world(swarm, process, agent):
         return not math.isnan(answer.readings[-1].value)
 
     assert swarm.link.spin_until(perceives, SECONDS), "it has perceived nothing"
-
-
-def test_signs_of_another_swarm_are_not_heard(swarm):
-    other = SignsOfLife(swarm.link, expected=sorted(ALL), identity="other-00000000")
-    own = listening(swarm)
-    with stopped(swarm, "world"):
-        assert swarm.link.spin_until(lambda: "world" in own.silent(), SECONDS)
-        assert not other.silent()

@@ -1,9 +1,7 @@
 """Whoever does not answer is named with the reason; nobody else is suggested in its place."""
 
-import json
 import os
 import pty
-import re
 import select
 import signal
 import subprocess
@@ -61,15 +59,6 @@ def test_a_suspended_agent_is_named_with_the_way_out(swarm, hitab, suspended, ca
     assert "keeper_3" not in done.stderr
 
 
-def test_the_status_names_a_suspended_agent_and_shows_the_others(swarm, hitab, suspended):
-    suspended(ONE)
-    told = json.loads(hitab("status", "--json", "-").stdout)
-    assert [agent["agent"] for agent in told["agents"]] == ["keeper_2", "keeper_3"]
-    assert told["missing"] == [ONE]
-    assert "is suspended" in told["silent"][ONE]
-    assert re.search(rf"(?m)^{ONE} +suspended$", hitab("status").stdout)
-
-
 def test_the_watching_status_notices_who_falls_silent(swarm, suspended):
     terminal, other_end = pty.openpty()
     environment = {**os.environ, "COLUMNS": "200", "LINES": "50"}
@@ -115,10 +104,3 @@ def test_an_agent_that_runs_but_does_not_answer_is_silent_for_as_long_as_it_was_
         world = WorldClient(link, prefix="/elsewhere", processes=processes)
         with pytest.raises(SwarmError, match=r"the world has been silent for 0\.5 s"):
             world.wait(0.5)
-
-
-def test_a_name_that_the_swarm_does_not_have_is_answered_with_its_names(swarm, hitab):
-    done = hitab("vocabulary", "kepper_2")
-    assert done.returncode == 1
-    assert 'no agent "kepper_2" answers (known: keeper_1, keeper_2, keeper_3. Did' in done.stderr
-    assert "SWARM.yaml" not in done.stderr

@@ -136,18 +136,3 @@ def test_a_swarm_has_the_nodes_topics_and_services_of_the_docs_and_no_others(obs
     offered = {name for name in names_of(seen, "service") if not of_node.fullmatch(name)}
     assert "/keeper_1/save" in offered
     assert {in_docs(name) for name in offered} - services == set()
-
-
-@pytest.mark.long
-def test_two_starts_of_a_swarm_have_the_same_nodes_topics_and_services(hitab, observer, tmp_path):
-    path = tmp_path / "mixed.yaml"
-    path.write_text(SWARM)
-    empty = graph(observer)
-    first = seen_while_it_starts(observer, path, lambda seen: names_of(seen, "node") >= NODES)
-
-    assert hitab("down", "mixed", timeout=110.0).returncode == 0
-    assert observer.spin_until(lambda: graph(observer) <= empty, SECONDS), graph(observer) - empty
-
-    # What came late in the first run may have been seen in the second one only.
-    second = seen_while_it_starts(observer, path, lambda seen: first <= seen)
-    assert names_of(second, "node") == NODES

@@ -7,10 +7,8 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
-import psutil
 import pytest
 from waiting import within
 
@@ -176,24 +174,6 @@ def test_clients_take_no_other_swarms_robots_for_their_own(place):
         assert running.world.wait().mode == "paused"
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("status",),
-    ],
-    ids=" ".join,
-)
-def test_verbs_refuse_a_swarm_that_is_not_that_of_the_run_folder(hitab, place, arguments):
-    up(hitab, described(place, WITH_A_WORLD_ALONE))
-    ((folder, record),) = running_swarms()
-    folder.write(replace(record, identity="lone-12345678"), register=True)
-    done = hitab(*arguments)
-    assert done.returncode == 1
-    assert record.identity in done.stderr
-    assert "lone-12345678" in done.stderr
-    assert "Traceback" not in done.stderr
-
-
 def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, place, monkeypatch):
     path = described(place, APART)
     monkeypatch.delenv("ROS_DOMAIN_ID")
@@ -228,25 +208,6 @@ def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, place
         _, told = process.communicate(timeout=120)
         assert process.returncode == 0, told
     assert len({record.domain_id for _, record in running_swarms()}) == 3
-
-
-def test_down_stops_the_swarm_of_a_name_where_it_runs(hitab, place):
-    # The default folder of that name was taken for it, if there was anything in it.
-    path = described(place)
-    up(hitab, path)
-    assert hitab("down").returncode == 0
-    up(hitab, path, "--run-dir", str(place / "other"))
-    assert hitab("down", "lone").stdout == "lone is down\n"
-    assert RunFolder(place / "other").processes() == []
-
-
-def test_a_process_that_has_the_supervisors_old_number_is_not_the_supervisor(hitab, place):
-    up(hitab, described(place))
-    ((folder, record),) = running_swarms()
-    (agent,) = [p for p in folder.processes() if "hitab_agent.agent_main" in p.cmdline()]
-    assert folder.supervisor(replace(record, supervisor=agent.pid)) is None
-    assert folder.supervisor(replace(record, supervisor=os.getpid())) is None
-    assert folder.supervisor(record) == psutil.Process(record.supervisor)
 
 
 def test_a_library_that_was_being_copied_is_copied_again(place):

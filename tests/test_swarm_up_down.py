@@ -133,35 +133,6 @@ def test_a_read_only_place_for_the_files_of_a_swarm_is_told_with_the_way_out(
     assert list(running_swarms()) == []
 
 
-def test_a_killed_agent_is_started_again(hitab, swarm_home):
-    assert (
-        hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0
-    )
-    ((_, record),) = running_swarms()
-
-    def number() -> int:
-        (state,) = process_states(record)
-        return state["pid"] if state["statename"] in ("STARTING", "RUNNING") else 0
-
-    before = number()
-    os.kill(before, signal.SIGKILL)
-    assert within(10, lambda: number() not in (0, before))
-
-
-def test_a_swarm_whose_supervisor_was_killed_is_stopped_all_the_same(hitab, swarm_home):
-    assert (
-        hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0
-    )
-    ((folder, record),) = running_swarms()
-    os.kill(record.supervisor, signal.SIGKILL)
-    assert within(5, lambda: folder.supervisor(record) is None)
-    assert processes_of(folder)
-    assert list(running_swarms()) == []
-    down = hitab("down")
-    assert (down.returncode, down.stdout) == (0, "one is down\n"), down.stderr
-    assert processes_of(folder) == []
-
-
 def test_a_stale_run_folder_does_not_keep_a_swarm_from_coming_up(hitab, swarm_home):
     path = bring_up(hitab, swarm_home, "one", "lone")
     ((folder, record),) = running_swarms()
@@ -190,13 +161,3 @@ def test_ctrl_c_while_it_comes_up_leaves_nothing_behind(home, swarm_home):
     assert "Traceback" not in told
     assert processes_of(folder) == []
     assert list(running_swarms()) == []
-
-
-def test_a_swarm_that_would_meet_another_of_its_kind_is_refused(hitab, swarm_home):
-    bring_up(hitab, swarm_home, "red", "x")
-    up = hitab("up", write(swarm_home, "blue", ONE.format(name="blue", agent="x")))
-    assert up.returncode == 1
-    assert 'swarm "red"' in up.stderr
-    domain = os.environ["ROS_DOMAIN_ID"]
-    assert f"is up in the same ROS domain {domain} and also has a node called x" in up.stderr
-    assert "or start it and its robots' drivers in another ROS_DOMAIN_ID" in up.stderr
