@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import warm_hitab
 from browsing import Person, browser, studio
+from robot_desk import Desk, desk_with
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from keepaway_world.verbs.evaluation import trained_keepers
@@ -80,6 +81,19 @@ def person(window: Any, url: str) -> Iterator[Person]:
     yield someone
     someone.leave()
     assert someone.complaints == []
+
+
+@pytest.fixture(scope="module")
+def shared_desk(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk_with(tmp_path_factory.mktemp("desk")) as there:
+        yield there
+
+
+@pytest.fixture
+def desk(shared_desk: Desk) -> Desk:
+    """Return a simulated robot of examples/diff_drive and its agent, as they are at first."""
+    shared_desk.rest()
+    return shared_desk
 
 
 @pytest.fixture
