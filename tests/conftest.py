@@ -1,5 +1,6 @@
 """Swarms for the tests: real nodes in processes of their own, in a ROS domain nobody else uses."""
 
+import contextlib
 import os
 import shutil
 import subprocess
@@ -12,10 +13,15 @@ import warm_hitab
 from browsing import Person, browser, studio
 from robot_desk import Desk, desk_with
 
+from hitab_bringup import supervision
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.libraries import libraries_of
+from hitab_client import SwarmError, domain_ids
+from hitab_client.run_folder import running_swarms
 from keepaway_world.verbs.evaluation import trained_keepers
 
 PARAMETERS = {"taker_speed": 0.25}
+SECONDS = 60.0
 
 
 @pytest.fixture(scope="session")
@@ -30,24 +36,62 @@ def hitab(home: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
     return run
 
 
-@pytest.fixture(scope="module")
-def keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Three keepers that know nothing yet, in a paused world; the command finds them too."""
+@pytest.fixture
+def apart(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Return a folder to write into, in a ROS domain apart; swarms that are left are stopped."""
+    monkeypatch.chdir(tmp_path)
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield tmp_path
+        monkeypatch.setenv("HITAB_HOME", str(home))
+        for folder, _ in list(running_swarms()):
+            supervision.stop(folder)
+
+
+@pytest.fixture(scope="session")
+def three_keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
+    """Three keepers in a paused world, which the files that a worker tests share."""
     folder = tmp_path_factory.mktemp("keepers")
     with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
-        running.folder.write(running.record, register=True)
         yield running
+
+
+def begin_anew(running: RunningSwarm) -> None:
+    """Have nothing trained, learned or performed, and the world paused, in lockstep."""
+    agents, world = running.agents, running.world
+    shutil.rmtree(running.folder.path / "generations", ignore_errors=True)
+    for name, library in libraries_of(running.folder.path).items():
+        agents.await_agent(name, SECONDS)
+        with contextlib.suppress(SwarmError):  # it trains nothing
+            agents.discard(name)
+        agents.perform(name, "")
+        shutil.rmtree(library)
+        library.mkdir()
+        agents.load_library(name)
+    world.control("pace", pace="lockstep", factor=1.0)
+    world.control("pause")
+    for name in world.snapshot("list").names:
+        world.snapshot("delete", name)
+    assert running.link.spin_until(lambda: world.status.mode == "paused", SECONDS)
 
 
 @pytest.fixture(scope="module")
-def swarm(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Three keepers for the studio, with empty libraries of their own, in a paused world."""
-    folder = tmp_path_factory.mktemp("studio_swarm")
-    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
-        running.folder.write(running.record, register=True)
-        running.world.control("pace", pace="realtime", factor=1.0)
-        running.world.control("pause")
-        yield running
+def keepers(home: Path, three_keepers: RunningSwarm) -> Iterator[RunningSwarm]:
+    """Three keepers that know nothing yet, in a paused world; the command finds them too."""
+    folder = three_keepers.folder
+    begin_anew(three_keepers)
+    folder.write(three_keepers.record, register=True)
+    yield three_keepers
+    for link in home.rglob("*"):  # other files have swarms of their own
+        if link.is_symlink() and link.resolve() == folder.path:
+            link.unlink()
+
+
+@pytest.fixture(scope="module")
+def swarm(keepers: RunningSwarm) -> RunningSwarm:
+    """Three keepers for the studio, in a paused world that will run in real time."""
+    keepers.world.control("pace", pace="realtime", factor=1.0)
+    return keepers
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +101,7 @@ def url(swarm: RunningSwarm, tmp_path_factory: pytest.TempPathFactory) -> Iterat
         yield address
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def chrome() -> Iterator[Any]:
     """Return a browser."""
     with browser() as started:

@@ -1,12 +1,12 @@
 """What was trained today can be run tomorrow, also if a file was damaged overnight."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from hitab_client import RosLink, SwarmClient, domain_ids
+from hitab_client import RosLink, SwarmClient
 from hitab_client.run_folder import running_swarms
 
 SOCCER = """\
@@ -18,17 +18,11 @@ agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}
 TODAY = SOCCER + "behavior: Wander\n"
 
 
-@pytest.fixture(autouse=True)
-def description(home: Path, hitab: Callable, tmp_path: Path, monkeypatch) -> Iterator[str]:
-    """Return a description in a folder of the test's own; stop what the test has left."""
-    monkeypatch.chdir(tmp_path)
-    path = tmp_path / "soccer.yaml"
-    path.write_text(SOCCER)
-    with domain_ids.reserved() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        yield str(path)
-    for _, record in list(running_swarms()):
-        hitab("down", record.swarm)
+@pytest.fixture
+def description(apart: Path) -> str:
+    """Return a description in a folder of the test's own."""
+    (path := apart / "soccer.yaml").write_text(SOCCER)
+    return str(path)
 
 
 def done(hitab: Callable, *arguments: str) -> str:

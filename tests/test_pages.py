@@ -8,9 +8,6 @@ import pytest
 from mentions import ROOT
 from pages import Reader, Step, steps_of
 
-from hitab_client import domain_ids
-from hitab_client.run_folder import running_swarms
-
 LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 ELSEWHERE = {
     r"scripts/test\b": "is what runs this",
@@ -34,14 +31,10 @@ def to_be_run(page: str):
 
 
 @pytest.fixture
-def reader(tmp_path, home, hitab, monkeypatch):
+def reader(apart, monkeypatch):
     """Someone who begins with a page, knows nothing of other swarms and has none."""
-    (checkout := tmp_path / "checkout").mkdir()
-    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
-    with domain_ids.reserved() as number:
-        yield Reader(checkout, {**os.environ, "ROS_DOMAIN_ID": str(number), "COLUMNS": "80"})
-        for _, record in list(running_swarms()):
-            hitab("down", record.swarm)
+    (checkout := apart / "checkout").mkdir()
+    return Reader(checkout, {**os.environ, "COLUMNS": "80"})
 
 
 @pytest.mark.parametrize(

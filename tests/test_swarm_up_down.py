@@ -11,7 +11,6 @@ import psutil
 import pytest
 from waiting import within
 
-from hitab_client import domain_ids
 from hitab_client.run_folder import MARK, RunFolder, running_swarms
 from hitab_client.run_processes import process_states
 
@@ -34,16 +33,6 @@ agents: {broken_agent: {}}
 """
 
 
-@pytest.fixture(autouse=True)
-def swarm_home(home: Path, hitab, tmp_path: Path, monkeypatch):
-    """Write descriptions into a folder of the test's own; stop whatever a test has left."""
-    with domain_ids.reserved() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        yield tmp_path
-    for _, record in list(running_swarms()):
-        hitab("down", record.swarm)
-
-
 def write(folder: Path, name: str, text: str) -> str:
     path = folder / f"{name}.yaml"
     path.write_text(text)
@@ -62,8 +51,8 @@ def processes_of(folder: RunFolder) -> list[psutil.Process]:
     return folder.processes()
 
 
-def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
-    up = hitab("up", write(swarm_home, "soccer", WITH_WORLD))
+def test_a_swarm_comes_up_answers_and_goes_down(hitab, apart):
+    up = hitab("up", write(apart, "soccer", WITH_WORLD))
     assert up.returncode == 0, up.stderr
     assert "soccer is up: 3 agents and a world" in up.stdout
     ((folder, record),) = running_swarms()
@@ -74,7 +63,7 @@ def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
         "keeper_3",
     }
 
-    again = hitab("up", str(swarm_home / "soccer.yaml"))
+    again = hitab("up", str(apart / "soccer.yaml"))
     assert again.returncode == 1
     assert 'swarm "soccer" is already up' in again.stderr
 
@@ -91,8 +80,8 @@ def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
     assert not Path(record.socket).exists()
 
 
-def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, swarm_home):
-    up = hitab("up", write(swarm_home, "broken", BROKEN))
+def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, apart):
+    up = hitab("up", write(apart, "broken", BROKEN))
     assert up.returncode == 1
     assert "world ended while starting; the end of" in up.stderr
     assert "(exit status " in up.stderr
@@ -118,9 +107,9 @@ def read_only(tmp_path: Path):
 
 
 def test_a_read_only_place_for_the_files_of_a_swarm_is_told_with_the_way_out(
-    hitab, swarm_home, read_only
+    hitab, apart, read_only
 ):
-    description = write(swarm_home, "one", ONE.format(name="one", agent="keeper_1"))
+    description = write(apart, "one", ONE.format(name="one", agent="keeper_1"))
     new = read_only / "new"
     for option, folder in (("--run-dir", read_only), ("--run-dir", new), ("--library", new)):
         up = hitab("up", description, option, str(folder))
@@ -133,8 +122,8 @@ def test_a_read_only_place_for_the_files_of_a_swarm_is_told_with_the_way_out(
     assert list(running_swarms()) == []
 
 
-def test_a_stale_run_folder_does_not_keep_a_swarm_from_coming_up(hitab, swarm_home):
-    path = bring_up(hitab, swarm_home, "one", "lone")
+def test_a_stale_run_folder_does_not_keep_a_swarm_from_coming_up(hitab, apart):
+    path = bring_up(hitab, apart, "one", "lone")
     ((folder, record),) = running_swarms()
     os.kill(record.supervisor, signal.SIGKILL)
     assert within(5, lambda: folder.supervisor(record) is None)
@@ -144,8 +133,8 @@ def test_a_stale_run_folder_does_not_keep_a_swarm_from_coming_up(hitab, swarm_ho
     assert len(agents) == 1
 
 
-def test_ctrl_c_while_it_comes_up_leaves_nothing_behind(home, swarm_home):
-    path = write(swarm_home, "soccer", WITH_WORLD)
+def test_ctrl_c_while_it_comes_up_leaves_nothing_behind(apart):
+    path = write(apart, "soccer", WITH_WORLD)
     folder = RunFolder.of_swarm("soccer")
     command = subprocess.Popen(
         [sys.executable, "-m", "hitab_bringup.main", "up", path],
