@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -42,22 +41,6 @@ def up(hitab, path: str, *more: str):
     done = hitab("up", path, *more)
     assert done.returncode == 0, done.stderr
     return done
-
-
-def test_the_same_swarm_in_another_folder_is_refused(hitab, apart):
-    # It said "is up" while its own processes died and were started again and again.
-    path = described(apart, SOCCER)
-    up(hitab, path)
-    ((_, record),) = running_swarms()
-    again = hitab("up", path, "--run-dir", str(apart / "other"))
-    assert again.returncode == 1
-    refused, *ways_out = again.stderr.splitlines()
-    assert "keeper_1, keeper_2, keeper_3, world" in refused
-    assert all(line.startswith("  ") for line in ways_out)
-    assert "stop it with `hitab down soccer`" in " ".join(ways_out)
-    assert "ROS_DOMAIN_ID" in " ".join(ways_out)
-    assert RunFolder(apart / "other").processes() == []
-    assert [r.identity for _, r in running_swarms()] == [record.identity]
 
 
 def test_names_taken_by_a_swarm_of_another_registry_are_refused_as_well(hitab, apart, monkeypatch):
@@ -191,14 +174,3 @@ def test_a_library_that_was_being_copied_is_copied_again(apart):
     fill_libraries(swarm, apart / "run")
     names = sorted(path.name for path in (apart / "run" / "libraries" / "lone").iterdir())
     assert names == ["A.hfa.yaml", "B.hfa.yaml"]
-
-
-def test_a_swarm_whose_supervisor_died_is_taken_down_by_any_of_its_names(hitab, apart):
-    for which in ("lone", "identity", "folder"):
-        up(hitab, described(apart))
-        ((folder, record),) = running_swarms()
-        os.kill(record.supervisor, signal.SIGKILL)
-        assert within(10, lambda f=folder, r=record: f.supervisor(r) is None)
-        name = {"lone": "lone", "identity": record.identity, "folder": str(folder.path)}[which]
-        assert hitab("down", "--swarm", name).stdout == "lone is down\n"
-        assert folder.processes() == []
