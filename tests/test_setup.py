@@ -150,8 +150,6 @@ def test_a_changed_message_is_built_and_nothing_else_is_made_again(ready):
     ("gone", "names", "remedy"),
     [
         ("compiler", [r".*\+\+.*", r"(.*-)?(gcc|clang|cc)(-\d+)?"], "apt install build-essential"),
-        ("CMake", [r"cmake\d?"], "apt install cmake"),
-        ("make", [r"g?make"], "apt install make"),
         ("Python", [r"python.*"], "apt install python3 python3-venv"),
     ],
 )
@@ -250,89 +248,6 @@ def test_a_prepared_shell_has_a_profile_that_binds_to_this_machine(checkout, sai
     assert sourced(checkout, shown) == shown
     subnet = sourced(checkout, shown | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"})
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in subnet
-
-
-ROS2 = """\
-#!{python} -s
-# Does what the command of an installed Jazzy does: its interpreter is not the environment's.
-import os
-import sys
-from pathlib import Path
-
-from ament_index_python.packages import get_package_prefix, get_package_share_directory
-
-assert sys.prefix == sys.base_prefix
-verb, package, name, *arguments = sys.argv[1:]
-if verb == "pub":
-    from rclpy.serialization import deserialize_message, serialize_message
-    from rosidl_runtime_py_stand_in import message
-    kind = message(package, name)
-    print(type(deserialize_message(serialize_message(kind()), kind)).__module__)
-elif verb == "launch":
-    folder = os.path.join(get_package_share_directory(package), "launch")
-    assert name in os.listdir(folder)
-    from hitab_bringup.swarm_file import read_swarm
-    from hitab_bringup.swarm_processes import processes
-    from hitab_client.shipped import find_file
-    for process in processes(read_swarm(find_file("keepaway", "swarms", "swarm")), Path("run")):
-        print(process.name, process.command[0])
-elif verb == "run":
-    os.execv(os.path.join(get_package_prefix(package), "lib", package, name), [name, *arguments])
-"""
-
-
-@pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """Return an installed Jazzy whose commands run another Python; its packages are the wheels."""
-    prefix = tmp_path_factory.mktemp("jazzy")
-    (prefix / "bin").mkdir()
-    (prefix / "python").mkdir()
-    (prefix / "python" / "rosidl_runtime_py_stand_in.py").write_text(
-        "from importlib import import_module\n"
-        "def message(package, name):\n"
-        "    return getattr(import_module(package + '.msg'), name)\n"
-    )
-    command = prefix / "bin" / "ros2"
-    command.write_text(ROS2.format(python=Path(sys.executable).resolve()))
-    command.chmod(0o755)
-    # The wheels have set the path for this process; the prefix has these libraries as its own.
-    libraries = []
-    for number, folder in enumerate(os.environ.get("LD_LIBRARY_PATH", "").split(":")):
-        libraries.append(str(prefix / f"lib{number}"))
-        Path(libraries[-1]).symlink_to(folder or ".")
-    (prefix / "setup.bash").write_text(
-        f"export PATH={prefix}/bin:$PATH PYTHONPATH={prefix}/python:${{PYTHONPATH:-}} "
-        f"AMENT_PREFIX_PATH={prefix} ROS_DISTRO=jazzy LD_LIBRARY_PATH={':'.join(libraries)}\n"
-    )
-    return prefix
-
-
-@pytest.mark.parametrize(
-    ("typed", "expected"),
-    [
-        ("pub hitab_msgs Command", "hitab_msgs.msg._command"),
-        ("launch hitab_bringup swarm.launch.py", "keeper_3 "),
-        ("run hitab_bringup hitab --version", "hitab "),
-    ],
-)
-def test_ros2_of_an_installed_jazzy_finds_what_only_the_environment_has(
-    installed, tmp_path, typed, expected
-):
-    environment = {
-        "HOME": str(tmp_path),
-        "HITAB_ROS": str(installed),
-        "HITAB_VENV": sys.prefix,
-        "PATH": machine_path(),
-    }
-    done = subprocess.run(
-        ["bash", "-c", f'set -eu; . "$0"; ros2 {typed}', ROOT / "scripts/env.sh"],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert expected in done.stdout
 
 
 def sourced(checkout: Checkout, environment: dict[str, str]) -> dict[str, str]:
