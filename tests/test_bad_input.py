@@ -3,6 +3,8 @@
 import pytest
 
 from hitab_client.errors import SwarmError
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_client import WorldClient
 
 AGENT = "keeper_1"
 
@@ -17,11 +19,8 @@ def training(keepers):
 
 COMMANDS = [
     (("GoFats", []), 'unknown behavior "GoFats" (known: GetOpen, GoFast'),
-    (("GoFast", ["ball"]), 'behavior "GoFast" takes no targets, not 1; write GoFast'),
     (("Start", []), "Start cannot be commanded"),
     (("Near", []), "recursive automaton"),
-    (("Done", ["ball"]), 'flag state "Done" takes no targets'),
-    (("Go(to", []), '"Go(to" is not a use of a behavior'),
 ]
 
 
@@ -38,20 +37,11 @@ def test_a_wrong_command_is_refused_in_the_status(training):
 
 BEGINNINGS = [
     ({"automaton": "1st"}, '"1st" is not a name'),
-    ({"automaton": "GoFast"}, '"GoFast" is a basic behavior'),
-    ({"automaton": "Start"}, "reserved"),
     ({"automaton": "A", "features": ["DistanceTo(bal)"]}, 'unknown target "bal"'),
     (
         {"automaton": "A", "features": ["DistanceTo(X)"]},
         "if it is a parameter, give the target that it stands for in training, as `-p X=TARGET`",
     ),
-    (
-        {"automaton": "A", "features": ["DistanceTo"]},
-        "takes 1 target, not 0; write, for example, DistanceTo(ball)",
-    ),
-    ({"automaton": "A", "features": ["Distance(ball)"]}, 'unknown feature "Distance"'),
-    ({"automaton": "A", "states": ["GoFats"]}, 'unknown behavior "GoFats"'),
-    ({"automaton": "A", "parameters": ["B"]}, "1 parameter but 0 targets"),
     ({"automaton": "A", "resume": "Nothing"}, 'unknown behavior "Nothing"'),
     ({"automaton": "A", "discard": False}, "2 unsaved examples; save it first (`hitab save "),
 ]
@@ -115,13 +105,9 @@ def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
 
 WORLD_ERRORS = [
     (lambda w: w.place({"bal": {"x": 1.0}}), "bal"),
-    (lambda w: w.place({"ball": {"x": float("inf")}}), "ball"),
     (lambda w: w.control("dance"), 'unknown action "dance"'),
-    (lambda w: w.control("step", cycles=0), "step needs a number of cycles"),
-    (lambda w: w.control("pace", pace="slow"), 'unknown pace "slow"'),
     (lambda w: w.control("pace", factor=float("inf")), "factor inf is out of range"),
     (lambda w: w.snapshot("restore", "nothing"), 'no snapshot "nothing"'),
-    (lambda w: w.snapshot("save"), "a snapshot needs a name"),
 ]
 
 
@@ -136,3 +122,14 @@ def test_the_world_refuses_what_cannot_be(training):
 def test_nothing_was_lost_by_all_that(training):
     assert len(training.agents.list_examples(AGENT).examples) == 2
     assert training.agents.command(AGENT, "Stop").examples == 4
+
+
+def test_clients_take_no_other_swarms_robots_for_their_own(training):
+    mine, other = "mine-00000000", training.record.identity
+    agents = SwarmClient(training.link, (AGENT,), identity=mine)
+    with pytest.raises(SwarmError, match=f"{AGENT} belongs to swarm {other}, not to swarm {mine}"):
+        agents.begin(AGENT, "Stolen", features=["Done"])
+    with pytest.raises(SwarmError, match=f"{other}, not to swarm {mine}"):
+        WorldClient(training.link, identity=mine).control("resume")
+    assert training.agents.await_agent(AGENT).behavior == "Near"
+    assert training.world.wait().mode == "paused"

@@ -1,13 +1,10 @@
 """Robots in ir-sim, examples/irsim_robots: what holds without the simulator, and a run with it."""
 
-import importlib.util
 import math
 import sys
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -52,34 +49,3 @@ def test_the_trained_robots_do_not_drive_at_what_is_near_whatever_they_do(seen):
         velocity, _ = player.body.act()
         if velocity:  # none where a round ends
             assert velocity[0] == 0.0 or ahead > 0.5
-
-
-@pytest.mark.long
-@pytest.mark.skipif(
-    importlib.util.find_spec("irsim") is None,
-    reason="ir-sim is not installed: docs/irsim.md shows how, into a folder of its own",
-)
-@pytest.mark.parametrize("yaw", [0.0, math.pi / 2])
-def test_the_simulator_says_where_robots_are_and_what_they_see(yaw):
-    from irsim_robots.bridge import simulation
-    from irsim_robots.room import HEIGHT, WIDTH, room
-
-    world = simulation(room(1, 2, 0.1, yaw))
-    robot = world.robot_list[0]
-    before = robot.state[:3, 0].copy()
-    world.step([np.array([[0.3], [0.0]]), np.array([[0.0], [0.0]])])
-    moved = math.dist(robot.state[:2, 0], before[:2])
-    assert moved == pytest.approx(0.03, abs=1e-6)
-    scan = robot.get_lidar_scan()
-    # The ray that runs straight along x meets a wall or what is before it.
-    x, y, heading = robot.state[:3, 0]
-    for angle, distance in zip(
-        np.linspace(scan["angle_min"], scan["angle_max"], len(scan["ranges"])),
-        scan["ranges"],
-        strict=True,
-    ):
-        way = heading + yaw + angle
-        end = x + distance * math.cos(way), y + distance * math.sin(way)
-        assert -1e-6 <= end[0] <= WIDTH + 1e-6
-        assert -1e-6 <= end[1] <= HEIGHT + 1e-6
-    assert not robot.collision

@@ -1,11 +1,10 @@
 """Every command and option that an error, a help text or a page names is there."""
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
 import typer
-from mentions import ROOT, Mention, mentions
+from mentions import Mention, mentions
 
 from hitab_bringup.main import make_app
 
@@ -99,33 +98,4 @@ def test_every_command_that_talks_to_a_swarm_can_be_told_which():
         code = command.callback.__code__
         if talking & {*code.co_names, *code.co_consts} and "--swarm" not in options_of(command):
             wrong.append(path)
-    assert wrong == []
-
-
-def of_scripts(mention: Mention) -> bool:
-    return mention.words[0].startswith("scripts/") and not of_hitab(mention)
-
-
-def fits_script(script: str, *words: str) -> bool:
-    """Whether a script is there and takes these words."""
-    if script == "scripts/test":  # what follows is for pytest
-        return all((ROOT / word).exists() for word in words if "/" in word)
-    if script == "scripts/python":
-        script, *words = words
-        if not re.match(r"(research|examples)/.*\.py$", script):
-            return True  # one of the reader's own
-    if not (ROOT / script).is_file():
-        return False
-    text = (ROOT / script).read_text(encoding="utf-8")
-    # Typer makes an option of a parameter's name.
-    options = [word.partition("=")[0] for word in words if word.startswith("--")]
-    return all(
-        option in (*re.findall(r"--[a-z-]+", text), "--help")
-        or f"{option[2:].replace('-', '_')}:" in text
-        for option in options
-    )
-
-
-def test_every_script_that_is_mentioned_takes_its_options():
-    wrong = [str(m) for m in filter(of_scripts, FOUND) if not fits_script(*m.words)]
     assert wrong == []

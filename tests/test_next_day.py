@@ -61,19 +61,6 @@ def test_a_library_that_is_named_serves_all_agents_the_next_day(
     assert "Wander" in done(hitab, "library", "list")
 
 
-@pytest.mark.long
-def test_without_one_each_agent_goes_on_with_its_own(
-    hitab: Callable, description: str, home: Path
-) -> None:
-    done(hitab, "up", description)
-    train("Stroll")
-    done(hitab, "down")
-    done(hitab, "up", description)
-    assert "Stroll" in done(hitab, "library", "list", "--agent", "keeper_1")
-    done(hitab, "down")
-    assert "Stroll" in done(hitab, "library", "list", "-l", "soccer/keeper_1")
-
-
 def test_a_swarm_is_up_with_a_damaged_library_and_says_what_it_lost(
     hitab: Callable, description: str, tmp_path: Path
 ) -> None:

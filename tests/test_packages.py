@@ -133,3 +133,14 @@ def test_packages_do_not_depend_on_one_another_in_a_circle():
     names = {manifest.parent.name for manifest in MANIFESTS}
     graph = {m.parent.name: names & set(depends(m, *ALL)) for m in MANIFESTS}
     TopologicalSorter(graph).prepare()
+
+
+def test_all_packages_have_one_version_and_ask_it_of_one_another():
+    (version,) = {ElementTree.parse(m).getroot().findtext("version") for m in MANIFESTS}
+    assert f"it is {version}" in (ROOT / "docs/conventions.md").read_text()
+    ours = {manifest.parent.name for manifest in MANIFESTS}
+    for manifest in MANIFESTS:
+        asked = depends(manifest, *ALL)
+        assert {asked[name] for name in ours & asked.keys()} <= {version}, manifest
+        if (setup := manifest.parent / "setup.py").exists():
+            assert re.findall(r'version="(.*)"', setup.read_text()) == [version]

@@ -5,15 +5,11 @@ from __future__ import annotations
 import json
 import urllib.error
 import urllib.request
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, studio
-
-from hitab_bringup.bringing_up import temporary_swarm
-from keepaway_world.verbs.evaluation import trained_keepers
 
 
 @needs_browser
@@ -236,26 +232,6 @@ def path_and_download(person: Person, home: Path) -> tuple[bytes, list[Path]]:
     with person.page.expect_download() as download:
         person.click(f"download-{paths[0].name}")
     return Path(download.value.path()).read_bytes(), paths
-
-
-@needs_browser
-def test_a_page_opened_before_the_swarm_finds_it_and_finds_it_again(chrome, home, tmp_path):
-    with studio(tmp_path / "log", "late") as address:
-        page = chrome.new_page(viewport={"width": 1280, "height": 720})
-        someone = Person(page, address)
-        page.wait_for_selector("text=is not up")
-        for _ in range(2):
-            alone = trained_keepers(None, "", {})
-            description = replace(alone, agents=alone.agents[:1])
-            with temporary_swarm(description, tmp_path / "late") as running:
-                named = replace(running.record, swarm="late")
-                running.folder.write(named, register=True)
-                someone.sees("agent-keeper_1")
-                someone.sees_field()
-                page.wait_for_selector(".where b")
-            page.wait_for_selector(".where b", state="detached")
-        assert someone.complaints == []
-        page.close()
 
 
 def ask(url: str, **headers: str) -> int:

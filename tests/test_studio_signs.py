@@ -114,16 +114,24 @@ def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swa
 
 
 @needs_browser
-def test_a_swarm_that_is_down_is_not_shown_as_if_it_were_up(chrome, home, tmp_path):
+def test_a_page_waits_for_its_swarm_and_shows_it_only_while_it_is_up(chrome, home, tmp_path):
     """Its robots stood there as before, with a button that would train them."""
     alone = trained_keepers(None, "", {})
     description = replace(alone, agents=alone.agents[:1])
+
+    @contextmanager
+    def falls_up(someone: Person) -> Iterator[None]:
+        with temporary_swarm(description, tmp_path / "falls") as running:
+            running.folder.write(replace(running.record, swarm="falls"), register=True)
+            someone.sees(f"agent-{ONE}")
+            someone.sees_field()
+            yield
+
     with studio(tmp_path / "log", "falls") as address:
         page = chrome.new_page(viewport={"width": 1280, "height": 720})
         someone = Person(page, address)
-        with temporary_swarm(description, tmp_path / "falls") as running:
-            running.folder.write(replace(running.record, swarm="falls"), register=True)
-            someone.sees_field()
+        page.wait_for_selector("text=is not up")
+        with falls_up(someone):
             someone.click(f"agent-{ONE}")
             page.wait_for_selector("text=Nothing learned yet")
             someone.click("new")
@@ -137,5 +145,7 @@ def test_a_swarm_that_is_down_is_not_shown_as_if_it_were_up(chrome, home, tmp_pa
         someone.sees("unknown", "not known until it answers")
         assert page.locator('[data-do="new"]:not([aria-disabled])').count() == 0
         assert page.locator(".overlay[data-stale]").count() == 1
+        with falls_up(someone):
+            page.wait_for_selector(".where b")
         assert someone.complaints == []
         page.close()

@@ -10,7 +10,7 @@ import pytest
 from waiting import within
 
 from hitab_bringup import supervision
-from hitab_bringup.bringing_up import bring_up, temporary_swarm
+from hitab_bringup.bringing_up import bring_up
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
@@ -98,20 +98,6 @@ def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, apa
             supervision.refuse_failed(record, second)
     finally:
         supervision.stop(second)
-
-
-def test_clients_take_no_other_swarms_robots_for_their_own(apart):
-    with temporary_swarm(parse_swarm(SOCCER, apart / "soccer.yaml")) as running:
-        mine = "mine-00000000"
-        agents = SwarmClient(running.link, ("keeper_1",), identity=mine)
-        both = f"keeper_1 belongs to swarm {running.record.identity}, not to swarm {mine}"
-        with pytest.raises(SwarmError, match=both):
-            agents.begin("keeper_1", "Stolen", features=["Done"])
-        world = WorldClient(running.link, identity=mine)
-        with pytest.raises(SwarmError, match=f"{running.record.identity}, not to swarm {mine}"):
-            world.control("resume")
-        assert running.agents.statuses["keeper_1"].mode == "idle"
-        assert running.world.wait().mode == "paused"
 
 
 def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, apart, monkeypatch):
