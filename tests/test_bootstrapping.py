@@ -1,15 +1,13 @@
 """Behavior bootstrapping with real nodes: generations, scores, back, and what may go wrong."""
 
-import os
 import shutil
-import signal
 
 import pytest
+from waiting import hanging
 
 from hitab_bringup.libraries import libraries_of
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping, Configuration, Evaluation, with_condition
-from hitab_client.run_processes import process_states
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 QUICK = Evaluation(episodes=2, seed=5)
@@ -129,16 +127,11 @@ def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
     aside = folder.with_name("aside")
     folder.rename(aside)
     folder.write_text("not a folder")
-    pids = {state["name"]: state["pid"] for state in process_states(team.record)}
     work = steps(team, patience=1.0)
-    os.kill(pids[THREE], signal.SIGSTOP)
-    try:
-        with pytest.raises(SwarmError) as wrong:
-            work.next(ONE, evaluation=QUICK)
-    finally:
-        os.kill(pids[THREE], signal.SIGCONT)
-        folder.unlink()
-        aside.rename(folder)
+    with pytest.raises(SwarmError) as wrong, hanging(team, THREE):
+        work.next(ONE, evaluation=QUICK)
+    folder.unlink()
+    aside.rename(folder)
     assert "keeper_2 refuses: " in str(wrong.value)
     assert "keeper_3 does not answer" in str(wrong.value)
     assert "gives it to them and goes on" in str(wrong.value)

@@ -1,13 +1,10 @@
 """A demonstrator trains an agent over the public topics and services, while it runs."""
 
-import os
-import signal
-
 import pytest
 from hitab_msgs.msg import Example
+from waiting import hanging
 
 from hitab_client.errors import SwarmError
-from hitab_client.run_processes import RunProcesses
 from hitab_client.world_client import by_name
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -125,12 +122,8 @@ def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
 
 
 def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
-    pid = RunProcesses(begun.record).pid(TWO)
-    os.kill(pid, signal.SIGSTOP)
-    try:
+    with hanging(begun, TWO):
         done = hitab("world", "step")
-    finally:
-        os.kill(pid, signal.SIGCONT)
     assert done.stdout == "stepped 1 cycle\n"
     assert f"but: {TWO}'s process is suspended" in done.stderr
     assert begun.link.spin_until(lambda: not begun.world.wait().missing, 30)

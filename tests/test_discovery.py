@@ -16,11 +16,8 @@ from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client import domain_ids
 from hitab_client.dds_profile import (
-    LOOPBACK,
-    NETWORK,
     RANGE,
     VARIABLES,
-    choose_profile,
 )
 from hitab_client.run_processes import process_states
 
@@ -112,21 +109,3 @@ def test_a_swarm_listens_to_this_machine_only(home: Path, tmp_path: Path, monkey
     with temporary_swarm(parse_swarm(ONE, tmp_path / "one.yaml"), tmp_path / "run") as running:
         pids = [state["pid"] for state in process_states(running.record)]
         assert addresses([running.record.supervisor, *pids, os.getpid()]) == {"127.0.0.1"}
-
-
-def test_the_network_is_reached_only_if_the_user_says_so() -> None:
-    """What is chosen stays when a process that was started so starts others."""
-    for said, profile, found in [
-        ({}, LOOPBACK, "SYSTEM_DEFAULT"),
-        ({RANGE: "LOCALHOST"}, LOOPBACK, "SYSTEM_DEFAULT"),
-        ({RANGE: "SUBNET"}, NETWORK, "SUBNET"),
-        ({RANGE: "SYSTEM_DEFAULT"}, NETWORK, "SYSTEM_DEFAULT"),
-        ({RANGE: "SUBNET", VARIABLES[0]: str(LOOPBACK)}, NETWORK, "SUBNET"),
-        ({VARIABLES[1]: "/home/me/mine.xml"}, Path("/home/me/mine.xml"), "LOCALHOST"),
-        ({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, NETWORK, "LOCALHOST"),
-    ]:
-        chosen = dict(said)
-        for _ in range(2):
-            choose_profile(chosen)
-            assert {chosen[name] for name in VARIABLES if name in chosen} == {str(profile)}
-            assert chosen[RANGE] == found

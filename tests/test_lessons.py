@@ -31,8 +31,7 @@ def lesson_file(folder, steps: str) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path, number, code):
+def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path):
     keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
     keepers.agents.discard("keeper_1")
     keepers.agents.perform("keeper_2", "")
@@ -48,10 +47,10 @@ def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path,
     )
     assert keepers.link.spin_until(lambda: agents.statuses["keeper_2"].behavior == "GoFast", 30)
     taught = keepers.link.spin_until(lambda: agents.statuses["keeper_1"].examples == 2, 30)
-    command.send_signal(number)
+    command.send_signal(signal.SIGINT)
     _, told = command.communicate(timeout=30)
     assert taught, told
-    assert command.returncode == code
+    assert command.returncode == 130
     assert 'keeper_1 is idle; discarded "Stand" with 2 unsaved examples' in told
     assert "keeper_2 goes on performing GoFast" in told
     assert "Traceback" not in told
@@ -86,11 +85,7 @@ def test_a_lesson_that_fails_says_what_it_leaves_and_discards_it_when_asked_to(
             "waited 0.5 s in vain until keeper_1 has said",
         ),
         ("  - check: {speed: keeper_1, above: 1}\n    within: 0.5\n", 8, "teach more examples"),
-        ("  - never: {seconds: 0.2}\n", 8, "this should not happen"),
         ("  - command: Dance\n", 8, 'step `command`: keeper_1: unknown behavior "Dance"'),
-        ("  - command: Stop\n    agent: keeper_9\n", 8, 'no agent "keeper_9" answers'),
-        ("  - place: {bal: {x: 1}}\n", 8, "the world refuses"),
-        ("  - until: {distance: [keeper_1, bal], below: 1}\n", 8, 'no "bal" in the world'),
         ("  - command: Stop\n  - save: true\n", None, "took 3 examples, including default ones"),
     ],
 )

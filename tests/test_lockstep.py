@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from hitab_msgs.msg import WorldState
 from hitab_msgs.srv import Control
+from waiting import hanging, pid_of
 
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_description import SwarmDescription
-from hitab_bringup.swarm_file import read_swarm
+from hitab_bringup.swarm_file import parse_swarm, read_swarm
 from hitab_client.command_view import CommandView
-from hitab_client.run_processes import process_states
 from hitab_client.shipped import find_file, shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
@@ -30,6 +30,7 @@ from keepaway_world.world import KeepawayWorld
 SEED = 11
 EPISODES = 2
 
+# Agents in two hosts, one of them with commanders, the others elsewhere.
 FORAGERS = """\
 swarm: foragers
 domain: foraging
@@ -39,29 +40,23 @@ world:
   pace: lockstep
   parameters: {{foragers: 8, small_boxes: 6, large_boxes: 2, duration: 20.0}}
 agents:
-  forager: {{count: 8{where}}}
+  forager: {{count: 8, per_process: 5}}
 kinds:
   Squad: {libraries}/foraging_squad/commander.yaml
   Company: {libraries}/foraging_company/commander.yaml
 commanders:
-  squad: {{kind: Squad, commands: {{forager: 4}}, start_from: {libraries}/foraging_squad{host}}}
+  squad:
+    kind: Squad
+    commands: {{forager: 4}}
+    start_from: {libraries}/foraging_squad
+    host: command
   company:
     kind: Company
     commands: squad
     start_from: {libraries}/foraging_company
     behavior: CompanyForage
-    {host_of_company}
+    host: command
 """
-
-HOSTED = {
-    "processes": {"where": "", "host": "", "host_of_company": ""},
-    # Agents in two hosts, one of them with commanders, the others elsewhere.
-    "hosts": {
-        "where": ", per_process: 5",
-        "host": ", host: command",
-        "host_of_company": "host: command",
-    },
-}
 
 
 @dataclass(frozen=True)
@@ -79,13 +74,9 @@ def places(entities) -> tuple[tuple[object, ...], ...]:
 def over_topics(swarm: SwarmDescription, folder: Path) -> Run:
     """Play two whole episodes and the beginning of a third."""
     with temporary_swarm(swarm.with_world(paused=True), folder) as running:
-        return played(running)
-
-
-def played(running: RunningSwarm) -> Run:
-    episodes = running.world.play(EPISODES, seed=SEED)
-    state = running.world.step(30, seconds=60.0)
-    status = running.world.status
+        episodes = running.world.play(EPISODES, seed=SEED)
+        state = running.world.step(30, seconds=60.0)
+        status = running.world.status
     assert status is not None
     assert status.missed_deadlines == 0
     assert status.reproducible
@@ -105,14 +96,6 @@ def in_process(world: World, hierarchy: HierarchyPlayers) -> Run:
     )
 
 
-def foragers(folder: Path, where: str) -> SwarmDescription:
-    file = folder / f"{where}.yaml"
-    file.write_text(
-        FORAGERS.format(libraries=shipped("libraries", "foraging").parent, **HOSTED[where])
-    )
-    return read_swarm(file)
-
-
 def trained(library: str) -> BehaviorLibrary:
     folder = shipped("libraries", library)
     return BehaviorLibrary(folder, commander_domain(read_kind(folder / KIND_FILE)))
@@ -123,7 +106,6 @@ def commander(name: str, library: str, behavior: str, subordinates) -> Commander
     return Commander(name, kind, trained(library), behavior, tuple(subordinates))
 
 
-@pytest.fixture(scope="module")
 def foragers_in_process() -> Run:
     figures = {"foragers": 8, "small_boxes": 6, "large_boxes": 2, "duration": 20.0}
     world = ForagingWorld(ForagingParameters.from_dict(figures), SEED)
@@ -138,14 +120,12 @@ def foragers_in_process() -> Run:
     return in_process(world, HierarchyPlayers(members, [*squads, company]))
 
 
-@pytest.mark.parametrize("where", [pytest.param("processes", marks=pytest.mark.long), "hosts"])
-def test_three_levels_play_over_topics_as_in_one_process(
-    home, tmp_path, foragers_in_process, where
-):
-    assert over_topics(foragers(tmp_path, where), tmp_path / "run") == foragers_in_process
+def test_three_levels_play_over_topics_as_in_one_process(home, tmp_path):
+    text = FORAGERS.format(libraries=shipped("libraries", "foraging").parent)
+    swarm = parse_swarm(text, tmp_path / "foragers.yaml")
+    assert over_topics(swarm, tmp_path / "run") == foragers_in_process()
 
 
-@pytest.fixture(scope="module")
 def keepers_in_process() -> Run:
     world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
     folder = shipped("libraries", "keepaway_captained")
@@ -160,10 +140,8 @@ def captained(**options: object) -> SwarmDescription:
     return read_swarm(find_file("keepaway_captain", "swarms", "swarm")).with_world(**options)
 
 
-def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(
-    home, tmp_path, keepers_in_process
-):
-    assert over_topics(captained(pace="lockstep"), tmp_path) == keepers_in_process
+def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(home, tmp_path):
+    assert over_topics(captained(pace="lockstep"), tmp_path) == keepers_in_process()
 
 
 @pytest.mark.parametrize("lossy", [100], indirect=True)
@@ -175,14 +153,6 @@ def test_lost_datagrams_cost_no_deadlines(home, tmp_path, lossy):
             running.world.step(20, seconds=60.0)
         assert running.world.status.missed_deadlines == 0
         assert running.world.status.reproducible
-
-
-def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
-    world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
-    folder = shipped("libraries", "keepaway_captained")
-    library = BehaviorLibrary(folder, load_domain("keepaway"))
-    alone = HierarchyPlayers([Member(name, library, "Keepaway") for name in world.agents])
-    assert in_process(world, alone) != keepers_in_process
 
 
 @pytest.mark.parametrize("name", ["captain", pytest.param("keeper_2", marks=pytest.mark.long)])
@@ -226,27 +196,18 @@ def test_who_steps_a_world_gets_no_cycle_without_an_agent_that_is_slow(home, tmp
         world = running.world
         assert running.link.spin_until(lambda: not world.missing, 60.0)
         before = world.step(1).cycle
-        slow = pid_of(running, "keeper_1")
-        os.kill(slow, signal.SIGSTOP)
-        try:
+        with hanging(running, "keeper_1"):
             world.control(Control.Request.STEP, cycles=2)
             assert running.link.spin_until(
                 lambda: "waits for keeper_1" in world.status.last_error, 20.0
             )
             assert world.status.cycle == before
-        finally:
-            os.kill(slow, signal.SIGCONT)
         assert world.state_at(before + 2).cycle == before + 2
         assert running.link.spin_until(lambda: world.status.cycle == before + 2, 20.0)
         assert world.status.missed_deadlines == 0
         world.control(Control.Request.RESUME)
         assert running.link.spin_until(lambda: world.status.cycle > before + 20, 60.0)
         assert world.shown(world.control(Control.Request.PAUSE)).mode == WorldState.PAUSED
-
-
-def pid_of(running: RunningSwarm, name: str) -> int:
-    (state,) = [s for s in process_states(running.record) if s["name"] == name]
-    return state["pid"]
 
 
 def kill(running: RunningSwarm, name: str) -> int:

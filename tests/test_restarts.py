@@ -8,18 +8,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from waiting import pid_of
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_client.run_processes import process_states
 from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
 AGENT = "keeper_1"
-
-
-def pid_of(swarm: RunningSwarm, name: str) -> int:
-    """Return the process of an agent or the world, 0 while it has none."""
-    return next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
 
 
 def kill(swarm: RunningSwarm, name: str) -> None:

@@ -6,16 +6,15 @@ import math
 import os
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from hitab_msgs.msg import Alive
 from hitab_msgs.srv import ReadFeatures
+from waiting import hanging, pid_of
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
-from hitab_client.run_processes import process_states
 from hitab_client.signs_of_life import SignsOfLife
 from hitab_ros import names, qos
 
@@ -47,23 +46,6 @@ def swarm(home: Path, tmp_path_factory) -> Iterator[RunningSwarm]:
         yield running
 
 
-def pid_of(swarm: RunningSwarm, name: str) -> int:
-    """Return a process of the swarm."""
-    states = process_states(swarm.record)
-    return int(next(state["pid"] for state in states if state["name"] == name))
-
-
-@contextmanager
-def stopped(swarm: RunningSwarm, name: str) -> Iterator[None]:
-    """Have a process hang."""
-    pid = pid_of(swarm, name)
-    os.kill(pid, signal.SIGSTOP)
-    try:
-        yield
-    finally:
-        os.kill(pid, signal.SIGCONT)
-
-
 def listening(swarm: RunningSwarm) -> SignsOfLife:
     """Listen until every process was heard."""
     signs = SignsOfLife(swarm.link, identity=swarm.record.identity)
@@ -88,7 +70,7 @@ def listening(swarm: RunningSwarm) -> SignsOfLife:
 )
 def test_a_process_that_hangs_is_noticed_with_all_whom_it_runs(swarm, process, silent):
     signs = listening(swarm)
-    with stopped(swarm, process):
+    with hanging(swarm, process):
         # On a busy machine another one may be late, but not for long.
         assert swarm.link.spin_until(lambda: signs.silent().keys() == silent, SECONDS)
     assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS), "it is heard again"

@@ -7,36 +7,17 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from browsing import ONE, Person, away_from_everybody, needs_browser, studio
+from waiting import hanging, pid_of
 
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.supervision import process_states
 from hitab_studio.scene import MODES, SILENT
 from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
 SILENT_MODE = 1 + MODES.index(SILENT)
-
-
-def pid_of(swarm: Any, name: str) -> int:
-    """Return the process of an agent or the world, 0 while it has none."""
-    states = process_states(swarm.record)
-    return next((state["pid"] for state in states if state["name"] == name), 0)
-
-
-@contextmanager
-def hanging(swarm: Any, name: str) -> Iterator[int]:
-    """Have a process hang; it may be killed meanwhile."""
-    pid = pid_of(swarm, name)
-    os.kill(pid, signal.SIGSTOP)
-    try:
-        yield pid
-    finally:
-        if pid_of(swarm, name) == pid:
-            os.kill(pid, signal.SIGCONT)
 
 
 @pytest.fixture
